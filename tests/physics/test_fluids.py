@@ -14,7 +14,7 @@ SPACING = 0.05
 DT = 5e-4
 SLOW = pc.WeaklyCompressible(sound_speed=10.0)
 VARIANCE = {2: 5.0 / 18.0, 3: 4.0 / 15.0}
-"""∫ W x² dV of Wendland's C2, in units of h²."""
+"""σ² = ∫ W x² dV of Wendland's C2, in units of h²."""
 
 
 def tank(sides: float = 1.0, dimension: int = 2, **numerics: object) -> pc.Simulation:
@@ -94,7 +94,7 @@ def test_sound_is_faster_where_water_is_compressed():
 
 
 def neighbors(dimension: int, h: float) -> Iterator[tuple[Array, float]]:
-    """The neighbors of a place on a lattice of unit spacing, with V |F|, F = W'/r of Wendland's C2 [1/m²].
+    """The ways to the neighbors on a lattice of unit spacing, with V |F|, F = W'/r of Wendland's C2 [1/m²].
 
     F is scaled so that the gradient of a linear field is exact: Σ V |F| x² = 1.
     """
@@ -112,19 +112,10 @@ def differences(values: Array, h: float) -> Array:
     return sum((weight * (np.roll(values, -way, axis=axes) - values) for way, weight in pairs), np.zeros_like(values))
 
 
-def strains(values: Array, h: float) -> Array:
-    """Σ V |F| (vⱼ − vᵢ)·d d for velocities on a periodic lattice of unit spacing, where d is the way from i to j."""
-    axes = tuple(range(values.ndim - 1))
-    sums = np.zeros_like(values)
-    for way, weight in neighbors(len(axes), h):
-        sums += weight * ((np.roll(values, -way, axis=axes) - values) @ way)[..., None] * way
-    return sums
-
-
 @pytest.mark.filterwarnings("ignore::physcore.MachWarning")
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_viscosity_and_diffusion_are_those_of_the_literature(dimension):
-    """Friction along the line of a pair: dv/dt = 2μ/ρσ² Σ V |F| (vⱼ − vᵢ)·d d, σ² = 5h²/18 in 2D and 4h²/15 in 3D.
+    """Friction as J. P. Morris et al., J. Comput. Phys. 136 (1997) 214: dv/dt = 2μ/ρ Σ V |F| (vⱼ − vᵢ).
 
     Diffusion as D. Molteni and A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861: dρ/dt = 2δhc Σ V |F| (ρⱼ − ρᵢ).
 
@@ -148,7 +139,7 @@ def test_viscosity_and_diffusion_are_those_of_the_literature(dimension):
     run = pc.Simulation(pc.Scene(water, endless), dt=dt, precision="f64", fluids=method)
     field = np.zeros((*shape, dimension))
     field[places] = velocities
-    rubbed = 2.0 * 3.0 / 500.0 / (VARIANCE[dimension] * h**2) * strains(field, h)[places]
+    rubbed = 2.0 * 3.0 / 500.0 * differences(field, h)[places]
     run.step(1)
     pressed = (run.velocities - velocities) / dt
     assert np.abs(pressed - rubbed).max() < 2e-3 * np.abs(rubbed).max()
@@ -161,12 +152,41 @@ def test_viscosity_and_diffusion_are_those_of_the_literature(dimension):
     assert np.abs(evened - expected).max() < 2e-3 * np.abs(expected).max()
 
 
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_viscosity_of_several_fluids_acts_along_the_line_of_a_pair(dimension):
+    """dv/dt = 2μ/ρσ² Σ V |F| (vⱼ − vᵢ)·d d, where d is the way from i to j, in two fluids that are one, as above."""
+    side, h, dt = 8, 1.5, 1e-6
+    cells = pc.block((0.0,) * dimension, (float(side),) * dimension, 1.0)
+    places = tuple(np.floor(cells).astype(int).T)
+    velocities = 10.0 * np.random.default_rng(5).standard_normal(cells.shape)
+    half = len(cells) // 2
+    fluids = [
+        pc.Fluid(cells[part], 1.0, density=density, velocities=velocities[part], viscosity=3.0)
+        for part, density in ((slice(None, half), 500.0), (slice(half, None), 500.0 + 1e-9))
+    ]
+    method = pc.WeaklyCompressible(10.0, artificial_viscosity=0.0, density_diffusion=0.0, shifting=0.0)
+    endless = pc.Periodic((0.0,) * dimension, (float(side),) * dimension)
+    run = pc.Simulation(pc.Scene(*fluids, endless), dt=dt, precision="f64", fluids=method)
+    field = np.zeros((*(side,) * dimension, dimension))
+    field[places] = velocities
+    rubbed, axes = np.zeros_like(field), tuple(range(dimension))
+    for way, weight in neighbors(dimension, h):
+        rubbed += weight * ((np.roll(field, -way, axis=axes) - field) @ way)[..., None] * way
+    rubbed *= 2.0 * 3.0 / 500.0 / (VARIANCE[dimension] * h**2)
+    run.step(1)
+    pressed = (run.velocities - velocities) / dt
+    assert np.abs(pressed - rubbed[places]).max() < 2e-3 * np.abs(rubbed).max()
+
+
+@pytest.mark.parametrize("free", [False, True], ids=["endless", "free"])
 @pytest.mark.parametrize("integrator", [pc.SemiImplicitEuler(), pc.VelocityVerlet()], ids=name)
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_the_limit_of_thick_water_is_that_of_the_wave_which_it_damps_most(dimension, integrator):
-    """γ = 2μ/ρσ² ∫ |F| x² (1 − cos kx) dV with F = W'/r: the limit is that of a drag of that γ. Sound is slow.
+def test_the_limit_of_thick_water_is_that_of_the_wave_which_it_damps_most(dimension, integrator, free):
+    """It is that of a drag of γ = 2μ/ρ ∫ |F| (1 − cos kx) dV, F = W'/r, where the fluid has no surface.
 
-    The largest of 48 waves up to kh = 6 is looked for. Midpoints and 24 directions are good to 1e-3.
+    With a surface, γ = 2μ/ρσ² ∫ |F| x² (1 − cos kx) dV, of a longitudinal wave. Sound is too slow to count.
+    Of 48 waves up to kh = 6 the largest counts. Midpoints and 24 directions are good to 1e-3.
     """
     spacing, density, viscosity = 0.1, 500.0, 3.0
     h = 1.5 * spacing
@@ -175,9 +195,10 @@ def test_the_limit_of_thick_water_is_that_of_the_wave_which_it_damps_most(dimens
     height, shell = {2: (1.75 / np.pi, 2.0 * np.pi * r), 3: (1.3125 / np.pi, 4.0 * np.pi * r**2)}[dimension]
     slope = 5.0 * height * (1.0 - 0.5 * r) ** 3  # Wendland's C2
     along = r[:, None] * cosines
-    waves = [(along**2 * (1.0 - np.cos(k * along))).mean(axis=1) for k in np.arange(1, 49) / 8.0]
+    weights = along**2 / VARIANCE[dimension] if free else np.ones_like(along)
+    waves = [(weights * (1.0 - np.cos(k * along))).mean(axis=1) for k in np.arange(1, 49) / 8.0]
     integral = max(float((slope * shell * wave).sum()) for wave in waves) * 2.0 / 1000
-    damping = 2.0 * viscosity / density / h**2 / VARIANCE[dimension] * integral
+    damping = 2.0 * viscosity / density / h**2 * integral
     water = pc.Fluid(
         pc.block((0.0,) * dimension, (1.0,) * dimension, spacing),
         spacing,
@@ -185,10 +206,30 @@ def test_the_limit_of_thick_water_is_that_of_the_wave_which_it_damps_most(dimens
         viscosity=viscosity,
     )
     method = pc.WeaklyCompressible(1e-3, artificial_viscosity=0.0, density_diffusion=0.0)
-    scene = pc.Scene(water, pc.Periodic((0.0,) * dimension, (1.0,) * dimension))
-    limit = pc.stability_limit(scene, integrator, fluids=method)
+    domain = [] if free else [pc.Periodic((0.0,) * dimension, (1.0,) * dimension)]
+    limit = pc.stability_limit(pc.Scene(water, *domain), integrator, fluids=method)
     dragged = pc.Scene(pc.Particles([[0.0] * dimension]), pc.Drag(linear=float(damping)))
     assert limit == pytest.approx(pc.stability_limit(dragged, integrator), rel=1e-3)
+
+
+@pytest.mark.parametrize("smoothing", [1.25, 1.5, 2.0])
+def test_shear_along_axes_and_diagonals_of_a_lattice_feels_one_viscosity(smoothing):
+    """Forces along the line of a pair: Σ V |F| x²y²/σ² along the axes, and Σ V |F| (x² − y²)²/4σ² along the diagonals.
+
+    Both are 1 in a continuum; with F/d² instead of F they are 0.89 and 1.11 at the default smoothing.
+    """
+    ways, weights = (np.array(part) for part in zip(*neighbors(2, smoothing), strict=True))
+    others = ways.any(axis=1)
+    (x, y), weights = ways[others].T, weights[others]
+    unit = VARIANCE[2] * smoothing**2
+    found = [(weights * moment).sum() / unit for moment in (x**2 * y**2, (x**2 - y**2) ** 2 / 4.0)]
+    np.testing.assert_allclose(found, 1.0, atol=0.05)
+    if smoothing == 1.5:
+        np.testing.assert_allclose(found, [0.999, 1.047], atol=1e-3)
+        monaghan = [
+            (weights * moment / (x**2 + y**2)).sum() * 4.0 for moment in (x**2 * y**2, (x**2 - y**2) ** 2 / 4.0)
+        ]
+        np.testing.assert_allclose(monaghan, [0.89, 1.11], atol=5e-3)
 
 
 def test_a_flow_that_is_fast_beside_sound_warns_once():

@@ -50,6 +50,13 @@ def forecast(simulation: Simulation, duration: float) -> Forecast:
     return Forecast(steps, simulation.dt, steps * taken / max(trial.steps - before, 1))
 
 
+def rehearsed(simulation: Simulation, duration: float) -> float:
+    """How many times as long a run takes as was forecast, which is taken."""
+    ahead, begun = forecast(simulation, duration), time.perf_counter()
+    simulation.run(duration)
+    return (time.perf_counter() - begun) / ahead.seconds if ahead.seconds > 0.0 else 1.0
+
+
 def words(seconds: float) -> str:
     """A time as people write it."""
     for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):

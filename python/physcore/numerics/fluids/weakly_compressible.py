@@ -32,12 +32,18 @@ class WeaklyCompressible(FluidMethod):
     length. "auto" adds only what ν lacks of that of α = 0.02, the least with which splashes stay calm: 0 where the
     particles resolve the viscosity that is given, so that it is the one that acts. Where they do not, as for water,
     `Simulation.plan` states the viscosity and the Reynolds number that come of it, which only finer particles raise.
+    Viscous forces act along the line between two particles, (2μ/σ²) VᵢVⱼ F (v·d) d, where d is that line, F = W'/r and
+    σ² the variance of W along an axis: they go with the symmetric part of the velocity gradient, so that free surfaces
+    bear no shear, angular momentum is conserved, and a drop that rotates as a whole goes on. A single fluid that starts
+    without a free surface, among no other bodies, has 2μ VᵢVⱼ F v instead, which is the same flow there, in fewer steps
+    where the viscosity limits them.
 
     Walls: fluids slip along boundaries, unless those say no_slip. Take no_slip=True where the boundary layer is some
     particles thick: slow, viscous or small flows. Where it is thinner than a particle, as below waves and dam breaks of
     water, slip is nearer to it; sticking walls would hold back a layer as thick as a particle. The front of a dam break
     is the exception, a layer that is nothing but boundary layer: along slipping walls it is ahead of experiments by
-    more than a tenth of its way.
+    more than a tenth of its way. Water beneath a ceiling, be it a boundary or an obstacle, is let go from its free
+    surface on: single drops at once, a layer of several particles when it breaks, some tenths of a second later.
 
     Shifting moves particles, in each step and beside their velocity, from where they are crowded to where is room:
     δx = −A h U dt Σ V [1 + (W/W(Δ))⁴/5] ∇W, where U is the difference of velocity over 8h, c/10 at most, and δx at most
@@ -80,7 +86,9 @@ class WeaklyCompressible(FluidMethod):
     (2012); the rule for creeping flow of J. P. Morris, P. J. Fox, Y. Zhu, the same 136, 214 (1997). Shifting after
     S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, the same 231, 1499 (2012); A of A. Skillen et al., Comput. Methods
     Appl. Mech. Eng. 265, 163 (2013), from 1 to 6; the weights of P. N. Sun et al., the same 315, 25 (2017), and their
-    limit, 348, 912 (2019), but with a U of each place, which is the same to whoever moves or turns along.
+    limit, 348, 912 (2019), but with a U of each place, which is the same to whoever moves or turns along. Viscosity at
+    free surfaces as of A. Colagrossi et al., Phys. Rev. E 84, 026705 (2011), with F for their F/d²; its forces along v
+    are those of J. P. Morris et al., as above.
     """
 
     sound_speed: float | Literal["auto"] = "auto"

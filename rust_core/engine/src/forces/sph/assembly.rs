@@ -60,7 +60,14 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             own_acts: [V::Scalar::ONE; KINDS],
             other_acts: if kind == solid { WallFactor::by_tag() } else { [V::Scalar::ONE; KINDS] },
         });
-        let momentum = Momentum { kernel, coefficients, for_particle: coefficients[0], density, softening: number(0.01 * h * h) };
+        let momentum = Momentum {
+            kernel,
+            coefficients,
+            for_particle: coefficients[0],
+            density,
+            softening: number(0.01 * h * h),
+            shear: V::Scalar::ZERO,
+        };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
         let measures = !(walls.is_empty() && obstacles.is_empty() && scene.probes.is_empty());
@@ -96,28 +103,34 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             walls,
         };
         fluids.fill_space(scene, properties, executor)?;
-        fluids.choose_shifting(scene, properties, executor)?;
+        let is_closed = fluids.is_closed(scene, properties, executor)?;
+        fluids.choose_shifting(scene, is_closed);
+        fluids.choose_viscosity(is_closed);
         Ok(fluids)
     }
 
     /// Turns shifting on, where it is asked for, or left open and safe: where there is no free surface, or the fluid is alone, shifts
     /// lift nothing, and no wall turns aside a surface that they do not move.
-    fn choose_shifting(&mut self, scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<()> {
+    fn choose_shifting(&mut self, scene: &Scene, is_closed: bool) {
         let coefficient = match self.materials.shifting {
             Choice::Given(coefficient) => coefficient,
-            Choice::Auto => {
-                if is_alone(scene) || self.is_closed(scene, properties, executor)? {
-                    start::SHIFTING
-                } else {
-                    0.0
-                }
-            }
+            Choice::Auto if is_closed || is_alone(scene) => start::SHIFTING,
+            Choice::Auto => 0.0,
         };
         if coefficient > 0.0 {
             let common = self.materials.first();
             self.shifting = Some(Shifting::new(self.continuity.kernel, common, coefficient, self.kind.len()));
         }
-        Ok(())
+    }
+
+    /// Lets viscosity act along v where that is the same flow: in a single fluid without a free surface.
+    fn choose_viscosity(&mut self, is_closed: bool) {
+        if is_closed && !self.materials.are_mixed() {
+            let momentum = &mut self.momentum;
+            momentum.shear = V::Scalar::from_f64(2.0 * self.materials.first().viscosity);
+            let each = momentum.coefficients.iter_mut().chain([&mut momentum.for_particle]);
+            each.for_each(|coefficients| coefficients.laminar = [V::Scalar::ZERO; KINDS]);
+        }
     }
 
     /// Whether the fluid starts without a free surface.

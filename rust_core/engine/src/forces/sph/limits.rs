@@ -39,6 +39,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     pub fn limit(&self, bound: &mut SpectralBound) {
         let h = self.materials.first().smoothing_length;
         let diffuses = if self.scheme() == Scheme::Continuity { 1.0 } else { 0.0 };
+        let sheared = self.momentum.shear != V::Scalar::ZERO;
         let bounds: Vec<(f64, f64, f64)> = self
             .materials
             .fluids
@@ -48,7 +49,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
                 let densities = self.density.iter().zip(&self.kind).filter(|(_, other)| **other == kind);
                 let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
                 let scaled = |wave: &Wave| {
-                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * wave.strain) / fluid.density;
+                    let laminar = if sheared { wave.decay } else { wave.strain };
+                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * laminar) / fluid.density;
                     let diffusion = diffuses * fluid.diffusion() * wave.decay;
                     [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
                 };
