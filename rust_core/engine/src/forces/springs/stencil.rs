@@ -144,20 +144,13 @@ impl<T: Real> Stencil<T> {
         self.compute::<V, DAMPED>(&(start..end), at, scratch);
         let lower = start.max(block.start)..end;
         let upper = (start + self.offset).max(block.start)..(end + self.offset).min(block.end);
-        let add = |force: &mut [T], pulls: &[T; TILE]| {
-            if !lower.is_empty() {
-                let force = &mut force[lower.start - block.start..lower.end - block.start];
-                force.iter_mut().zip(&pulls[lower.start - start..]).for_each(|(force, pull)| *force += *pull);
-            }
-            if !upper.is_empty() {
-                let force = &mut force[upper.start - block.start..upper.end - block.start];
-                force.iter_mut().zip(&pulls[upper.start - self.offset - start..]).for_each(|(force, pull)| *force -= *pull);
-            }
-        };
+        let place = |ends: &Range<usize>| ends.start - block.start..ends.end - block.start;
+        let ends = [(&lower, start), (&upper, start + self.offset)]
+            .map(|(ends, first)| if ends.is_empty() { (0..0, 0) } else { (place(ends), ends.start - first) });
         for axis in 0..V::DIMENSION {
-            add(&mut *rates.force.axes[axis], &scratch.force[axis]);
-            if let Some(damping) = rates.damping.as_mut().filter(|_| DAMPED) {
-                add(&mut *damping.axes[axis], &scratch.damping[axis]);
+            add(&ends, &mut rates.force.axes[axis], &scratch.force[axis]);
+            if let (true, Some(damping)) = (DAMPED, &mut rates.damping) {
+                add(&ends, &mut damping.axes[axis], &scratch.damping[axis]);
             }
         }
         if DAMPED && !lower.is_empty() {
@@ -234,4 +227,12 @@ impl<T: Real> Stencil<T> {
             }
         }
     }
+}
+
+/// Adds pulls to the forces on lower ends, and takes them from those on upper ends: each given by its range in the column, and the
+/// place of its first pull. Not a closure, which might not be inlined into the code of a SIMD level.
+#[inline(always)]
+fn add<T: Real>([lower, upper]: &[(Range<usize>, usize); 2], column: &mut [T], pulls: &[T; TILE]) {
+    column[lower.0.clone()].iter_mut().zip(&pulls[lower.1..]).for_each(|(force, pull)| *force += *pull);
+    column[upper.0.clone()].iter_mut().zip(&pulls[upper.1..]).for_each(|(force, pull)| *force -= *pull);
 }
