@@ -64,6 +64,46 @@ def test_a_legend_of_several_panels_has_each_name_once() -> None:
         assert [name for name, _ in made._footer._legend] == list(COLORS)
 
 
+def tracers(*places: tuple[float, float, float], name: str | None = None) -> pc.Tracers:
+    return pc.Tracers(places, pc.Lorenz(), name=name)
+
+
+def test_a_legend_lists_systems_that_are_drawn_in_one_color() -> None:
+    one, other, cloud = tracers((1, 1, 20), name="one"), tracers((2, 1, 20), name="other"), ((1, 2, 9), (2, 3, 9))
+    colors = DARK.bodies
+    for systems, style, listed in (
+        ((one,), None, {"one": colors[0]}),
+        ((one, other), None, {"one": colors[0], "other": colors[1]}),
+        ((one, tracers(*cloud, name="cloud")), None, {"one": colors[0], "cloud": colors[1]}),
+        ((tracers(*cloud, name="cloud"),), None, {}),  # each tracer has its own
+        ((tracers(*cloud, name="cloud"),), pc.styles.Trails(color="#0a1420"), {"cloud": (10, 20, 32)}),
+        ((tracers((1, 1, 20)),), None, {}),  # it has no name
+        ((pc.Wave(pc.Grid.over(0.0, 1.0, 0.1), speed=1.0, name="string"),), None, {"string": colors[0]}),
+    ):
+        for asked in (True, tuple(listed)):
+            with renderer(pc.Scene(*systems), style=style, legend=asked) as made:
+                assert dict(made._footer._legend) == listed
+    with (
+        pytest.raises(pc.SceneError, match=r"legend: Tracers\('cloud'.*is not drawn in one color.*Trails\(color="),
+        renderer(pc.Scene(tracers(*cloud, name="cloud")), style=None, legend="cloud"),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("size", [(640, 360), (360, 240)])
+@pytest.mark.parametrize("panels", [2, 3, 4])
+def test_labels_of_a_panel_stay_below_it(panels: int, size: tuple[int, int]) -> None:
+    recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]])), 0.1, integrator=pc.ImplicitMidpoint(), progress=False)
+    found, labels = [*sources(recording, None, None, {})] * panels, ("dt", "integrator", "energy")
+    with Renderer(found, size, BODY, None, DARK, Heading(), False, labels=labels, color_bar=False) as made:  # type: ignore[arg-type]
+        below, margin = made._layout.size[1] - made._layout.footer, made._layout.text // 2
+        picture = next(iter(made.frames())).pixels()[below:]
+    for panel in range(1, panels + 1):
+        end = size[0] * panel // panels
+        assert count(picture[:, end - size[0] // panels : end], DARK.label) > 50
+        assert (picture[:, end - margin + 1 : end] == DARK.background).all()
+
+
 def test_a_legend_of_many_names_has_as_many_lines_as_it_needs() -> None:
     heights = []
     for bodies in (2, 20, 40):

@@ -27,12 +27,13 @@ from physcore.film.labels.clock import Clock
 from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
-from physcore.film.labels.tags import Named, NameTags, check_named
+from physcore.film.labels.tags import Listed, Named, NameTags, check_named
 from physcore.film.labels.text import text_height
 from physcore.film.layout import Heading, Layout, best, check_size
 from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.progress import Progress
+from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 SHADES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
@@ -91,7 +92,7 @@ class Renderer:
         *,
         labels: Sequence[Label] = ("time",),
         color_bar: bool = True,
-        legend: Named = False,
+        legend: Listed = False,
         name_tags: Named = False,
         scale_bar: bool | LengthUnit = False,
         inset: Inset | None = None,
@@ -103,7 +104,9 @@ class Renderer:
         self._theme, self._samples, asked = theme, samples, check_size(size)
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
         diagram, self._bar = check_inset(inset, found), check_scale_bar(scale_bar)
-        self._listed, self._tagged = check_named(legend, "legend", found), check_named(name_tags, "name_tags", found)
+        self._listed = check_named(legend, "legend", found, systems=True)
+        self._tagged = check_named(name_tags, "name_tags", found)
+        self._all_listed = isinstance(legend, (bool, np.bool_))
         styles = assignment.asked(style, found)
         camera, found = corotating(camera, [assignment.shown(source, styles) for source in found])
         self._found = found
@@ -242,15 +245,15 @@ class Renderer:
         return Footer(self._labels, clock, facts, scales, credit, self._legend(painters))
 
     def _legend(self, painters: Sequence[Painter]) -> list[tuple[str, Color]]:
-        """The names that are listed, and the colors of their bodies, equal ones once."""
-        colors = {id(body): color for painter in painters for body, color in painter.legend}
-        entries = {(body.name or "", colors.get(id(body))): body for panel in self._listed for body in panel}
-        for (_, color), body in entries.items():
-            if color is None:
-                raise SceneError(
-                    f"legend: {body!r} is not drawn in one color; give it a style that colors by body, such as "
-                    "styles.Points('body')"
-                )
+        """The names that are listed, and the colors of their bodies or systems, equal ones once."""
+        colors = {id(item): color for painter in painters for item, color in painter.legend}
+        entries = {(item.name or "", colors.get(id(item))): item for panel in self._listed for item in panel}
+        for (_, color), item in entries.items():
+            if color is None and (isinstance(item, Body) or not self._all_listed):
+                style = "colors by body, such as styles.Points('body')"
+                if not isinstance(item, Body):
+                    style = "has one color, such as styles.Trails(color='tomato')"
+                raise SceneError(f"legend: {item!r} is not drawn in one color; give it a style that {style}")
         return [(name, color) for name, color in entries if color is not None]
 
     def _layout_of(self, size: tuple[int, int]) -> Layout:

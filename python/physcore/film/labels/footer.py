@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
@@ -132,10 +133,11 @@ class Footer:
         own, common = self._lines(text, width, errors, frame)
         canvas.text(common, text // 2, height - round(1.2 * text), text, ink, -1)
         rows = max(map(len, own)) + bool(common or self._bars)
-        for panel, lines in enumerate(own):
-            left = width * panel // len(own) + text // 2
-            for row, line in enumerate(lines):
-                canvas.text(line, left, height - round((LINE * (rows - row) - 0.1) * text), text, ink, -1)
+        for row, lines in enumerate(zip_longest(*own, fillvalue="")):
+            high = min(fitting(line, text, width // len(own) - text) for line in lines)
+            top = height - round((LINE * (rows - row) - 0.1) * text)
+            for panel, line in enumerate(lines):
+                canvas.text(line, width * panel // len(own) + text // 2, top, high, ink, -1)
         self._draw_legend(canvas, (width, height), text, theme.text, rows)
         taken = text_width(common + GAP, text) if common else 0
         self._draw_bars(canvas, (width, height), text, theme.label, taken)
@@ -145,7 +147,8 @@ class Footer:
 
     def _lines(self, text: int, width: int, errors: Sequence[float], frame: int) -> tuple[list[list[str]], str]:
         """The lines of each panel, and the one for all."""
-        pieces = [self._own(panel, error) for panel, error in enumerate(errors)]
+        each = width // len(errors) - text
+        pieces = [self._own(panel, error, text, each) for panel, error in enumerate(errors)]
         times = [self._clock.text(frame), self._clock.pace] if "time" in self._labels else []
         time = GAP.join(filter(None, times))
         if len(pieces) == 1:
@@ -153,16 +156,17 @@ class Footer:
             needed = [text_width(line, text), *(bar.width(text, WIDEST) for bar in self._bars)]
             if sum(needed) + text_width(GAP, text) * (len(needed) - 1) <= width - text:
                 return [[]], line
-        each = width // len(pieces) - text
         return [[GAP.join(line) for line in wrapped(own, text, each)] for own in pieces], time
 
-    def _own(self, panel: int, error: float) -> list[str]:
-        """The labels of one panel, always in the same width."""
+    def _own(self, panel: int, error: float, text: int, room: int) -> list[str]:
+        """The labels of one panel, always in the same width; short where there is little room."""
         integrator, dt = self._facts[panel]
+        drift = f"{error:.1e}".replace("e-", "e−")  # as wide as a plus sign
+        long = f"energy error {drift}"
         said = {
             "integrator": integrator,
             "dt": f"dt {dt or 0.0:.3g} s",
-            "energy": f"energy error {error:.1e}".replace("e-", "e−"),  # as wide as a plus sign
+            "energy": long if text_width(long, text) <= room else f"error {drift}",
         }
         return [said[label] or "" for label in self._labels if label != "time"]
 
