@@ -32,7 +32,7 @@ def renderer(scene: pc.Scene, **options: Any) -> Renderer:
     """That of a film of a tenth of a second."""
     found = sources(pc.simulate(scene, 0.1, progress=False), None, None, {})
     style, camera = options.pop("style", BODY), options.pop("camera", None)
-    return Renderer(found, SIZE, style, camera, DARK, Heading(), False, **options)
+    return Renderer(found, SIZE, style, camera, DARK, options.pop("heading", Heading()), False, **options)
 
 
 def system(dimension: int = 2) -> pc.Scene:
@@ -268,3 +268,17 @@ def test_a_scale_bar_leaves_room_for_what_is_there() -> None:
 def test_what_is_no_unit_of_length_is_refused(given_unit: Any, tmp_path: Path) -> None:
     with pytest.raises(pc.SceneError, match=r"scale_bar: must be 'fm', 'pm'"):
         pc.film(system(), tmp_path / "film.png", duration=0.1, scale_bar=given_unit)
+
+
+@pytest.mark.parametrize("labels", [(), ("time",)])
+def test_what_is_near_in_space_goes_on_under_the_text(labels: tuple[str, ...]) -> None:
+    """A ball wider than the picture: the rows of the text have its color, but for the text with its outline."""
+    near = Orbit(azimuth=0.0, elevation=0.0, target=(0.0, 0.0, 0.0), extent=0.2, field_of_view=0.0)
+    ball, style = pc.Particles([[0.0, 0.0, 0.0]], radius=1.0), pc.styles.Points("#ff0000", shading=False)
+    with renderer(pc.Scene(ball), style=style, camera=near, labels=labels, heading=Heading(("A ball",))) as made:
+        picture = next(iter(made.frames())).pixels()
+    covered = (picture == (255, 0, 0)).all(axis=2)
+    assert covered[:, : SIZE[0] // 60].all()
+    assert covered[:, SIZE[0] // 2 :][-20:].all()
+    assert (count(picture[-20:], DARK.label) > 20) == bool(labels)
+    assert (count(picture[-20:], DARK.background) > 20) == bool(labels)

@@ -25,6 +25,7 @@ from physcore.film.first_pass import FirstPass, first_pass
 from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
+from physcore.film.labels.drawing import write
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
 from physcore.film.labels.tags import Listed, Named, NameTags, check_named
@@ -49,7 +50,7 @@ class Panel:
     rectangle: tuple[int, int, int, int]
     """Left, top, right and bottom [pixels]."""
     free: tuple[int, int, int, int]
-    """The part of it that is not for text; what moves stays in it, however near the camera goes."""
+    """The part of it that is not for text; in the plane what moves stays in it, however near the camera goes."""
     pixels: float
     """The size of the rectangle."""
     view: PanelView
@@ -125,6 +126,8 @@ class Renderer:
             self._footer = self._make_footer(passes, color_bar, written, credit)
             self._passes, self._extents = passes, extents(track, passes, found)
             self._diagrammed, self._moving = diagram is not None, track.moving
+            flat = found[0].scene.dimension < 3
+            self._over = not flat and any(extent.given for extent in self._extents)
             self.resize(asked)
         except BaseException:
             self.close()
@@ -307,7 +310,6 @@ class Renderer:
         canvas = Canvas(*self.size, self._theme.background, 1 if flat else self._samples)
         if not self._moving:
             self._draw_scenery(canvas, 0)
-            self._write_titles(canvas)
             canvas.keep()
         return canvas
 
@@ -323,9 +325,10 @@ class Renderer:
         canvas.clip(0, 0, *self.size)
 
     def _write_titles(self, canvas: Canvas) -> None:
+        outline = self._theme.background if self._over else None
         for line, middle, top, height in self._layout.written():
             color = self._theme.label if line == self._heading.subtitle else self._theme.text
-            canvas.text(line, middle, top, height, (*color, 255), 0)
+            write(canvas, line, middle, top, height, color, 0, outline)
 
     def _draw(self, indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
         """One frame of the film, from one of each panel with its index."""
@@ -338,7 +341,7 @@ class Renderer:
             shown = panel.view.shown(frame, view)
             for painter in panel.painters:
                 shown = painter.raised(shown)
-            canvas.clip(*panel.free)
+            canvas.clip(*(panel.free if view.flat else panel.rectangle))  # ground goes on under the text
             canvas.lens(view.blur, view.distance)
             if not view.flat:
                 canvas.eye(view.scale, view.middle, view.distance)
@@ -355,9 +358,9 @@ class Renderer:
                 taken.append(panel.bar.draw(canvas, view, *taken))
             panel.tags.draw(canvas, shown, view, panel.pixels, taken)
         canvas.clip(0, 0, *self.size)
-        if self._moving:
-            self._write_titles(canvas)
-        self._footer.draw(canvas, self.size, self._layout.text, self._theme, clock, [each.energy for each in frames])
+        self._write_titles(canvas)
+        energies, text = [each.energy for each in frames], self._layout.text
+        self._footer.draw(canvas, self.size, text, self._theme, clock, energies, over=self._over)
         return canvas
 
 

@@ -12,7 +12,7 @@ from physcore._core import Canvas, text_width
 from physcore.errors import SceneError
 from physcore.film.camera.view import Area, View
 from physcore.film.colors.themes import Theme
-from physcore.film.labels.drawing import outlined
+from physcore.film.labels.drawing import write
 from physcore.film.labels.text import warn_of_missing
 from physcore.film.styles import Painter
 from physcore.scene.bodies import Body
@@ -89,7 +89,8 @@ class NameTags:
     def draw(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()) -> None:
         """Write the names of a frame at once, over a panel of so many pixels and beside areas that are taken."""
         for left, top, name in self.placed(frame, view, pixels, taken):
-            outlined(canvas, name, round(left), round(top), self._height, self._theme)
+            theme = self._theme
+            write(canvas, name, round(left), round(top), self._height, theme.text, outline=theme.background)
 
     def placed(
         self, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()
