@@ -127,4 +127,5 @@ class PathsPainter(Painter):
         ink = inks(np.tile(self._colors, (len(points) - 1, 1)), self._theme, None if far is None else view.farness(far))
         whole = slice(None) if gaps is None else ~gaps.ravel()
         widths = np.full(len(ends[whole]), self._width, dtype=np.float32)
-        canvas.lines(ends[whole], widths, ink[whole], None if far is None else far[whole])
+        both = None if depth is None else np.stack([depth[:-1].ravel(), depth[1:].ravel()], axis=1)
+        canvas.lines(ends[whole], widths, ink[whole], None if both is None else both[whole])

@@ -243,7 +243,7 @@ class PointsPainter(Painter):
         length = np.sqrt(np.einsum("nd,nd->n", tips - tails, tips - tails))
         faint = ink.copy()
         faint[:, 3] = np.round(255.0 * np.pi * radii / (np.pi * radii + 2.0 * length))
-        depth = None if before is None or after is None else 0.5 * (before + after)
+        depth = None if before is None or after is None else np.stack([before, after], axis=1)
         canvas.lines(np.concatenate([tails, tips], axis=1), 2.0 * radii, faint, depth)
 
     def _values(self, frame: SourceFrame) -> FloatArray:
