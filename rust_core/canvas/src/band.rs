@@ -3,10 +3,12 @@
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
+use std::iter::repeat_with;
+
 use wide::f32x4;
 
 use crate::color::Ink;
-use crate::eye::Eye;
+use crate::eye::{Eye, OPEN, at_center, beside_center, is_center, is_solid};
 use crate::ink::{LANES, Mixing, Paint, Shade};
 use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp, ramps};
 use crate::texture::Texture;
@@ -37,6 +39,9 @@ pub(crate) struct Band<'a> {
 /// The greatest width of a disc that is drawn from side to side in each of its rows: equally many pixels are quicker, as the
 /// processor foresees the end of the loop.
 const NARROW: i32 = 2 * LANES as i32;
+
+/// Triangles that are no farther apart in depth than so many pixels are wide may be parts of one surface.
+const SEAM: f32 = 3.0;
 
 /// The fourth byte of a pixel that is all glow; what is blended over it takes its share away.
 pub(crate) const GLOW: u8 = 255;
@@ -141,7 +146,8 @@ impl Band<'_> {
         }
     }
 
-    /// Draws a triangle, half a pixel larger than it is.
+    /// Draws a triangle, half a pixel larger than it is, and keeps its depth; not larger over pixels whose centers lie in another
+    /// one that is about as deep, or an edge between two sides would lie now on one side, now on the other.
     pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
         const MORE: f32 = 0.5;
         let [a, b, c] = triangle.corners;
@@ -153,16 +159,31 @@ impl Band<'_> {
         };
         let edges = edges(&triangle.corners);
         let inks = triangle.colors.map(|ink| ink.map(f32::from));
+        let eye = self.eye.filter(|_| triangle.colors.iter().all(|&ink| is_solid(ink)));
+        let corner_depths = triangle.depths.map(|depth| [if triangle.lit { depth } else { OPEN }]);
         for row in area.top..area.bottom {
-            let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
-            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+            let first = (row - self.top) as usize * self.width + area.left as usize;
+            let depths = self.depths.get_mut(first..).unwrap_or_default().iter_mut().map(Some).chain(repeat_with(|| None));
+            let pixels = self.pixels[first..].iter_mut().take((area.right - area.left) as usize);
+            let offset = area.left as f32 + 0.5;
+            for ((pixel, kept), column) in pixels.zip(depths).zip(0_u16..) {
                 let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
                 let outside = beyond(&edges, x, y);
                 // Beyond a sharp corner the lines along the sides meet far away: there, the distance of the corner counts.
                 let outside = if outside > 0.0 { outside.max(away(&triangle.corners, x, y)) } else { outside };
-                let coverage = ramp(outside - MORE);
+                let mut coverage = ramp(outside - MORE);
                 if coverage > 0.0 {
                     let weights = barycentric(&triangle.corners, doubled, x, y);
+                    if let (Some(eye), Some(kept)) = (eye, kept) {
+                        let [depth] = mean(&corner_depths, weights);
+                        if outside <= 0.0 {
+                            *kept = at_center(depth);
+                        } else if is_center(*kept) && (*kept - depth).abs() < SEAM * eye.length(depth) {
+                            coverage = ramp(outside);
+                        } else if coverage >= 0.5 && depth < *kept {
+                            *kept = beside_center(depth);
+                        }
+                    }
                     let [red, green, blue, alpha] = mean(&inks, weights);
                     let texel = texture.map_or([255.0; 3], |texture| texture.at(mean(&triangle.texture_coordinates, weights)));
                     let lit = |channel: f32, texel: f32| (channel * texel * (1.0 / 255.0) + 0.5) as u8;

@@ -5,7 +5,7 @@
 
 use crate::band::Band;
 use crate::color::Ink;
-use crate::shapes::{Disc, Line, Triangle};
+use crate::shapes::{Disc, Line};
 
 /// The eye: from where a projection sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +46,24 @@ impl Eye {
         let per_pixel = self.length(depth);
         [(x - self.middle[0]) * per_pixel, (self.middle[1] - y) * per_pixel, -depth]
     }
+}
+
+/// The depth of what covers the center of a pixel. Its last bit says so, which is far smaller than what depths are known to.
+#[inline(always)]
+pub(crate) fn at_center(depth: f32) -> f32 {
+    if depth == OPEN { OPEN } else { f32::from_bits(depth.to_bits() & !1) }
+}
+
+/// The depth of what covers half of a pixel or more, but not its center.
+#[inline(always)]
+pub(crate) fn beside_center(depth: f32) -> f32 {
+    if depth == OPEN { OPEN } else { f32::from_bits(depth.to_bits() | 1) }
+}
+
+/// Whether it is the former.
+#[inline(always)]
+pub(crate) fn is_center(depth: f32) -> bool {
+    depth.to_bits() & 1 == 0
 }
 
 /// Whether a shape of this ink hides what is behind it.
@@ -106,26 +124,6 @@ impl Band<'_> {
         });
     }
 
-    /// Keeps the depth of a triangle between its corners.
-    pub(crate) fn deepen_triangle(&mut self, triangle: &Triangle) {
-        let [a, b, c] = triangle.corners;
-        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        if self.eye.is_none() || !triangle.colors.iter().all(|&ink| is_solid(ink)) || doubled == 0.0 {
-            return;
-        }
-        let low = [a[0].min(b[0]).min(c[0]), a[1].min(b[1]).min(c[1])];
-        let high = [a[0].max(b[0]).max(c[0]), a[1].max(b[1]).max(c[1])];
-        let [first, second, third] = if triangle.lit { triangle.depths } else { [OPEN; 3] };
-        self.deepen(low, high, |x, y, _| {
-            let (dx, dy) = (x - a[0], y - a[1]);
-            let along = (dx * (c[1] - a[1]) - dy * (c[0] - a[0])) / doubled;
-            let across = (dy * (b[0] - a[0]) - dx * (b[1] - a[1])) / doubled;
-            let inside = along >= -1e-4 && across >= -1e-4 && along + across <= 1.0 + 1e-4;
-            let depth = if first == OPEN { OPEN } else { first + along * (second - first) + across * (third - first) };
-            inside.then_some(depth)
-        });
-    }
-
     /// Keeps depths of the pixels between two corners for whose centers, and the depths there before, there is one.
     #[inline(always)]
     fn deepen(&mut self, low: [f32; 2], high: [f32; 2], depth: impl Fn(f32, f32, f32) -> Option<f32>) {
@@ -137,7 +135,7 @@ impl Band<'_> {
             for column in area.left..area.right {
                 let kept = &mut self.depths[first + column as usize];
                 if let Some(depth) = depth(column as f32 + 0.5, row as f32 + 0.5, *kept) {
-                    *kept = depth;
+                    *kept = at_center(depth);
                 }
             }
         }
@@ -147,7 +145,7 @@ impl Band<'_> {
     pub(crate) fn deepen_dot(&mut self, x: i32, y: i32, depth: f32) {
         let clip = self.clip;
         if self.eye.is_some() && (clip.left..clip.right).contains(&x) && (clip.top..clip.bottom).contains(&y) {
-            self.depths[(y - self.top) as usize * self.width + x as usize] = depth;
+            self.depths[(y - self.top) as usize * self.width + x as usize] = at_center(depth);
         }
     }
 }

@@ -267,7 +267,6 @@ impl Painting {
             Shape::Triangle(index) => {
                 let (triangle, texture) = &self.triangles[index as usize];
                 band.triangle(triangle, texture.map(|texture| &*self.textures[usize::from(texture)]));
-                band.deepen_triangle(triangle);
             }
         }
     }
