@@ -593,8 +593,14 @@ def test_a_film_that_holds_bounces_or_fades(tmp_path: Path) -> None:
     for wrong in ({"loop": "again"}, {"hold": -1.0}, {"hold": 1e4}, {"loop": "crossfade", "hold": 1.0}):
         with pytest.raises(pc.SceneError, match=r"^(loop|hold)"):
             pc.film(recording, path, size=SIZE, **wrong)
-    with pytest.raises(pc.SceneError, match="loop, hold: are for films"):
-        pc.film(recording, tmp_path / "film.png", size=SIZE, hold=1.0)
+
+
+def test_a_still_is_held_anyway_and_does_not_begin_again(tmp_path: Path) -> None:
+    recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]], [[1.0, 0.0]])), 0.2, progress=False)
+    still, held = (picture_of(recording, tmp_path / "film.png", hold=seconds) for seconds in (0.0, 1e6))
+    np.testing.assert_array_equal(still, held)
+    with pytest.raises(pc.SceneError, match="loop: needs more than one frame, and a PNG has only the last"):
+        pc.film(recording, tmp_path / "film.png", size=SIZE, loop="bounce")
 
 
 def test_the_subject_is_shown_and_not_the_box_around_it(tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ def renderer(scene: pc.Scene, **options: Any) -> Renderer:
     """That of a film of a tenth of a second."""
     found = sources(pc.simulate(scene, 0.1, progress=False), None, None, {})
     style, camera = options.pop("style", BODY), options.pop("camera", None)
-    return Renderer(found, SIZE, style, camera, DARK, Heading(), False, **options)
+    return Renderer(found, SIZE, style, camera, DARK, options.pop("heading", Heading()), False, **options)
 
 
 def system(dimension: int = 2) -> pc.Scene:
@@ -62,6 +62,46 @@ def test_a_legend_of_several_panels_has_each_name_once() -> None:
     found = [*sources(pc.simulate(scene, 0.1, progress=False), None, None, {})] * 2
     with Renderer(found, (640, 240), BODY, None, DARK, Heading(), False, legend=True) as made:
         assert [name for name, _ in made._footer._legend] == list(COLORS)
+
+
+def tracers(*places: tuple[float, float, float], name: str | None = None) -> pc.Tracers:
+    return pc.Tracers(places, pc.Lorenz(), name=name)
+
+
+def test_a_legend_lists_systems_that_are_drawn_in_one_color() -> None:
+    one, other, cloud = tracers((1, 1, 20), name="one"), tracers((2, 1, 20), name="other"), ((1, 2, 9), (2, 3, 9))
+    colors = DARK.bodies
+    for systems, style, listed in (
+        ((one,), None, {"one": colors[0]}),
+        ((one, other), None, {"one": colors[0], "other": colors[1]}),
+        ((one, tracers(*cloud, name="cloud")), None, {"one": colors[0], "cloud": colors[1]}),
+        ((tracers(*cloud, name="cloud"),), None, {}),  # each tracer has its own
+        ((tracers(*cloud, name="cloud"),), pc.styles.Trails(color="#0a1420"), {"cloud": (10, 20, 32)}),
+        ((tracers((1, 1, 20)),), None, {}),  # it has no name
+        ((pc.Wave(pc.Grid.over(0.0, 1.0, 0.1), speed=1.0, name="string"),), None, {"string": colors[0]}),
+    ):
+        for asked in (True, tuple(listed)):
+            with renderer(pc.Scene(*systems), style=style, legend=asked) as made:
+                assert dict(made._footer._legend) == listed
+    with (
+        pytest.raises(pc.SceneError, match=r"legend: Tracers\('cloud'.*is not drawn in one color.*Trails\(color="),
+        renderer(pc.Scene(tracers(*cloud, name="cloud")), style=None, legend="cloud"),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("size", [(640, 360), (360, 240)])
+@pytest.mark.parametrize("panels", [2, 3, 4])
+def test_labels_of_a_panel_stay_below_it(panels: int, size: tuple[int, int]) -> None:
+    recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]])), 0.1, integrator=pc.ImplicitMidpoint(), progress=False)
+    found, labels = [*sources(recording, None, None, {})] * panels, ("dt", "integrator", "energy")
+    with Renderer(found, size, BODY, None, DARK, Heading(), False, labels=labels, color_bar=False) as made:  # type: ignore[arg-type]
+        below, margin = made._layout.size[1] - made._layout.footer, made._layout.text // 2
+        picture = next(iter(made.frames())).pixels()[below:]
+    for panel in range(1, panels + 1):
+        end = size[0] * panel // panels
+        assert count(picture[:, end - size[0] // panels : end], DARK.label) > 50
+        assert (picture[:, end - margin + 1 : end] == DARK.background).all()
 
 
 def test_a_legend_of_many_names_has_as_many_lines_as_it_needs() -> None:
@@ -228,3 +268,17 @@ def test_a_scale_bar_leaves_room_for_what_is_there() -> None:
 def test_what_is_no_unit_of_length_is_refused(given_unit: Any, tmp_path: Path) -> None:
     with pytest.raises(pc.SceneError, match=r"scale_bar: must be 'fm', 'pm'"):
         pc.film(system(), tmp_path / "film.png", duration=0.1, scale_bar=given_unit)
+
+
+@pytest.mark.parametrize("labels", [(), ("time",)])
+def test_what_is_near_in_space_goes_on_under_the_text(labels: tuple[str, ...]) -> None:
+    """A ball wider than the picture: the rows of the text have its color, but for the text with its outline."""
+    near = Orbit(azimuth=0.0, elevation=0.0, target=(0.0, 0.0, 0.0), extent=0.2, field_of_view=0.0)
+    ball, style = pc.Particles([[0.0, 0.0, 0.0]], radius=1.0), pc.styles.Points("#ff0000", shading=False)
+    with renderer(pc.Scene(ball), style=style, camera=near, labels=labels, heading=Heading(("A ball",))) as made:
+        picture = next(iter(made.frames())).pixels()
+    covered = (picture == (255, 0, 0)).all(axis=2)
+    assert covered[:, : SIZE[0] // 60].all()
+    assert covered[:, SIZE[0] // 2 :][-20:].all()
+    assert (count(picture[-20:], DARK.label) > 20) == bool(labels)
+    assert (count(picture[-20:], DARK.background) > 20) == bool(labels)

@@ -755,3 +755,22 @@ def test_a_body_has_a_shadow_on_the_floor_in_front_of_a_backdrop(tmp_path: Path)
     assert 60.0 < lost[gray].max() < 200.0
     upright = pc.cloth((3, 3), 0.1, 1.0, axes=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     assert still(pc.Scene(upright), tmp_path, background="#000000", labels=())[0, 0].max() == 0.0
+
+
+def test_curves_in_one_picture_share_the_words_of_one_scale(tmp_path: Path) -> None:
+    """The scale of two curves is written as that of one; two scales are written in the colors of their curves."""
+    strings = [
+        pc.Wave(pc.Grid.over(0.0, 1.0, 0.01), speed=1.0, displacement=0.2 * number, name=f"{number}")
+        for number in (1, 2)
+    ]
+
+    def words(*styles: pc.styles.Line) -> np.ndarray:
+        drawn = [string for string, _ in zip(strings, styles, strict=False)]
+        return last(pc.Scene(*drawn), tmp_path, 0.05, 20.0, camera=None, style=styles, labels=())[:30]
+
+    one = words(pc.styles.Line(on="1", range=0.5))
+    assert (one != DARK.background).any()
+    np.testing.assert_array_equal(words(*(pc.styles.Line(on=name, range=0.5) for name in "12")), one)
+    both = words(pc.styles.Line(on="1", range=0.5), pc.styles.Line(on="2", range=0.7))
+    for color in DARK.bodies[:2]:
+        assert (np.abs(both.astype(int) - color).max(axis=2) < 12).sum() > 20

@@ -23,6 +23,7 @@ from physcore.film.styles import (
     Trails,
 )
 from physcore.film.styles.base import BodyStyle
+from physcore.film.styles.line import LinePainter
 from physcore.scene.bodies import Body
 from physcore.scene.items import System
 from physcore.simulation.sources import Source
@@ -72,7 +73,11 @@ def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]
         if mine:
             found.append((isinstance(each, BodyStyle), each.painters(source, mine, theme)))
     found.sort(key=lambda entry: entry[0])
-    return [painter for _, some in found for painter in some]
+    result = [painter for _, some in found for painter in some]
+    curves = [painter for painter in result if isinstance(painter, LinePainter)]
+    for curve in curves:
+        curve.together = curves
+    return result
 
 
 def _items(source: Source) -> Iterator[Body | System]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from physcore.film.labels.diagram import Inset
     from physcore.film.labels.footer import Label
     from physcore.film.labels.scale_bar import LengthUnit
-    from physcore.film.labels.tags import Named
+    from physcore.film.labels.tags import Listed, Named
     from physcore.film.layout import Format
     from physcore.film.styles import Style
     from physcore.film.writers import Film, Loop, Quality
@@ -52,7 +52,7 @@ def film(
     credit: str | None = None,
     labels: Sequence[Label] = ("time",),
     color_bar: bool = True,
-    legend: Named = False,
+    legend: Listed = False,
     name_tags: Named = False,
     scale_bar: bool | LengthUnit = False,
     inset: Inset | None = None,
@@ -109,8 +109,9 @@ def film(
         labels: what stands below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so
             far); those of several panels each below its own.
         color_bar: whether to show at the lower right what colors mean, as far as there is room.
-        legend: whether to list the names of bodies with their colors below the picture; or which, by themselves or by
-            their names: `legend=("Sun", "Jupiter")`. Each has to be drawn in a color of its own.
+        legend: whether to list the names of bodies, and of systems such as tracers that are drawn in one color, with
+            their colors below the picture; or which, by themselves or by their names: `legend=("Sun", "Jupiter")`.
+            Each has to be drawn in a color of its own.
         name_tags: whether to write names beside their bodies in the picture, as suits planets and other single
             particles; or which. None lies over another one.
         scale_bar: whether to draw a scale bar at the lower left of each panel, or in which unit: "nm", "cm", "m", "km",
@@ -120,7 +121,8 @@ def film(
             play in real time, the label "time" says so: "1 s = 90 d".
         speed: seconds of the simulation that pass in one second of the film; None: 1, or as near to it as the format
             shows all frames, with a warning where a GIF of more than 50 per second becomes slower.
-        hold: how long the last frame stays before the film begins again, or before it turns [s].
+        hold: how long the last frame stays before the film begins again, or before it turns [s]; a PNG shows nothing
+            else.
         loop: how the end goes over into the start: "bounce" plays backward again, "crossfade" blends the last half
             second into the first; None: it jumps. A motion with a period needs neither: `recording.period`.
         duration: how long to simulate a scene [s].

@@ -25,14 +25,16 @@ from physcore.film.first_pass import FirstPass, first_pass
 from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
+from physcore.film.labels.drawing import write
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
-from physcore.film.labels.tags import Named, NameTags, check_named
+from physcore.film.labels.tags import Listed, Named, NameTags, check_named
 from physcore.film.labels.text import text_height
 from physcore.film.layout import Heading, Layout, best, check_size
 from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.progress import Progress
+from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 SHADES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
@@ -48,7 +50,7 @@ class Panel:
     rectangle: tuple[int, int, int, int]
     """Left, top, right and bottom [pixels]."""
     free: tuple[int, int, int, int]
-    """The part of it that is not for text; what moves stays in it, however near the camera goes."""
+    """The part of it that is not for text; in the plane what moves stays in it, however near the camera goes."""
     pixels: float
     """The size of the rectangle."""
     view: PanelView
@@ -91,7 +93,7 @@ class Renderer:
         *,
         labels: Sequence[Label] = ("time",),
         color_bar: bool = True,
-        legend: Named = False,
+        legend: Listed = False,
         name_tags: Named = False,
         scale_bar: bool | LengthUnit = False,
         inset: Inset | None = None,
@@ -103,7 +105,9 @@ class Renderer:
         self._theme, self._samples, asked = theme, samples, check_size(size)
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
         diagram, self._bar = check_inset(inset, found), check_scale_bar(scale_bar)
-        self._listed, self._tagged = check_named(legend, "legend", found), check_named(name_tags, "name_tags", found)
+        self._listed = check_named(legend, "legend", found, systems=True)
+        self._tagged = check_named(name_tags, "name_tags", found)
+        self._all_listed = isinstance(legend, (bool, np.bool_))
         styles = assignment.asked(style, found)
         camera, found = corotating(camera, [assignment.shown(source, styles) for source in found])
         self._found = found
@@ -122,6 +126,8 @@ class Renderer:
             self._footer = self._make_footer(passes, color_bar, written, credit)
             self._passes, self._extents = passes, extents(track, passes, found)
             self._diagrammed, self._moving = diagram is not None, track.moving
+            flat = found[0].scene.dimension < 3
+            self._over = not flat and any(extent.given for extent in self._extents)
             self.resize(asked)
         except BaseException:
             self.close()
@@ -242,15 +248,15 @@ class Renderer:
         return Footer(self._labels, clock, facts, scales, credit, self._legend(painters))
 
     def _legend(self, painters: Sequence[Painter]) -> list[tuple[str, Color]]:
-        """The names that are listed, and the colors of their bodies, equal ones once."""
-        colors = {id(body): color for painter in painters for body, color in painter.legend}
-        entries = {(body.name or "", colors.get(id(body))): body for panel in self._listed for body in panel}
-        for (_, color), body in entries.items():
-            if color is None:
-                raise SceneError(
-                    f"legend: {body!r} is not drawn in one color; give it a style that colors by body, such as "
-                    "styles.Points('body')"
-                )
+        """The names that are listed, and the colors of their bodies or systems, equal ones once."""
+        colors = {id(item): color for painter in painters for item, color in painter.legend}
+        entries = {(item.name or "", colors.get(id(item))): item for panel in self._listed for item in panel}
+        for (_, color), item in entries.items():
+            if color is None and (isinstance(item, Body) or not self._all_listed):
+                style = "colors by body, such as styles.Points('body')"
+                if not isinstance(item, Body):
+                    style = "has one color, such as styles.Trails(color='tomato')"
+                raise SceneError(f"legend: {item!r} is not drawn in one color; give it a style that {style}")
         return [(name, color) for name, color in entries if color is not None]
 
     def _layout_of(self, size: tuple[int, int]) -> Layout:
@@ -304,7 +310,6 @@ class Renderer:
         canvas = Canvas(*self.size, self._theme.background, 1 if flat else self._samples)
         if not self._moving:
             self._draw_scenery(canvas, 0)
-            self._write_titles(canvas)
             canvas.keep()
         return canvas
 
@@ -320,9 +325,10 @@ class Renderer:
         canvas.clip(0, 0, *self.size)
 
     def _write_titles(self, canvas: Canvas) -> None:
+        outline = self._theme.background if self._over else None
         for line, middle, top, height in self._layout.written():
             color = self._theme.label if line == self._heading.subtitle else self._theme.text
-            canvas.text(line, middle, top, height, (*color, 255), 0)
+            write(canvas, line, middle, top, height, color, 0, outline)
 
     def _draw(self, indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
         """One frame of the film, from one of each panel with its index."""
@@ -335,7 +341,7 @@ class Renderer:
             shown = panel.view.shown(frame, view)
             for painter in panel.painters:
                 shown = painter.raised(shown)
-            canvas.clip(*panel.free)
+            canvas.clip(*(panel.free if view.flat else panel.rectangle))  # ground goes on under the text
             canvas.lens(view.blur, view.distance)
             if not view.flat:
                 canvas.eye(view.scale, view.middle, view.distance)
@@ -352,9 +358,9 @@ class Renderer:
                 taken.append(panel.bar.draw(canvas, view, *taken))
             panel.tags.draw(canvas, shown, view, panel.pixels, taken)
         canvas.clip(0, 0, *self.size)
-        if self._moving:
-            self._write_titles(canvas)
-        self._footer.draw(canvas, self.size, self._layout.text, self._theme, clock, [each.energy for each in frames])
+        self._write_titles(canvas)
+        energies, text = [each.energy for each in frames], self._layout.text
+        self._footer.draw(canvas, self.size, text, self._theme, clock, energies, over=self._over)
         return canvas
 
 

@@ -19,12 +19,12 @@ On: TypeAlias = Body | str | Sequence[Body | str] | None
 T = TypeVar("T")
 
 
-def chosen(on: object, path: str) -> tuple[Body | str, ...] | None:
-    """The bodies that `on=` says, checked, by themselves or by their names; None: all."""
+def chosen(on: object, path: str, kinds: tuple[type, ...] = (Body,)) -> tuple[Body | str, ...] | None:
+    """The bodies, or other kinds of items, that `on=` says, checked, by themselves or by their names; None: all."""
     if on is None:
         return None
-    bodies = (on,) if isinstance(on, (Body, str)) else on
-    if not isinstance(bodies, (tuple, list)) or not all(isinstance(body, (Body, str)) for body in bodies):
+    bodies = (on,) if isinstance(on, (*kinds, str)) else on
+    if not isinstance(bodies, (tuple, list)) or not all(isinstance(body, (*kinds, str)) for body in bodies):
         raise SceneError(f"{path}: must be a body, its name, or several ([one, two]), got {shown(on)}")
     return tuple(bodies)
 

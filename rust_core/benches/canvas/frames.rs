@@ -48,7 +48,7 @@ fn frames(criterion: &mut Criterion) {
             for index in 0..20_000_u16 {
                 let (x, y) = (f32::from(index % 200) * 3.2, f32::from(index / 200) * 4.8);
                 let line = Line { from: [x, y], to: [x + 5.0, y + 3.0], width: 1.5, color: [200, 90, 40, 255], softness: 1.0 };
-                painting.line(line, 0.0);
+                painting.line(line, [0.0; 2]);
             }
             painting.paint(&mut canvas);
         });

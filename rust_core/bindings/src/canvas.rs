@@ -83,22 +83,23 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add lines to the painting.
+    /// Add lines to the painting, with the depths of their ends (N, 2).
     #[pyo3(signature = (ends, widths, colors, depths=None))]
     fn lines(
         &mut self,
         ends: PyReadonlyArray2<'_, f32>,
         widths: PyReadonlyArray1<'_, f32>,
         colors: PyReadonlyArray2<'_, u8>,
-        depths: Option<PyReadonlyArray1<'_, f32>>,
+        depths: Option<PyReadonlyArray2<'_, f32>>,
     ) -> PyResult<()> {
         let count = ends.shape()[0];
         let ends = rows::<f32, 4>(&ends, count, "ends")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
-        let (widths, depths) = (column(&widths, count, "widths")?, depth(depths.as_ref(), count)?);
+        let widths = column(&widths, count, "widths")?;
+        let depths = depths.as_ref().map(|depths| rows::<f32, 2>(depths, count, "depths")).transpose()?;
         for (index, ((&[x0, y0, x1, y1], &width), &color)) in ends.iter().zip(widths).zip(colors).enumerate() {
             let line = Line { from: [x0, y0], to: [x1, y1], width, color, softness: 1.0 };
-            self.painting.line(line, depths.map_or(0.0, |depths| depths[index]));
+            self.painting.line(line, depths.map_or([0.0; 2], |depths| depths[index]));
         }
         Ok(())
     }

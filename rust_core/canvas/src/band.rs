@@ -1,10 +1,16 @@
 //! Some rows of a canvas, and the rasterization of shapes on them. Several threads draw on bands at the same time, each
 //! blending all shapes in the same order: the pixels do not depend on the number of bands.
 
+#![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
+
+use std::iter::repeat_with;
+
+use wide::f32x4;
+
 use crate::color::Ink;
-use crate::eye::Eye;
-use crate::ink::{Mixing, Paint, Shade};
-use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp};
+use crate::eye::{Eye, OPEN, at_center, beside_center, is_center, is_solid};
+use crate::ink::{LANES, Mixing, Paint, Shade};
+use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp, ramps};
 use crate::texture::Texture;
 
 /// Columns and rows from `left`, `top` up to, not including, `right`, `bottom`.
@@ -30,6 +36,13 @@ pub(crate) struct Band<'a> {
     pub(crate) clip: Rectangle,
 }
 
+/// The greatest width of a disc that is drawn from side to side in each of its rows: equally many pixels are quicker, as the
+/// processor foresees the end of the loop.
+const NARROW: i32 = 2 * LANES as i32;
+
+/// Triangles that are no farther apart in depth than so many pixels are wide may be parts of one surface.
+const SEAM: f32 = 3.0;
+
 /// The fourth byte of a pixel that is all glow; what is blended over it takes its share away.
 pub(crate) const GLOW: u8 = 255;
 
@@ -53,15 +66,26 @@ impl Band<'_> {
         };
         let paint = Paint::new(disc.color, opacity);
         let shade = (disc.shading > 0.0).then(|| Shade { strength: disc.shading, per_radius: 1.0 / radius });
+        let across = area.right - area.left;
         for row in area.top..area.bottom {
             let dy = row as f32 + 0.5 - y;
-            let outer = (reach * reach - dy * dy).max(0.0).sqrt();
-            let (pixels, offset) = self.span(area, row, x - outer, x + outer);
-            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
-                let dx = offset - x + f32::from(column);
-                let edge = ramp(((dx * dx + dy * dy).sqrt() - radius) * sharpness);
-                let paint = shade.as_ref().map_or(paint, |shade| paint.with(shade.lit(disc.color, dx, dy)));
-                paint.blend(pixel, edge);
+            let (pixels, offset) = if across <= NARROW {
+                self.groups(row, area.left, across)
+            } else {
+                let outer = (reach * reach - dy * dy).max(0.0).sqrt();
+                self.span(area, row, x - outer, x + outer)
+            };
+            if let Some(shade) = &shade {
+                for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                    let dx = offset - x + f32::from(column);
+                    let edge = ramp(((dx * dx + dy * dy).sqrt() - radius) * sharpness);
+                    paint.with(shade.lit(disc.color, dx, dy)).blend(pixel, edge);
+                }
+            } else {
+                paint.blend_row(pixels, Mixing::Over, |columns| {
+                    let dx = columns + (offset - x);
+                    ramps(((dx * dx + dy * dy).sqrt() - radius) * sharpness)
+                });
             }
         }
     }
@@ -104,28 +128,26 @@ impl Band<'_> {
         let (ux, uy) = (x1 - x0, y1 - y0);
         let length = (ux * ux + uy * uy).sqrt();
         let per_square = if length > 0.0 { 1.0 / (length * length) } else { 0.0 };
-        // Along a row the band around the line is this wide; a level line's band is the whole row.
+        // Along a row the band around the line is twice as wide; a level line's band is the whole row.
         let (slope, spread) = if uy == 0.0 { (0.0, f32::INFINITY) } else { (ux / uy, reach * length / uy.abs()) };
+        let across = ((2.0 * spread) as i32).saturating_add(1).min(area.right - area.left);
         let paint = Paint::new(line.color, opacity);
         for row in area.top..area.bottom {
             let dy = row as f32 + 0.5 - y0;
             let middle = x0 + dy * slope;
             // Beyond an end the cap reaches as far as the end itself does, which the sides of the box bound.
-            let (pixels, offset) = self.span(area, row, middle - spread, middle + spread);
-            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
-                let dx = offset - x0 + f32::from(column);
-                let along = ((dx * ux + dy * uy) * per_square).clamp(0.0, 1.0);
+            let (pixels, offset) = self.groups(row, nearest_edge(middle - spread).max(area.left), across);
+            paint.blend_row(pixels, mixing, |columns| {
+                let dx = columns + (offset - x0);
+                let along = ((dx * ux + dy * uy) * per_square).fast_max(f32x4::ZERO).fast_min(f32x4::ONE);
                 let (ex, ey) = (dx - along * ux, dy - along * uy);
-                let coverage = ramp(((ex * ex + ey * ey).sqrt() - half) * sharpness);
-                match mixing {
-                    Mixing::Over => paint.blend(pixel, coverage),
-                    _ => paint.shift(pixel, coverage, mixing),
-                }
-            }
+                ramps(((ex * ex + ey * ey).sqrt() - half) * sharpness)
+            });
         }
     }
 
-    /// Draws a triangle, half a pixel larger than it is.
+    /// Draws a triangle, half a pixel larger than it is, and keeps its depth; not larger over pixels whose centers lie in another
+    /// one that is about as deep, or an edge between two sides would lie now on one side, now on the other.
     pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
         const MORE: f32 = 0.5;
         let [a, b, c] = triangle.corners;
@@ -137,16 +159,31 @@ impl Band<'_> {
         };
         let edges = edges(&triangle.corners);
         let inks = triangle.colors.map(|ink| ink.map(f32::from));
+        let eye = self.eye.filter(|_| triangle.colors.iter().all(|&ink| is_solid(ink)));
+        let corner_depths = triangle.depths.map(|depth| [if triangle.lit { depth } else { OPEN }]);
         for row in area.top..area.bottom {
-            let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
-            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+            let first = (row - self.top) as usize * self.width + area.left as usize;
+            let depths = self.depths.get_mut(first..).unwrap_or_default().iter_mut().map(Some).chain(repeat_with(|| None));
+            let pixels = self.pixels[first..].iter_mut().take((area.right - area.left) as usize);
+            let offset = area.left as f32 + 0.5;
+            for ((pixel, kept), column) in pixels.zip(depths).zip(0_u16..) {
                 let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
                 let outside = beyond(&edges, x, y);
                 // Beyond a sharp corner the lines along the sides meet far away: there, the distance of the corner counts.
                 let outside = if outside > 0.0 { outside.max(away(&triangle.corners, x, y)) } else { outside };
-                let coverage = ramp(outside - MORE);
+                let mut coverage = ramp(outside - MORE);
                 if coverage > 0.0 {
                     let weights = barycentric(&triangle.corners, doubled, x, y);
+                    if let (Some(eye), Some(kept)) = (eye, kept) {
+                        let [depth] = mean(&corner_depths, weights);
+                        if outside <= 0.0 {
+                            *kept = at_center(depth);
+                        } else if is_center(*kept) && (*kept - depth).abs() < SEAM * eye.length(depth) {
+                            coverage = ramp(outside);
+                        } else if coverage >= 0.5 && depth < *kept {
+                            *kept = beside_center(depth);
+                        }
+                    }
                     let [red, green, blue, alpha] = mean(&inks, weights);
                     let texel = texture.map_or([255.0; 3], |texture| texture.at(mean(&triangle.texture_coordinates, weights)));
                     let lit = |channel: f32, texel: f32| (channel * texel * (1.0 / 255.0) + 0.5) as u8;
@@ -222,6 +259,18 @@ impl Band<'_> {
         };
         let finite = low.iter().chain(&high).all(|value| value.is_finite());
         (finite && area.left < area.right && area.top < area.bottom).then_some(area)
+    }
+
+    /// So many pixels of a row from a column on, and the center of the first; beside them as many others as fill groups of
+    /// [`LANES`], where the clip has them.
+    #[inline(always)]
+    fn groups(&mut self, row: i32, start: i32, count: i32) -> (&mut [[u8; 4]], f32) {
+        let Rectangle { left, right, .. } = self.clip;
+        let count = (count as usize).next_multiple_of(LANES) as i32;
+        let start = start.min(right - count).max(left);
+        let end = (start + count).min(right);
+        let first = (row - self.top) as usize * self.width;
+        (&mut self.pixels[first + start as usize..first + end as usize], start as f32 + 0.5)
     }
 
     /// The pixels of a row whose centers lie from `low` to `high`, within `area`, and the center of the first.

@@ -5,7 +5,7 @@
 
 use crate::band::Band;
 use crate::color::Ink;
-use crate::shapes::{Disc, Line, Triangle};
+use crate::shapes::{Disc, Line};
 
 /// The eye: from where a projection sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +48,24 @@ impl Eye {
     }
 }
 
+/// The depth of what covers the center of a pixel. Its last bit says so, which is far smaller than what depths are known to.
+#[inline(always)]
+pub(crate) fn at_center(depth: f32) -> f32 {
+    if depth == OPEN { OPEN } else { f32::from_bits(depth.to_bits() & !1) }
+}
+
+/// The depth of what covers half of a pixel or more, but not its center.
+#[inline(always)]
+pub(crate) fn beside_center(depth: f32) -> f32 {
+    if depth == OPEN { OPEN } else { f32::from_bits(depth.to_bits() | 1) }
+}
+
+/// Whether it is the former.
+#[inline(always)]
+pub(crate) fn is_center(depth: f32) -> bool {
+    depth.to_bits() & 1 == 0
+}
+
 /// Whether a shape of this ink hides what is behind it.
 pub(crate) fn is_solid(ink: Ink) -> bool {
     ink[3] >= SOLID
@@ -61,61 +79,63 @@ impl Band<'_> {
         };
         let ([x, y], radius, per_pixel) = (disc.center, disc.radius.max(0.5), eye.length(depth));
         let lit = disc.shading > 0.0 && depth.is_finite();
-        self.deepen([x - radius, y - radius], [x + radius, y + radius], |column, row| {
+        self.deepen([x - radius, y - radius], [x + radius, y + radius], |column, row, _| {
             let square = radius * radius - (column - x) * (column - x) - (row - y) * (row - y);
             (square > 0.0).then(|| if lit { depth - square.sqrt() * per_pixel } else { OPEN })
         });
     }
 
-    /// Keeps the depth of a line, which is a round rod.
-    pub(crate) fn deepen_line(&mut self, line: &Line, depth: f32) {
+    /// Keeps the depth of a line, which is a rod with round ends at two depths; of rods that meet in an end, that of the one in
+    /// front, or each would have a notch where the round end of the other covers it.
+    ///
+    /// With the axis z = z₀ + s t over the place t along the line, all in pixels, a rod of radius h has at the distance e from
+    /// it the front z₀ + s t − b √(1 + s²), b = √(h² − e²), whose foot on the axis is at t − s b / √(1 + s²). Where that is
+    /// beyond an end, the front is that of the ball there.
+    pub(crate) fn deepen_line(&mut self, line: &Line, [first, last]: [f32; 2]) {
         let Some(eye) = self.eye.filter(|_| is_solid(line.color)) else {
             return;
         };
         let ([x0, y0], [x1, y1], half) = (line.from, line.to, 0.5 * line.width.max(1.0));
         let (low, high) = ([x0.min(x1) - half, y0.min(y1) - half], [x0.max(x1) + half, y0.max(y1) + half]);
-        let ([ux, uy], per_pixel) = ([x1 - x0, y1 - y0], eye.length(depth));
-        let per_square = 1.0 / (ux * ux + uy * uy).max(1e-12);
-        self.deepen(low, high, |column, row| {
+        let ([ux, uy], per_pixel) = ([x1 - x0, y1 - y0], eye.length(0.5 * (first + last)));
+        let length = (ux * ux + uy * uy).sqrt();
+        let [ux, uy] = [ux, uy].map(|component| component / length.max(1e-6));
+        let slope = (last - first) / (length.max(1e-6) * per_pixel);
+        let lean = (1.0 + slope * slope).sqrt();
+        self.deepen(low, high, |column, row, before| {
             let (dx, dy) = (column - x0, row - y0);
-            let along = ((dx * ux + dy * uy) * per_square).clamp(0.0, 1.0);
-            let (ex, ey) = (dx - along * ux, dy - along * uy);
-            let square = half * half - ex * ex - ey * ey;
-            (square > 0.0).then(|| if depth.is_finite() { depth - square.sqrt() * per_pixel } else { OPEN })
+            let (along, across) = (dx * ux + dy * uy, dx * uy - dy * ux);
+            let beyond = along - along.clamp(0.0, length);
+            if across * across + beyond * beyond >= half * half {
+                return None;
+            }
+            if !slope.is_finite() {
+                return Some(OPEN);
+            }
+            let bulge = (half * half - across * across).sqrt();
+            let foot = along - slope * bulge / lean;
+            let front = if foot < 0.0 || foot > length {
+                let end = foot.clamp(0.0, length);
+                slope * end - (bulge * bulge - (along - end) * (along - end)).max(0.0).sqrt()
+            } else {
+                slope * along - lean * bulge
+            };
+            Some(before.min(first + per_pixel * front))
         });
     }
 
-    /// Keeps the depth of a triangle between its corners.
-    pub(crate) fn deepen_triangle(&mut self, triangle: &Triangle) {
-        let [a, b, c] = triangle.corners;
-        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        if self.eye.is_none() || !triangle.colors.iter().all(|&ink| is_solid(ink)) || doubled == 0.0 {
-            return;
-        }
-        let low = [a[0].min(b[0]).min(c[0]), a[1].min(b[1]).min(c[1])];
-        let high = [a[0].max(b[0]).max(c[0]), a[1].max(b[1]).max(c[1])];
-        let [first, second, third] = if triangle.lit { triangle.depths } else { [OPEN; 3] };
-        self.deepen(low, high, |x, y| {
-            let (dx, dy) = (x - a[0], y - a[1]);
-            let along = (dx * (c[1] - a[1]) - dy * (c[0] - a[0])) / doubled;
-            let across = (dy * (b[0] - a[0]) - dx * (b[1] - a[1])) / doubled;
-            let inside = along >= -1e-4 && across >= -1e-4 && along + across <= 1.0 + 1e-4;
-            let depth = if first == OPEN { OPEN } else { first + along * (second - first) + across * (third - first) };
-            inside.then_some(depth)
-        });
-    }
-
-    /// Keeps depths of the pixels between two corners for whose centers there is one.
+    /// Keeps depths of the pixels between two corners for whose centers, and the depths there before, there is one.
     #[inline(always)]
-    fn deepen(&mut self, low: [f32; 2], high: [f32; 2], depth: impl Fn(f32, f32) -> Option<f32>) {
+    fn deepen(&mut self, low: [f32; 2], high: [f32; 2], depth: impl Fn(f32, f32, f32) -> Option<f32>) {
         let Some(area) = self.visible(low, high) else {
             return;
         };
         for row in area.top..area.bottom {
             let first = (row - self.top) as usize * self.width;
             for column in area.left..area.right {
-                if let Some(depth) = depth(column as f32 + 0.5, row as f32 + 0.5) {
-                    self.depths[first + column as usize] = depth;
+                let kept = &mut self.depths[first + column as usize];
+                if let Some(depth) = depth(column as f32 + 0.5, row as f32 + 0.5, *kept) {
+                    *kept = at_center(depth);
                 }
             }
         }
@@ -125,7 +145,7 @@ impl Band<'_> {
     pub(crate) fn deepen_dot(&mut self, x: i32, y: i32, depth: f32) {
         let clip = self.clip;
         if self.eye.is_some() && (clip.left..clip.right).contains(&x) && (clip.top..clip.bottom).contains(&y) {
-            self.depths[(y - self.top) as usize * self.width + x as usize] = depth;
+            self.depths[(y - self.top) as usize * self.width + x as usize] = at_center(depth);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::canvas::Canvas;
 use crate::color::Rgb;
-use crate::eye::Eye;
+use crate::eye::{Eye, at_center};
 use crate::math::{cross, dot, minus, plus, threshold};
 
 /// Ground: a plane that is lit around a place and fades into what is behind it.
@@ -78,7 +78,7 @@ impl Canvas {
                     mix(pixel, color, opacity * covered * lit * lit);
                 }
             }
-            *depth = -place[2];
+            *depth = at_center(-place[2]);
         });
     }
 

@@ -1,5 +1,7 @@
 //! Blending of colors into pixels, and shading of spheres.
 
+use wide::{f32x4, u8x16, u16x8, u32x4};
+
 use crate::color::Ink;
 
 /// How a shape changes what is below it.
@@ -13,6 +15,16 @@ pub enum Mixing {
     /// Each channel becomes darker or stays.
     Darker,
 }
+
+/// Pixels that are blended at a time.
+pub(crate) const LANES: usize = 4;
+
+/// 2²³: a small number that is added to it stands, rounded, in the last bits, several times cheaper than by `as`, which handles
+/// NaN.
+const ROUNDING: f32 = 8_388_608.0;
+
+/// Every second channel of a pixel.
+const PAIR: u32 = 0x00FF_00FF;
 
 /// A color, its alpha replaced by a factor that turns coverage into 256ths of opacity.
 #[derive(Clone, Copy)]
@@ -37,32 +49,52 @@ impl Paint {
         self.mix(pixel, self.amount(coverage));
     }
 
-    /// Blends into the channels of a pixel that this changes in one direction; the others stay.
+    /// Blends into pixels side by side, of whose coverages a function of their columns gives [`LANES`] at a time.
     #[inline(always)]
-    pub(crate) fn shift(self, pixel: &mut [u8; 4], coverage: f32, mixing: Mixing) {
-        let before = *pixel;
-        self.blend(pixel, coverage);
-        for (channel, before) in pixel.iter_mut().zip(before) {
-            *channel = match mixing {
-                Mixing::Over => *channel,
-                Mixing::Lighter => before.max(*channel),
-                Mixing::Darker => before.min(*channel),
-            };
+    pub(crate) fn blend_row(self, pixels: &mut [[u8; 4]], mixing: Mixing, coverage: impl Fn(f32x4) -> f32x4) {
+        let (groups, rest) = pixels.as_chunks_mut::<LANES>();
+        let mut columns = f32x4::new([0.0, 1.0, 2.0, 3.0]);
+        for group in groups {
+            *group = self.mixed(*group, coverage(columns), mixing);
+            columns += LANES as f32;
         }
+        if !rest.is_empty() {
+            let mut group = [[0; 4]; LANES];
+            group[..rest.len()].copy_from_slice(rest);
+            group = self.mixed(group, coverage(columns), mixing);
+            rest.copy_from_slice(&group[..rest.len()]);
+        }
+    }
+
+    /// Pixels with this blended in: [`Paint::amount`] and [`Paint::mix`] of several.
+    #[inline(always)]
+    fn mixed(self, pixels: [[u8; 4]; LANES], coverages: f32x4, mixing: Mixing) -> [[u8; 4]; LANES] {
+        let amounts: u32x4 = bytemuck::cast(coverages * self.full + ROUNDING);
+        let amounts = amounts & u32x4::splat(0x1FF);
+        let amounts: u16x8 = bytemuck::cast(amounts | (amounts << 16));
+        let keep = u16x8::splat(256) - amounts;
+        let pair = |shift: u32| -> u16x8 { bytemuck::cast(u32x4::splat((self.color >> shift) & PAIR)) };
+        let (below, halves): (u16x8, _) = (bytemuck::cast(pixels), u16x8::splat(0x80));
+        let red_blue = (below & u16x8::splat(0xFF)) * keep + pair(0) * amounts + halves;
+        let green = (below >> 8) * keep + pair(8) * amounts + halves;
+        let blended: u8x16 = bytemuck::cast((red_blue >> 8) | (green & u16x8::splat(0xFF00)));
+        let below: u8x16 = bytemuck::cast(below);
+        bytemuck::cast(match mixing {
+            Mixing::Over => blended,
+            Mixing::Lighter => blended.max(below),
+            Mixing::Darker => blended.min(below),
+        })
     }
 
     /// The opacity of a coverage of 0–1, in 256ths.
     #[inline(always)]
     pub(crate) fn amount(self, coverage: f32) -> u32 {
-        // A small number added to 2²³ stands, rounded, in the last bits: several times cheaper than `as`, which handles
-        // NaN.
-        (coverage * self.full + 8_388_608.0).to_bits() & 0x1FF
+        (coverage * self.full + ROUNDING).to_bits() & 0x1FF
     }
 
     /// Blends into a pixel, two channels in one multiplication.
     #[inline(always)]
     pub(crate) fn mix(self, pixel: &mut [u8; 4], amount: u32) {
-        const PAIR: u32 = 0x00FF_00FF;
         const HALVES: u32 = 0x0080_0080;
         let (below, keep) = (u32::from_le_bytes(*pixel), 256 - amount);
         let red_blue = (below & PAIR) * keep + (self.color & PAIR) * amount + HALVES;

@@ -8,7 +8,7 @@
 #![expect(clippy::doc_markdown, reason = "names of people")]
 
 use crate::band::Band;
-use crate::eye::{Eye, OPEN};
+use crate::eye::{Eye, OPEN, is_center};
 use crate::math::{cross, dot, minus, plus, unit};
 use crate::shadow::ShadowMap;
 
@@ -144,6 +144,14 @@ impl Lighting {
     #[inline(always)]
     fn between(&self, depths: &Depths<'_>, depth: f32, column: usize, row: usize) -> [f32; 2] {
         let across = depths.width.div_ceil(2);
+        if !is_center(depth) {
+            // At an outline a pixel is a mixture of what lies on both sides.
+            let around = |place: usize, count: usize| [place.saturating_sub(1) / 2, place.div_ceil(2).min(count - 1)];
+            let rows = around(row, self.held.len() / across).map(|row| row * across);
+            let [left, right] = around(column, across);
+            let held = rows.map(|row| [self.held[row + left], self.held[row + right]]);
+            return [0, 1].map(|share: usize| held.as_flattened().iter().map(|held| 0.25 * held[share]).sum());
+        }
         let (left, above) = (column / 2, row / 2);
         if column.is_multiple_of(2) && row.is_multiple_of(2) {
             return self.held[above * across + left];

@@ -19,7 +19,8 @@ use crate::texture::Texture;
 #[derive(Debug, Default)]
 pub struct Painting {
     discs: Vec<Disc>,
-    lines: Vec<Line>,
+    /// With the depths of their ends.
+    lines: Vec<(Line, [f32; 2])>,
     triangles: Vec<(Triangle, Option<u16>)>,
     halos: Vec<Halo>,
     textures: Vec<Arc<Texture>>,
@@ -97,15 +98,17 @@ impl Painting {
         in_bands(canvas, threads(discs.size_hint().0), &draw);
     }
 
-    /// Adds a line; `depth` as for [`Painting::disc`].
-    pub fn line(&mut self, line: Line, depth: f32) {
+    /// Adds a line; `depths` of its ends as for [`Painting::disc`].
+    pub fn line(&mut self, line: Line, depths: [f32; 2]) {
+        let depth = 0.5 * (depths[0] + depths[1]);
         self.add(depth, Shape::Line(self.lines.len() as u32, Mixing::Over));
-        self.lines.push(if self.lens.blur > 0.0 { line.blurred(self.lens.confusion(depth)) } else { line });
+        let seen = if self.lens.blur > 0.0 { line.blurred(self.lens.confusion(depth)) } else { line };
+        self.lines.push((seen, depths));
     }
 
     /// Adds a line that only makes lighter, or darker, what is below it; `depth` as for [`Painting::disc`].
     pub fn trail(&mut self, line: Line, mixing: Mixing, depth: f32) {
-        self.line(line, depth);
+        self.line(line, [depth; 2]);
         if let Some(Entry { shape, .. }) = self.order.last_mut() {
             *shape = Shape::Line(self.lines.len() as u32 - 1, mixing);
         }
@@ -183,7 +186,7 @@ impl Painting {
     /// Scales all queued shapes to a picture with so many times as many pixels along each side.
     fn magnify(&mut self, times: f32) {
         self.discs.iter_mut().for_each(|disc| *disc = disc.scaled(times));
-        self.lines.iter_mut().for_each(|line| *line = line.scaled(times));
+        self.lines.iter_mut().for_each(|(line, _)| *line = line.scaled(times));
         self.triangles.iter_mut().for_each(|(triangle, _)| *triangle = triangle.scaled(times));
         self.halos.iter_mut().for_each(|halo| *halo = halo.scaled(times));
         self.liquid.magnify(times);
@@ -216,8 +219,8 @@ impl Painting {
                     thrown.then(|| Caster::Ball(eye.place(disc.center, *depth), disc.radius * per_pixel))
                 }
                 Shape::Line(index, Mixing::Over) => {
-                    let line = &self.lines[index as usize];
-                    let [from, to] = [line.from, line.to].map(|end| eye.place(end, *depth));
+                    let (line, [near, far]) = &self.lines[index as usize];
+                    let (from, to) = (eye.place(line.from, *near), eye.place(line.to, *far));
                     is_solid(line.color).then_some(Caster::Rod(from, to, 0.5 * line.width * per_pixel))
                 }
                 Shape::Triangle(index) => {
@@ -254,17 +257,16 @@ impl Painting {
                 band.deepen_disc(&disc, entry.depth);
             }
             Shape::Line(index, mixing) => {
-                let line = self.lines[index as usize];
+                let (line, depths) = self.lines[index as usize];
                 band.line(line, mixing);
                 if mixing == Mixing::Over {
-                    band.deepen_line(&line, entry.depth);
+                    band.deepen_line(&line, depths);
                 }
             }
             Shape::Halo(index) => band.halo(self.halos[index as usize]),
             Shape::Triangle(index) => {
                 let (triangle, texture) = &self.triangles[index as usize];
                 band.triangle(triangle, texture.map(|texture| &*self.textures[usize::from(texture)]));
-                band.deepen_triangle(triangle);
             }
         }
     }
@@ -275,7 +277,7 @@ impl Painting {
             Shape::Disc(index) => self.discs[index as usize].center,
             Shape::Halo(index) => self.halos[index as usize].center,
             Shape::Line(index, _) => {
-                let Line { from, to, .. } = self.lines[index as usize];
+                let (Line { from, to, .. }, _) = self.lines[index as usize];
                 [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])]
             }
             Shape::Triangle(index) => {

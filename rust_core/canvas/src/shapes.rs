@@ -10,6 +10,8 @@
 //! Thinner shapes keep the smallest size and lose opacity instead, so that a picture's light does not depend on its resolution:
 //! grains of sand far away grow faint, they do not flicker.
 
+use wide::f32x4;
+
 use crate::color::Ink;
 
 /// A filled disc; `shading` above 0 shades it as a sphere lit from the upper left.
@@ -137,6 +139,12 @@ pub(crate) fn ramp(signed_distance: f32) -> f32 {
     // Comparing, not `clamp`: these are one instruction each.
     let coverage = if coverage > 0.0 { coverage } else { 0.0 };
     if coverage < 1.0 { coverage } else { 1.0 }
+}
+
+/// [`ramp`] of several distances.
+#[inline(always)]
+pub(crate) fn ramps(signed_distances: f32x4) -> f32x4 {
+    (0.5 - signed_distances).fast_max(f32x4::ZERO).fast_min(f32x4::ONE)
 }
 
 /// Drawn radius and opacity factor for which a disc covers πr² pixels, however small.

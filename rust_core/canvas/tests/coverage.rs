@@ -1,6 +1,6 @@
 //! Shapes cover as many pixels as their areas say.
 
-use physcore_canvas::{Canvas, Disc, Line, Painting};
+use physcore_canvas::{Canvas, Disc, Line, Mixing, Painting};
 use proptest::prelude::*;
 
 const SIDE: usize = 64;
@@ -61,6 +61,46 @@ proptest! {
         // The ramp lies half outside each side, and in a corner of angle α the outer halves meet: at most a half pixel each way,
         // so that a very flat triangle may gain up to a quarter of its perimeter (both sides' half ramps, of area 1/8 each).
         prop_assert!(error < sampling_error(perimeter) + perimeter / 4.0, "{error}");
+    }
+
+    /// Pixels are blended in groups; where the clip begins or ends within one, those outside stay as they are. Distances are
+    /// rounded from another first pixel then, which may change an opacity by one level.
+    #[test]
+    fn a_clip_changes_nothing_within_it(
+        from in [5.0..60.0_f32, 5.0..60.0_f32], to in [5.0..60.0_f32, 5.0..60.0_f32], width in 0.1..8.0_f32,
+        left in 0..60_usize, columns in 1..9_usize,
+    ) {
+        let draw = |canvas: &mut Canvas| {
+            canvas.line(Line { from, to, width, color: WHITE, softness: 1.0 });
+            canvas.disc(Disc { center: to, radius: 0.7 * width, color: [255, 0, 0, 255], shading: 0.0, softness: 1.0 });
+        };
+        let (mut whole, mut part) = (black(), black());
+        part.clip(left, 0, left + columns, SIDE);
+        draw(&mut whole);
+        draw(&mut part);
+        for (index, (whole, part)) in whole.pixels().iter().zip(part.pixels()).enumerate() {
+            let expected = if (left..left + columns).contains(&(index % SIDE)) { *whole } else { [0; 4] };
+            prop_assert!(expected.iter().zip(part).all(|(one, other)| one.abs_diff(*other) <= 1), "{expected:?} {part:?}");
+        }
+    }
+
+    #[test]
+    fn a_trail_only_makes_lighter_or_only_darker(
+        ground in [any::<u8>(), any::<u8>(), any::<u8>()], ink in [any::<u8>(), any::<u8>(), any::<u8>(), any::<u8>()],
+        from in [5.0..60.0_f32, 5.0..60.0_f32], to in [5.0..60.0_f32, 5.0..60.0_f32], width in 0.1..8.0_f32,
+    ) {
+        let line = Line { from, to, width, color: ink, softness: 1.0 };
+        let plain = Canvas::new(SIDE, SIDE, ground).expect("a valid size");
+        let mut covered = plain.clone();
+        covered.line(line);
+        for (mixing, of) in [(Mixing::Lighter, u8::max as fn(u8, u8) -> u8), (Mixing::Darker, u8::min)] {
+            let (mut canvas, mut painting) = (plain.clone(), Painting::default());
+            painting.trail(line, mixing, 0.0);
+            painting.paint(&mut canvas);
+            for ((before, over), after) in plain.pixels().iter().zip(covered.pixels()).zip(canvas.pixels()) {
+                prop_assert_eq!(*after, std::array::from_fn(|channel| of(before[channel], over[channel])));
+            }
+        }
     }
 
     #[test]

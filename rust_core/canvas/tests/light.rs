@@ -1,6 +1,6 @@
 //! Shadows fall where something stands in the way of the lamp, and nowhere else; ground is where a plane is seen.
 
-use physcore_canvas::{Canvas, Disc, Eye, Ground, Light, Painting};
+use physcore_canvas::{Canvas, Disc, Eye, Ground, Light, Line, Painting};
 
 const SIDE: usize = 200;
 const GRAY: u8 = 200;
@@ -53,6 +53,30 @@ fn no_shadow_falls_on_what_the_lamp_does_not_reach() {
     let canvas = lit(&[([100.0, 100.0], 15.0, 0.0)], [-1.0, 0.0, 0.0]);
     let beside = |pixel: &usize| (pixel % SIDE).abs_diff(100).pow(2) + (pixel / SIDE).abs_diff(100).pow(2) > 17 * 17;
     assert!((0..SIDE * SIDE).filter(beside).all(|pixel| canvas.pixels()[pixel][1] >= GRAY - 3));
+}
+
+/// A straight rod is convex: nothing of it lies above another part of it, whatever it is put together from.
+#[test]
+fn a_rod_of_several_lines_takes_no_light_from_itself() {
+    for slope in [-0.015_f32, 0.0, 0.004, 0.015] {
+        let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
+        canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
+        let mut painting = Painting::default();
+        painting.light(Light { lamp: ABOVE, shadow: 0.0, occlusion: 0.8, reach: 10.0 });
+        let (place, depth) = (|x: f32| [x, 80.0 + 0.2 * x], |x: f32| slope * (x - 100.0));
+        for part in 0..14_u8 {
+            let (low, high) = (30.0 + 10.0 * f32::from(part), 40.0 + 10.0 * f32::from(part));
+            let line = Line { from: place(low), to: place(high), width: 16.0, color: [GRAY, 0, 0, 255], softness: 1.0 };
+            painting.line(line, [depth(low), depth(high)]);
+        }
+        painting.paint(&mut canvas);
+        for x in 40..160 {
+            for away in -4..=4 {
+                let y = (place(x as f32)[1] as i32 + away) as usize;
+                assert!(gray(&canvas, x, y) >= GRAY - 1, "{slope}, {x}, {y}: {}", gray(&canvas, x, y));
+            }
+        }
+    }
 }
 
 #[test]

@@ -102,7 +102,7 @@ proptest! {
             alone.disc(disc);
             painting.disc(disc, 0.0);
             alone.line(line);
-            painting.line(line, 0.0);
+            painting.line(line, [0.0; 2]);
             alone.halo(halo);
             painting.halo(halo, 0.0);
         }

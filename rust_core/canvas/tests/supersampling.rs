@@ -26,8 +26,10 @@ fn scene(canvas: &mut Canvas, times: f32) {
     painting.light(Light { lamp: [0.3, 0.6, 0.74], shadow: 0.5, occlusion: 0.4, reach: 6.0 * times });
     let ball = Disc { center: place(30.2, 25.7), radius: 9.0 * times, color: [200, 80, 60, 255], shading: 0.8, softness: 1.0 };
     painting.disc(ball, 0.5);
-    painting
-        .line(Line { from: place(5.0, 70.0), to: place(70.0, 50.0), width: 3.0 * times, color: [255; 4], softness: 1.0 }, 0.1);
+    painting.line(
+        Line { from: place(5.0, 70.0), to: place(70.0, 50.0), width: 3.0 * times, color: [255; 4], softness: 1.0 },
+        [0.1; 2],
+    );
     painting.halo(Halo { center: place(60.0, 15.0), radius: 12.0 * times, color: [80, 160, 255, 200], shadow: false }, 0.0);
     let corners = [place(45.0, 30.0), place(70.0, 35.0), place(50.0, 60.0)];
     let triangle =

@@ -6,14 +6,26 @@ import numpy as np
 
 from physcore._core import Canvas
 from physcore.checks import FloatArray
-from physcore.film.colors.themes import Color, Theme
+from physcore.film.colors.themes import Color
 
 
-def outlined(canvas: Canvas, line: str, left: int, top: int, height: int, theme: Theme) -> None:
-    """Write a line at once over a picture, with an outline of the background around its signs."""
-    for x, y in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
-        canvas.text(line, left + x, top + y, height, (*theme.background, 255), -1)
-    canvas.text(line, left, top, height, (*theme.text, 255), -1)
+def write(
+    canvas: Canvas,
+    line: str,
+    x: int,
+    top: int,
+    height: int,
+    color: Color,
+    align: int = -1,
+    outline: Color | None = None,
+) -> None:
+    """Write a line at once; over a picture with an outline of a color around its signs. `align` is -1, 0 or 1 for left,
+    center and right.
+    """
+    if outline is not None:
+        for right, down in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
+            canvas.text(line, x + right, top + down, height, (*outline, 255), align)
+    canvas.text(line, x, top, height, (*color, 255), align)
 
 
 def stroke(canvas: Canvas, points: FloatArray, color: Color, width: float, alpha: int = 255) -> None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
@@ -15,6 +17,7 @@ from physcore.errors import SceneError
 from physcore.film.colors.colormaps import look_up
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.labels.clock import Clock
+from physcore.film.labels.drawing import write
 from physcore.film.labels.text import GAP, ends, fitting, wrapped
 from physcore.film.styles.base import Scale
 from physcore.simulation.energy import Drift, Energy
@@ -119,33 +122,45 @@ class Footer:
         return round(LINE * text * count) + self._credit_height(text)
 
     def draw(
-        self, canvas: Canvas, size: tuple[int, int], text: int, theme: Theme, frame: int, energies: list[Energy | None]
+        self,
+        canvas: Canvas,
+        size: tuple[int, int],
+        text: int,
+        theme: Theme,
+        frame: int,
+        energies: list[Energy | None],
+        *,
+        over: bool = False,
     ) -> None:
-        """Write the lines of a frame; every frame of a film is to be drawn once, in order."""
+        """Write the lines of a frame; every frame of a film is to be drawn once, in order. `over` says whether they may
+        stand over what moves.
+        """
         width, height = size
-        ink = (*theme.label, 255)
+        pen = partial(write, canvas, outline=theme.background if over else None)
         if self._credit:
             small = fitting(self._credit, round(SMALL * text), width - text)
-            canvas.text(self._credit, width - text // 2, height - round(1.2 * small), small, ink, 1)
+            pen(self._credit, width - text // 2, height - round(1.2 * small), small, theme.label, 1)
             height -= self._credit_height(text)
         errors = [0.0 if now is None else drift.add(now) for drift, now in zip(self._drifts, energies, strict=True)]
         own, common = self._lines(text, width, errors, frame)
-        canvas.text(common, text // 2, height - round(1.2 * text), text, ink, -1)
+        pen(common, text // 2, height - round(1.2 * text), text, theme.label)
         rows = max(map(len, own)) + bool(common or self._bars)
-        for panel, lines in enumerate(own):
-            left = width * panel // len(own) + text // 2
-            for row, line in enumerate(lines):
-                canvas.text(line, left, height - round((LINE * (rows - row) - 0.1) * text), text, ink, -1)
-        self._draw_legend(canvas, (width, height), text, theme.text, rows)
+        for row, lines in enumerate(zip_longest(*own, fillvalue="")):
+            high = min(fitting(line, text, width // len(own) - text) for line in lines)
+            top = height - round((LINE * (rows - row) - 0.1) * text)
+            for panel, line in enumerate(lines):
+                pen(line, width * panel // len(own) + text // 2, top, high, theme.label)
+        self._draw_legend(pen, (width, height), text, theme.text, rows)
         taken = text_width(common + GAP, text) if common else 0
-        self._draw_bars(canvas, (width, height), text, theme.label, taken)
+        self._draw_bars(canvas, pen, (width, height), text, theme.label, taken)
 
     def _credit_height(self, text: int) -> int:
         return round(LINE * SMALL * text) if self._credit else 0
 
     def _lines(self, text: int, width: int, errors: Sequence[float], frame: int) -> tuple[list[list[str]], str]:
         """The lines of each panel, and the one for all."""
-        pieces = [self._own(panel, error) for panel, error in enumerate(errors)]
+        each = width // len(errors) - text
+        pieces = [self._own(panel, error, text, each) for panel, error in enumerate(errors)]
         times = [self._clock.text(frame), self._clock.pace] if "time" in self._labels else []
         time = GAP.join(filter(None, times))
         if len(pieces) == 1:
@@ -153,16 +168,17 @@ class Footer:
             needed = [text_width(line, text), *(bar.width(text, WIDEST) for bar in self._bars)]
             if sum(needed) + text_width(GAP, text) * (len(needed) - 1) <= width - text:
                 return [[]], line
-        each = width // len(pieces) - text
         return [[GAP.join(line) for line in wrapped(own, text, each)] for own in pieces], time
 
-    def _own(self, panel: int, error: float) -> list[str]:
-        """The labels of one panel, always in the same width."""
+    def _own(self, panel: int, error: float, text: int, room: int) -> list[str]:
+        """The labels of one panel, always in the same width; short where there is little room."""
         integrator, dt = self._facts[panel]
+        drift = f"{error:.1e}".replace("e-", "e−")  # as wide as a plus sign
+        long = f"energy error {drift}"
         said = {
             "integrator": integrator,
             "dt": f"dt {dt or 0.0:.3g} s",
-            "energy": f"energy error {error:.1e}".replace("e-", "e−"),  # as wide as a plus sign
+            "energy": long if text_width(long, text) <= room else f"error {drift}",
         }
         return [said[label] or "" for label in self._labels if label != "time"]
 
@@ -170,7 +186,9 @@ class Footer:
         """The lines of the legend."""
         return wrapped([f"{MARK} {name}" for name, _ in self._legend], text, width - text)
 
-    def _draw_legend(self, canvas: Canvas, size: tuple[int, int], text: int, color: Color, below: int) -> None:
+    def _draw_legend(
+        self, pen: Callable[..., None], size: tuple[int, int], text: int, color: Color, below: int
+    ) -> None:
         """Write the lines of the legend, with so many others below."""
         width, height = size
         lines, colors = self._names(text, width), iter(self._legend)
@@ -178,11 +196,13 @@ class Footer:
             x, top = text // 2, height - round((LINE * (len(lines) + below - row) - 0.1) * text)
             high = fitting(GAP.join(line), text, width - text)
             for piece, (name, own) in zip(line, colors, strict=False):
-                canvas.text(MARK, x, top, high, (*own, 255), -1)
-                canvas.text(name, x + text_width(f"{MARK} ", high), top, high, (*color, 255), -1)
+                pen(MARK, x, top, high, own)
+                pen(name, x + text_width(f"{MARK} ", high), top, high, color)
                 x += text_width(piece + GAP, high)
 
-    def _draw_bars(self, canvas: Canvas, size: tuple[int, int], text: int, color: Color, taken: int) -> None:
+    def _draw_bars(
+        self, canvas: Canvas, pen: Callable[..., None], size: tuple[int, int], text: int, color: Color, taken: int
+    ) -> None:
         """As many bars as there is room for, from the right."""
         width, height = size
         top, right, left = height - round(1.2 * text), width - text // 2, text // 2 + taken
@@ -191,8 +211,8 @@ class Footer:
             if length is None:
                 return
             start = right - bar.width(text, length)
-            canvas.text(f"{bar.name} {bar.low}", start, top, text, (*color, 255), -1)
-            canvas.text(bar.high, right, top, text, (*color, 255), 1)
+            pen(f"{bar.name} {bar.low}", start, top, text, color)
+            pen(bar.high, right, top, text, color, 1)
             x = start + text_width(f"{bar.name} {bar.low}  ", text) + np.arange(round(length * text)) + 0.5
             middle, half = top + 0.54 * text, THICK * text / 2
             lines = np.stack([x, np.full_like(x, middle - half), x, np.full_like(x, middle + half)], axis=1)

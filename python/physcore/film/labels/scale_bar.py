@@ -11,7 +11,7 @@ from physcore._core import Canvas, text_width
 from physcore.checks import word
 from physcore.film.camera.view import Area, View
 from physcore.film.colors.themes import Theme
-from physcore.film.labels.drawing import outlined, stroke
+from physcore.film.labels.drawing import stroke, write
 from physcore.units import AU, light_year, parsec
 
 LengthUnit: TypeAlias = Literal["fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly", "pc", "kpc", "Mpc"]
@@ -109,7 +109,8 @@ class ScaleBar:
         """Draw it at once over a panel, beside a rectangle that is taken; returns the one that it takes [pixels]."""
         box, line, words = self.placed(view, taken)
         middle, width = (box[0] + box[2]) / 2, float(text_width(words, self._height))
-        outlined(canvas, words, round(middle - width / 2), round(box[1]), self._height, self._theme)
+        left, top, theme = round(middle - width / 2), round(box[1]), self._theme
+        write(canvas, words, left, top, self._height, theme.text, outline=theme.background)
         thick = max(self._height / 8, 1.5)
         start, end, base, tick = middle - line / 2, middle + line / 2, box[3] - thick, box[3] - 0.35 * self._height
         points = np.array([[start, tick], [start, base], [end, base], [end, tick]])

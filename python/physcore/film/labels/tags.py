@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
@@ -11,15 +12,17 @@ from physcore._core import Canvas, text_width
 from physcore.errors import SceneError
 from physcore.film.camera.view import Area, View
 from physcore.film.colors.themes import Theme
-from physcore.film.labels.drawing import outlined
+from physcore.film.labels.drawing import write
 from physcore.film.labels.text import warn_of_missing
 from physcore.film.styles import Painter
 from physcore.scene.bodies import Body
-from physcore.scene.items import chosen, found
+from physcore.scene.items import System, chosen, found
 from physcore.simulation.sources import Source, SourceFrame
 
 Named: TypeAlias = bool | Body | str | Sequence[Body | str]
 """Whether the names of all bodies that have one are written, or of which."""
+Listed: TypeAlias = bool | Body | System | str | Sequence[Body | System | str]
+"""The same of bodies and systems."""
 HEIGHT = 0.8
 """Of a name, in heights of the text."""
 GAP = 0.15
@@ -28,24 +31,30 @@ SIDES = ((1, 0), (-1, 0), (0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1))
 """Where a name may stand, to the right of its body and below it."""
 
 
-def check_named(given: object, path: str, filmed: Sequence[Source]) -> list[list[Body]]:
-    """The bodies of each source whose names are to be written; signs that no face has are warned of.
+def check_named(
+    given: object, path: str, filmed: Sequence[Source], *, systems: bool = False
+) -> list[list[Body | System]]:
+    """The bodies, and perhaps systems, of each source whose names are to be written; signs that no face has are warned
+    of.
 
     Raises:
         SceneError: what was asked for is neither True nor False, nor bodies with names of what is filmed.
     """
-    every = [body for source in filmed for body in source.scene.bodies]
+    items: list[list[Body | System]] = [
+        [*source.scene.bodies, *(source.scene.systems if systems else ())] for source in filmed
+    ]
+    every = list(chain.from_iterable(items))
     if isinstance(given, (bool, np.bool_)):
-        asked: Sequence[Body] = [body for body in every if body.name and given]
+        asked: Sequence[Body | System] = [item for item in every if item.name and given]
     else:
-        asked = found(chosen(given, path) or (), every, path)
-    for body in asked:
-        if not any(body is each for each in every):
-            raise SceneError(f"{path}: {body!r} is not in what is filmed")
-        if not body.name:
-            raise SceneError(f"{path}: {body!r} has no name; give it name=…")
-        warn_of_missing(body.name, path)
-    return [[body for body in source.scene.bodies if any(body is each for each in asked)] for source in filmed]
+        asked = found(chosen(given, path, (Body, System) if systems else (Body,)) or (), every, path)
+    for item in asked:
+        if not any(item is each for each in every):
+            raise SceneError(f"{path}: {item!r} is not in what is filmed")
+        if not item.name:
+            raise SceneError(f"{path}: {item!r} has no name; give it name=…")
+        warn_of_missing(item.name, path)
+    return [[item for item in each if any(item is one for one in asked)] for each in items]
 
 
 class NameTags:
@@ -61,7 +70,7 @@ class NameTags:
     """
 
     def __init__(
-        self, bodies: Sequence[Body], painters: Sequence[Painter], area: Area, text: int, theme: Theme
+        self, bodies: Sequence[Body | System], painters: Sequence[Painter], area: Area, text: int, theme: Theme
     ) -> None:
         self._area, self._height, self._theme = area, round(HEIGHT * text), theme
         self._drawn = [
@@ -80,7 +89,8 @@ class NameTags:
     def draw(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()) -> None:
         """Write the names of a frame at once, over a panel of so many pixels and beside areas that are taken."""
         for left, top, name in self.placed(frame, view, pixels, taken):
-            outlined(canvas, name, round(left), round(top), self._height, self._theme)
+            theme = self._theme
+            write(canvas, name, round(left), round(top), self._height, theme.text, outline=theme.background)
 
     def placed(
         self, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()

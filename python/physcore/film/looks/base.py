@@ -117,10 +117,11 @@ def disc(
 def lines(
     canvas: Canvas, ends: PixelArray, color: Color, width: float, alpha: int = 255, depths: PixelArray | None = None
 ) -> None:
-    """Add lines between pixels (M, 2, 2)."""
+    """Add lines between pixels (M, 2, 2), each at one of the depths (M,)."""
     count = len(ends)
     flat = np.ascontiguousarray(ends).reshape(count, 4)
-    canvas.lines(flat, np.full(count, width, dtype=np.float32), _ink(color, count, alpha), depths)
+    both = None if depths is None else np.stack([depths, depths], axis=1)
+    canvas.lines(flat, np.full(count, width, dtype=np.float32), _ink(color, count, alpha), both)
 
 
 def _ink(color: Color, count: int, alpha: int = 255) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -17,9 +18,15 @@ from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import Look, Scenery, lines
 
 ARC = 24
-"""Segments of half a circle."""
+"""Segments of half a circle in the plane."""
 PARTS = 6
 """Parts of each side of a facet: things in front of some and behind others are told apart by these."""
+SHORTEST = 8.0
+"""The least length of such a part along a capsule [pixels]."""
+SAGITTA = 0.25
+"""How far the outline of a capsule in space is from a circle at most [pixels]."""
+FINEST = 12
+"""The most segments of a quarter of it."""
 
 
 class SolidLook(Look):
@@ -53,7 +60,7 @@ class SolidLook(Look):
         """Lit triangles in 3D."""
         if view.flat:
             return
-        draw_facets(canvas, view, theme, *(self._rounded() if self.radius else self._facets()))
+        draw_facets(canvas, view, theme, *(self._rounded(view) if self.radius else self._facets()))
 
     def _outline(self) -> FloatArray:
         """The corners of the polygon in 2D (N, 2), counterclockwise."""
@@ -83,18 +90,24 @@ class SolidLook(Look):
                 normals.append(np.broadcast_to(normal / np.linalg.norm(normal), corners[-1].shape))
         return np.concatenate(corners), np.concatenate(normals)
 
-    def _rounded(self) -> tuple[FloatArray, FloatArray]:
-        """The triangles of a capsule, with the normals at their corners."""
+    def _rounded(self, view: View) -> tuple[FloatArray, FloatArray]:
+        """The triangles of a capsule, with the normals at their corners: as many as its size in a view asks for.
+
+        The sagitta of one of q segments of a quarter circle is r (1 − cos(π/4q)) ≈ π² r / 32 q².
+        """
         start, end = self.points
+        scale = float(view.project(self.points)[2].max())
+        quarter = math.ceil(math.pi * math.sqrt(self.radius * scale / (32.0 * SAGITTA)))
+        quarter = min(max(quarter, 2), FINEST)
         length = float(np.linalg.norm(end - start))
         axis = (end - start) / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
         first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
         first /= np.linalg.norm(first)
-        level = np.linspace(-0.5 * np.pi, 0.5 * np.pi, ARC + 1)
-        sides = max(1, round(PARTS * length / self.radius))
+        level = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 2 * quarter + 1)
+        sides = max(1, round(length * scale / max(self.radius * scale / PARTS, SHORTEST)))
         heights = np.concatenate([level[level < 0.0], np.zeros(sides + 1), level[level > 0.0]])
-        feet = np.concatenate([np.zeros(ARC // 2), np.linspace(0.0, 1.0, sides + 1), np.ones(ARC // 2)])
-        turn = np.linspace(0.0, 2.0 * np.pi, 2 * ARC + 1)
+        feet = np.concatenate([np.zeros(quarter), np.linspace(0.0, 1.0, sides + 1), np.ones(quarter)])
+        turn = np.linspace(0.0, 2.0 * np.pi, 4 * quarter + 1)
         ring = np.cos(turn)[:, np.newaxis] * first + np.sin(turn)[:, np.newaxis] * np.cross(axis, first)
         normals = np.cos(heights)[:, np.newaxis, np.newaxis] * ring + np.sin(heights)[:, np.newaxis, np.newaxis] * axis
         places = start + feet[:, np.newaxis, np.newaxis] * (end - start) + self.radius * normals

@@ -78,12 +78,13 @@ class ArrowsPainter(FieldPainter):
         length = 0.9 * self._style.spacing / view.scale
         half = 0.5 * length * np.minimum(1.0, self.top / values)[:, np.newaxis] * vectors / self.top
         tails, depth, _ = view.project(places - half)
-        tips, _, _ = view.project(places + half)
+        tips, there, _ = view.project(places + half)
         ink = tint(values, (0.0, self.top), self._table, self._theme.background)
         longest = np.float32(0.9 * self._style.spacing)
         widths = np.full(len(tips), max(WIDTH * longest, 1.2), dtype=np.float32)
         corners = heads(tails, tips, longest)
-        canvas.lines(np.concatenate([tails, corners.mean(axis=1)], axis=1), widths, ink, depth)
+        both = None if depth is None or there is None else np.stack([depth, there], axis=1)
+        canvas.lines(np.concatenate([tails, corners.mean(axis=1)], axis=1), widths, ink, both)
         inks = np.repeat(ink[:, np.newaxis], 3, axis=1).reshape(-1, 12)
         canvas.triangles(corners.reshape(-1, 6), inks, None if depth is None else depth[:, np.newaxis])
 

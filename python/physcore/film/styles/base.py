@@ -200,18 +200,16 @@ class Painter(ABC):
     """Colors (N, 3) of their particles, if those keep them; None if they show a quantity, or a picture."""
 
     @property
-    def legend(self) -> list[tuple[Body, Color]]:
-        """The bodies that it draws in one color, with that."""
+    def legend(self) -> list[tuple[Body | System, Color]]:
+        """The bodies or the system that it draws in one color, with that."""
         if self.fixed is None:
             return []
         ends = np.cumsum([len(part.body) for part in self.parts])
-        result: list[tuple[Body, Color]] = []
-        for part, end in zip(self.parts, ends.tolist(), strict=True):
-            colors = np.unique(self.fixed[end - len(part.body) : end], axis=0)
-            if len(colors) == 1:
-                red, green, blue = colors[0].astype(int).tolist()
-                result.append((part.body, (red, green, blue)))
-        return result
+        each = [
+            (part.body, only(self.fixed[end - len(part.body) : end]))
+            for part, end in zip(self.parts, ends.tolist(), strict=True)
+        ]
+        return [(body, color) for body, color in each if color is not None]
 
     @property
     def scale(self) -> Scale | None:
@@ -307,6 +305,15 @@ def straight(domain: Periodic | None, steps: FloatArray) -> BoolArray:
     flat = steps.reshape(-1, steps.shape[-1])
     same: BoolArray = (domain.nearest(flat) == flat).all(axis=1).reshape(steps.shape[:-1])
     return same
+
+
+def only(colors: FloatArray) -> Color | None:
+    """The color of several things (N, 3), if it is the same."""
+    different = np.unique(colors, axis=0)
+    if len(different) != 1:
+        return None
+    red, green, blue = different[0].astype(int).tolist()
+    return red, green, blue
 
 
 def sums(index: IntArray, values: FloatArray, count: int) -> FloatArray:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import islice
-
 import numpy as np
 
 from physcore.checks import BoolArray, FloatArray
@@ -72,12 +69,6 @@ class Curve:
         usual = np.linalg.norm(self._acceleration, axis=1)
         sudden: BoolArray = np.linalg.norm(change - self._acceleration, axis=1) > SUDDEN * usual + 1e-9
         return sudden
-
-
-def joined(pieces: Sequence[FloatArray]) -> FloatArray:
-    """Pieces of a curve in one (K, N, D), from the end of the first one."""
-    whole: FloatArray = np.concatenate([pieces[0][-1:], *islice(pieces, 1, None)])
-    return whole
 
 
 def _cornered(

@@ -115,12 +115,11 @@ class FieldLinesPainter(Painter):
         between = None
         if depth is not None:
             depth = depth.reshape(shape)
-            between = (0.5 * (depth[:, :-1] + depth[:, 1:])).ravel()
+            between = np.stack([depth[:, :-1].ravel(), depth[:, 1:].ravel()], axis=1)
         drawn = np.isfinite(ends).all(axis=1) & (np.abs(ends[:, :2] - ends[:, 2:]).max(axis=1) > 0.0)
         ends, between = ends[drawn], None if between is None else between[drawn]
-        canvas.lines(
-            ends, np.full(len(ends), self._style.width, np.float32), self._ink(len(ends), between, view), between
-        )
+        ink = self._ink(len(ends), None if between is None else between.mean(axis=1), view)
+        canvas.lines(ends, np.full(len(ends), self._style.width, np.float32), ink, between)
         self._arrowheads(canvas, points, depth, view)
 
     def _ink(self, number: int, depth: np.ndarray | None, view: View) -> np.ndarray:

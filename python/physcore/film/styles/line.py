@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from physcore._core import Canvas
+from physcore._core import Canvas, text_width
 from physcore.checks import FloatArray, text
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Color, Theme, mixed
-from physcore.film.labels.text import ends, text_height
+from physcore.film.labels.text import GAP, ends, fitting, text_height
 from physcore.film.looks.base import lines
 from physcore.film.styles.base import Painter, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
+from physcore.scene.bodies import Body
 from physcore.scene.grid import GridSystem
+from physcore.scene.items import System
 from physcore.simulation.sources import Source, SourceFrame
 from physcore.systems.schrodinger import Schrodinger
 
@@ -84,11 +87,18 @@ class LinePainter(GridPainter):
         self._style = style
         self._color = theme.bodies[part.index % len(theme.bodies)]
         self.top = style.range or 0.0
+        self.together: Sequence[LinePainter] = [self]
+        """All that draw curves into the same picture, in their order."""
         self._potential: FloatArray | None = None
         if isinstance(part.system, Schrodinger):
             potential = np.broadcast_to(np.asarray(part.system.potential, dtype=float), self._grid.cells)
             height = float(np.ptp(potential))
             self._potential = (potential - potential.min()) / height if height > 0.0 else None
+
+    @property
+    def legend(self) -> list[tuple[Body | System, Color]]:
+        """The system and its color."""
+        return [(self._system, self._color)]
 
     @property
     def settled(self) -> bool:
@@ -137,16 +147,34 @@ class LinePainter(GridPainter):
                 radius, white = np.array([1.6 * self._style.width], dtype=np.float32), [[*theme.text, 255]]
                 canvas.discs(np.array([place], dtype=np.float32), radius, np.array(white, dtype=np.uint8))
 
+    @property
+    def _words(self) -> str:
+        """The quantity, and its value at the end of the scale."""
+        return f"{self.quantity} {ends(0.0, self.top)[1]} {self.unit}" if self.top > 0.0 else self.quantity
+
     def _paint_axis(self, canvas: Canvas, left: float, right: float, zero: float, reach: float) -> None:
-        """Lines at zero and at the ends of the scale, and the value there."""
+        """Lines at zero and at the ends of the scale, and the value there: of curves in one picture once, or if they
+        have several scales, each in the color of a curve.
+        """
+        if any(other.signed == self.signed for other in self.together[: self.together.index(self)]):
+            return
         heights = [zero, zero - reach, *([zero + reach] if self.signed else [])]
         rules = np.array([[[left, height], [right, height]] for height in heights], dtype=np.float32)
         lines(canvas, rules[:1], self._theme.edge, 1.0)
         lines(canvas, rules[1:], mixed(self._theme.background, self._theme.edge, 0.4), 1.0)
+        if self is not self.together[0]:
+            return
+        scales: dict[str, Color] = {}
+        for painter in self.together:
+            scales.setdefault(painter._words, painter._color)
+        line = GAP.join(scales)
         text = text_height(round(right - left), round(2.0 * zero if self.signed else zero))
-        words = f"{self.quantity} {ends(0.0, self.top)[1]} {self.unit}" if self.top > 0.0 else self.quantity
-        top = max(2, round(zero - reach - 1.1 * text))
-        canvas.text(words, round(left), top, text, (*self._theme.label, 255), -1)
+        text = fitting(line, text, round(right - left))
+        x, top = round(left), max(2, round(zero - reach - 1.1 * text))
+        for words, color in scales.items():
+            ink = self._theme.label if len(scales) == 1 else color
+            canvas.text(words, x, top, text, (*ink, 255), -1)
+            x += text_width(words + GAP, text)
 
     def _curve(
         self, values: FloatArray, left: float, right: float, smooth: bool = True

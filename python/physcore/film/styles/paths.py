@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,10 +11,10 @@ from numpy.typing import ArrayLike
 from physcore._core import Canvas
 from physcore.checks import FloatArray, IntArray, number, regular, shown
 from physcore.errors import SceneError
-from physcore.film.camera.view import PixelArray, View
+from physcore.film.camera.view import View
 from physcore.film.colors.themes import Color, Theme, color
-from physcore.film.styles.base import BodyStyle, Painter, Part, body_color, inks, straight
-from physcore.film.styles.curve import Curve, joined
+from physcore.film.styles.base import BodyStyle, Painter, Part, body_color, inks
+from physcore.film.styles.past import Past
 from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -79,7 +78,7 @@ class PathsPainter(Painter):
     """Draws lines along all that was seen."""
 
     def __init__(self, style: Paths, source: Source, parts: list[Part], theme: Theme) -> None:
-        self.style, self._width, self._domain, self._theme = style, style.width, source.scene.periodic, theme
+        self.style, self._width, self._theme = style, style.width, theme
         where, colors = [], []
         for part in parts:
             every = np.arange(part.where.start, part.where.stop)
@@ -92,8 +91,7 @@ class PathsPainter(Painter):
         self._where: IntArray = np.concatenate(where)
         self._colors = FRESH * np.concatenate(colors) + (1.0 - FRESH) * np.array(theme.background)
         frames = None if style.fade is None else 1 + round(min(style.fade * source.fps, source.count))
-        self._past: deque[FloatArray] = deque(maxlen=frames)
-        self._curve = Curve(1.0 / source.fps, smooth=self._domain is None)
+        self._past = Past(1.0 / source.fps, frames, source.scene.periodic)
 
     @property
     def traced(self) -> FloatArray:
@@ -102,8 +100,7 @@ class PathsPainter(Painter):
 
     def begin(self) -> None:
         """Forget the ways."""
-        self._past.clear()
-        self._curve.begin()
+        self._past.begin()
 
     def observe(self, frame: SourceFrame) -> None:
         """Nothing depends on the film."""
@@ -117,29 +114,18 @@ class PathsPainter(Painter):
         """Add lines."""
         del pixels
         velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
-        self._past.append(self._curve.piece(frame.positions[self._where], velocities))
-        past = joined(self._past)
-        frames, count, dimension = past.shape
-        points, depth, _ = view.project(past.reshape(-1, dimension))
-        if self._past.maxlen is not None:
-            self._fade(canvas, past, points, depth)
+        self._past.add(frame.positions[self._where], velocities)
+        points, depth = self._past.seen(view)
+        gaps = self._past.gaps
+        if self._past.frames is not None:
+            widths = np.full(len(self._colors), self._width, dtype=np.float32)
+            plain = inks(self._colors, self._theme, None)
+            canvas.trails(points, widths, plain, (self._theme.background, 1.0), gaps, depth)
             return
-        whole = straight(self._domain, np.diff(past, axis=0)).ravel()
-        farness = None if depth is None else view.farness(depth[count:])
-        ink = inks(np.tile(self._colors, (frames - 1, 1)), self._theme, farness)
-        ends = np.concatenate([points[:-count], points[count:]], axis=1)[whole]
-        widths = np.full(len(ends), self._width, dtype=np.float32)
-        canvas.lines(ends, widths, ink[whole], None if depth is None else depth[count:][whole])
-
-    def _fade(self, canvas: Canvas, past: FloatArray, points: PixelArray, depth: PixelArray | None) -> None:
-        """Add lines that fade with age."""
-        frames, count, _ = past.shape
-        gaps = None if self._domain is None else ~straight(self._domain, np.diff(past, axis=0))
-        canvas.trails(
-            points.reshape(frames, count, 2),
-            np.full(count, self._width, dtype=np.float32),
-            inks(self._colors, self._theme, None),
-            (self._theme.background, 1.0),
-            gaps,
-            None if depth is None else depth.reshape(frames, count),
-        )
+        ends = np.concatenate([points[:-1], points[1:]], axis=2).reshape(-1, 4)
+        far = None if depth is None else depth[1:].ravel()
+        ink = inks(np.tile(self._colors, (len(points) - 1, 1)), self._theme, None if far is None else view.farness(far))
+        whole = slice(None) if gaps is None else ~gaps.ravel()
+        widths = np.full(len(ends[whole]), self._width, dtype=np.float32)
+        both = None if depth is None else np.stack([depth[:-1].ravel(), depth[1:].ravel()], axis=1)
+        canvas.lines(ends[whole], widths, ink[whole], None if both is None else both[whole])

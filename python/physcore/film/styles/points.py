@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 from typing import Literal, cast
 
@@ -28,10 +27,9 @@ from physcore.film.styles.base import (
     Scale,
     inks,
     places,
-    straight,
 )
 from physcore.film.styles.coloring import Coloring, checked, require_known
-from physcore.film.styles.curve import Curve, joined
+from physcore.film.styles.past import Past
 from physcore.film.styles.typical import Typical
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -136,7 +134,6 @@ class PointsPainter(Painter):
         self._own = self._diameters(source.scene.dimension)
         self._table = sequential(style.colormap, theme.part, "Points.colormap")
         self._fps = source.fps
-        self._domain = source.scene.periodic
         self._coloring = (
             None if color in MEASURED else Coloring(color, self._table, "Points.color", source, parts, theme)
         )
@@ -146,8 +143,7 @@ class PointsPainter(Painter):
         frames = source.count / 8 if len(self._mass) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
-        self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
-        self._curve = Curve(1.0 / source.fps, smooth=self._domain is None)
+        self._past = Past(1.0 / source.fps, 1 + round(frames), source.scene.periodic)
 
     def _diameters(self, dimension: int) -> FloatArray | None:
         """Diameters over the one that is chosen for all (N,), or in pixels, where they differ; None if they do not."""
@@ -172,8 +168,7 @@ class PointsPainter(Painter):
 
     def begin(self) -> None:
         """Forget the paths."""
-        self._past.clear()
-        self._curve.begin()
+        self._past.begin()
 
     def observe(self, frame: SourceFrame) -> None:
         """Find the top of the color scale."""
@@ -201,9 +196,8 @@ class PointsPainter(Painter):
             fraction = (fraction - self.low) / ((self.top - self.low) or 1.0)
         ink = self._inks(fraction, depth if self._style.shading else None, view)
         radii = self._radii(scale, view, pixels)
-        if self._past.maxlen != 1:
-            velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
-            self._past.append(self._curve.piece(positions, velocities))
+        if self._past.frames != 1:
+            self._past.add(positions, frame.fields["velocities"][self._where] if "velocities" in frame.fields else None)
             self._paint_trails(canvas, view, self._inks(fraction, None, view), 0.7 * self._chosen(pixels))
         if self._style.glow > 0.0:
             self._paint_halos(canvas, centers, radii, ink, depth, fraction)
@@ -215,18 +209,9 @@ class PointsPainter(Painter):
 
     def _paint_trails(self, canvas: Canvas, view: View, ink: InkArray, width: float) -> None:
         """Lines along the last positions that fade with age."""
-        past = joined(self._past)
-        frames, count, dimension = past.shape
-        pixels, depth, _ = view.project(past.reshape(-1, dimension))
-        gaps = None if self._domain is None else ~straight(self._domain, np.diff(past, axis=0))
-        canvas.trails(
-            pixels.reshape(frames, count, 2),
-            np.full(count, width, dtype=np.float32),
-            ink,
-            (self._theme.background, TRAIL),
-            gaps,
-            None if depth is None else depth.reshape(frames, count),
-        )
+        pixels, depth = self._past.seen(view)
+        widths = np.full(len(ink), width, dtype=np.float32)
+        canvas.trails(pixels, widths, ink, (self._theme.background, TRAIL), self._past.gaps, depth)
 
     def _paint_halos(
         self,
@@ -258,7 +243,7 @@ class PointsPainter(Painter):
         length = np.sqrt(np.einsum("nd,nd->n", tips - tails, tips - tails))
         faint = ink.copy()
         faint[:, 3] = np.round(255.0 * np.pi * radii / (np.pi * radii + 2.0 * length))
-        depth = None if before is None or after is None else 0.5 * (before + after)
+        depth = None if before is None or after is None else np.stack([before, after], axis=1)
         canvas.lines(np.concatenate([tails, tips], axis=1), 2.0 * radii, faint, depth)
 
     def _values(self, frame: SourceFrame) -> FloatArray:

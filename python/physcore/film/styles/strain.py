@@ -294,7 +294,7 @@ def covered(pairs: IntArray, rest_length: FloatArray) -> BoolArray:
 def divided(
     lines: PixelArray, widths: PixelArray, ink: InkArray, depths: PixelArray, steps: PixelArray
 ) -> tuple[PixelArray, PixelArray, InkArray, PixelArray]:
-    """Lines (M, 4) in space, cut into parts of which each has a depth of its own: ends, widths, inks and depths.
+    """Lines (M, 4) in space, cut into parts of which each is sorted by itself: ends, widths, inks and depths of ends.
 
     Args:
         lines, widths, ink: as the canvas takes them.
@@ -308,5 +308,5 @@ def divided(
     low, high = ((part + each) / counts[index] for each in (0, 1))
     start, way = lines[index, :2], lines[index, 2:] - lines[index, :2]
     ends = np.concatenate([start + low[:, np.newaxis] * way, start + high[:, np.newaxis] * way], axis=1)
-    middle = depths[index] + (low + high) / 2 * steps[index]
-    return ends.astype(np.float32), widths[index], ink[index], middle.astype(np.float32)
+    places = depths[index, np.newaxis] + np.stack([low, high], axis=1) * steps[index, np.newaxis]
+    return ends.astype(np.float32), widths[index], ink[index], places.astype(np.float32)

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.checks import FloatArray, number
+from physcore.checks import number
 from physcore.film.camera.view import View
-from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import SHADING, SystemPart, SystemStyle, inks
-from physcore.film.styles.curve import BETWEEN, Curve, joined
+from physcore.film.colors.themes import Color, Theme, color
+from physcore.film.styles.base import SHADING, SystemPart, SystemStyle, inks, only
+from physcore.film.styles.curve import BETWEEN
 from physcore.film.styles.density import FEW, PointsPainter
+from physcore.film.styles.past import Past
+from physcore.scene.bodies import Body
+from physcore.scene.items import System
 from physcore.scene.points import PointSystem
 from physcore.simulation.sources import Source, SourceFrame
 from physcore.systems.point_vortices import PointVortices
+from physcore.systems.tracers import Tracers
 
 SHARE = 0.3
 """The part of the film for which a path is shown where nothing is said."""
@@ -32,13 +35,15 @@ class Trails(SystemStyle):
 
         pc.film(recording, "lorenz.gif", style=pc.styles.Trails(duration=4.0))
 
-    Paths are the cubics through positions and velocities of the frames, where velocities were recorded. Vortices have
-    two colors, for both signs of their circulation.
+    Paths are the cubics through positions and velocities of the frames, where velocities were recorded. Each tracer has
+    its own color; of several systems of tracers in a scene, each system has. Vortices have two colors, for both signs
+    of their circulation.
 
     Args:
         duration: for how long a path is shown [s]; None: three tenths of the film.
         width: of a path at its fresh end [pixels].
         size: diameter of the discs [pixels].
+        color: one for all, such as "tomato" or "#10c0ff".
         on: the tracers drawn in this style; None: all systems of up to 200 points.
 
     Raises:
@@ -48,12 +53,15 @@ class Trails(SystemStyle):
     duration: float | None = None
     width: float = 1.8
     size: float = 5.0
+    color: str | Color | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.duration is not None:
             self._set(duration=number(self.duration, "Trails.duration", least=0.0))
         self._set_positive("width", "size")
+        if self.color is not None:
+            self._set(color=color(self.color, "Trails.color"))
 
     def can_draw(self, item: object) -> bool:
         """Whether it consists of a few points."""
@@ -69,22 +77,31 @@ class TrailsPainter(PointsPainter):
 
     def __init__(self, style: Trails, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, source, part)
-        self._trails, self._theme, self._curve = style, theme, Curve(1.0 / source.fps)
+        self._trails, self._theme = style, theme
         rates = f"{part.path}.velocities"
         self._rates = rates if source.has(rates) else None
         frames = SHARE * source.count if style.duration is None else min(style.duration * source.fps, source.count)
         most = LONGEST // max(len(self._system) * BETWEEN, 1)
-        self._past: deque[FloatArray] = deque(maxlen=max(1, min(round(frames), most)))
+        self._past = Past(1.0 / source.fps, max(1, min(round(frames), most)))
         palette = np.array(theme.bodies, dtype=float)
         each = np.arange(len(self._system)) % len(palette)
         if isinstance(self._system, PointVortices):
             each = (self._system.circulations > 0.0).astype(int)
+        elif sum(isinstance(other, Tracers) for other in source.scene.systems) > 1:
+            each[:] = part.index % len(palette)
         self._colors = palette[each]
+        if style.color is not None:
+            self._colors[:] = style.color
+
+    @property
+    def legend(self) -> list[tuple[Body | System, Color]]:
+        """The system, if all its points have the same color."""
+        color = only(self._colors)
+        return [] if color is None else [(self._system, color)]
 
     def begin(self) -> None:
         """Forget the paths."""
-        self._past.clear()
-        self._curve.begin()
+        self._past.begin()
 
     def inset(self, pixels: float) -> float:
         """A disc."""
@@ -95,18 +112,11 @@ class TrailsPainter(PointsPainter):
         """Add paths, then discs."""
         del pixels
         points = frame.fields[self._field]
-        self._past.append(self._curve.piece(points, None if self._rates is None else frame.fields[self._rates]))
-        count = len(points)
-        path = joined(self._past)
-        places, depth, _ = view.project(path.reshape(-1, points.shape[1]))
-        canvas.trails(
-            np.ascontiguousarray(places.reshape(len(path), count, 2)),
-            np.full(count, self._trails.width, dtype=np.float32),
-            inks(self._colors, self._theme, None),
-            (self._theme.background, FRESH),
-            None,
-            None if depth is None else np.ascontiguousarray(depth.reshape(len(path), count)),
-        )
+        self._past.add(points, None if self._rates is None else frame.fields[self._rates])
+        places, depth = self._past.seen(view)
+        widths = np.full(len(points), self._trails.width, dtype=np.float32)
+        plain = inks(self._colors, self._theme, None)
+        canvas.trails(places, widths, plain, (self._theme.background, FRESH), None, depth)
         centers, near, scale = view.project(points)
         radii = (0.5 * self._trails.size * scale / view.scale).astype(np.float32)
         ink = inks(self._colors, self._theme, None if near is None else view.farness(near))

@@ -62,8 +62,10 @@ def check_loop(loop: object, hold: object, name: str, longest: float, *, moving:
     """
     chosen = None if loop is None else word(loop, "loop", get_args(Loop))
     seconds = span(hold, "hold", empty=True)
-    if not moving and (chosen is not None or seconds > 0.0):
-        raise SceneError(f"loop, hold: are for films, and this is {name}")
+    if not moving:  # it stays for as long as it is looked at
+        if chosen is not None:
+            raise SceneError(f"loop: needs more than one frame, and {name} has only the last; leave it out")
+        return Repeat()
     if seconds > longest / 2:
         raise SceneError(f"hold: must be at most {longest / 2:.0f} s in {name}, got {seconds:g}")
     if chosen == "crossfade" and seconds > 0.0:
