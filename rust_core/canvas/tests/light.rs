@@ -89,6 +89,34 @@ fn an_edge_lies_where_its_sides_meet_in_either_order() {
     }
 }
 
+/// Nor is there anything above a plane, of triangles however thin.
+#[test]
+fn a_wall_of_thin_triangles_takes_no_light_from_itself() {
+    for slope in [0.0_f32, 0.01, 0.04] {
+        let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
+        canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
+        let mut painting = Painting::default();
+        painting.light(Light { lamp: ABOVE, shadow: 0.0, occlusion: 0.8, reach: 10.0 });
+        let node = |column: u8, row: f32| [40.0 + 1.3 * f32::from(column) + 0.1 * row, 30.0 + 140.0 * row];
+        let depth = |[x, y]: [f32; 2]| slope * (x - y);
+        for column in 0..90 {
+            let [a, b, c, d] = [(0, 0.0), (1, 0.0), (0, 1.0), (1, 1.0)].map(|(right, row)| node(column + right, row));
+            for corners in [[a, c, d], [a, d, b]] {
+                let depths = corners.map(depth);
+                let colors = [[GRAY, 0, 0, 255]; 3];
+                let triangle = Triangle { corners, colors, depths, lit: true, texture_coordinates: [[0.0; 2]; 3] };
+                painting.triangle(triangle, None, depths.iter().sum::<f32>() / 3.0);
+            }
+        }
+        painting.paint(&mut canvas);
+        for x in 45..150 {
+            for y in 35..165 {
+                assert!(gray(&canvas, x, y) >= GRAY - 1, "{slope}, {x}, {y}: {}", gray(&canvas, x, y));
+            }
+        }
+    }
+}
+
 /// A straight rod is convex: nothing of it lies above another part of it, whatever it is put together from.
 #[test]
 fn a_rod_of_several_lines_takes_no_light_from_itself() {
