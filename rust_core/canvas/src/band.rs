@@ -160,7 +160,6 @@ impl Band<'_> {
         let edges = edges(&triangle.corners);
         let inks = triangle.colors.map(|ink| ink.map(f32::from));
         let eye = self.eye.filter(|_| triangle.colors.iter().all(|&ink| is_solid(ink)));
-        let corner_depths = triangle.depths.map(|depth| [if triangle.lit { depth } else { OPEN }]);
         for row in area.top..area.bottom {
             let first = (row - self.top) as usize * self.width + area.left as usize;
             let depths = self.depths.get_mut(first..).unwrap_or_default().iter_mut().map(Some).chain(repeat_with(|| None));
@@ -175,7 +174,7 @@ impl Band<'_> {
                 if coverage > 0.0 {
                     let weights = barycentric(&triangle.corners, doubled, x, y);
                     if let (Some(eye), Some(kept)) = (eye, kept) {
-                        let [depth] = mean(&corner_depths, weights);
+                        let depth = if triangle.lit { depth(triangle, doubled, x, y) } else { OPEN };
                         if outside <= 0.0 {
                             *kept = at_center(depth);
                         } else if is_center(*kept) && (*kept - depth).abs() < SEAM * eye.length(depth) {
@@ -322,6 +321,17 @@ fn away([a, b, c]: &[[f32; 2]; 3], x: f32, y: f32) -> f32 {
         ex * ex + ey * ey
     };
     from(*a, *b).min(from(*b, *c)).min(from(*c, *a)).sqrt()
+}
+
+/// Depth of the plane of a triangle of known doubled signed area at a point, which may lie a little beside it, as far as it is one
+/// of the triangle's. (Clamped barycentric coordinates would be those of a place far away in one that is thin.)
+#[inline(always)]
+fn depth(Triangle { corners: [a, b, c], depths: [first, second, third], .. }: &Triangle, doubled: f32, x: f32, y: f32) -> f32 {
+    let (scale, x, y) = (1.0 / doubled, x - a[0], y - a[1]);
+    let along = (x * (c[1] - a[1]) - y * (c[0] - a[0])) * scale;
+    let across = (y * (b[0] - a[0]) - x * (b[1] - a[1])) * scale;
+    let plane = first + along * (second - first) + across * (third - first);
+    plane.max(first.min(*second).min(*third)).min(first.max(*second).max(*third))
 }
 
 /// Barycentric coordinates of a point in a triangle of known doubled signed area, clamped to the triangle.

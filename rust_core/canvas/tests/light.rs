@@ -1,6 +1,6 @@
 //! Shadows fall where something stands in the way of the lamp, and nowhere else; ground is where a plane is seen.
 
-use physcore_canvas::{Canvas, Disc, Eye, Ground, Light, Line, Painting};
+use physcore_canvas::{Canvas, Disc, Eye, Ground, Light, Line, Painting, Triangle};
 
 const SIDE: usize = 200;
 const GRAY: u8 = 200;
@@ -53,6 +53,68 @@ fn no_shadow_falls_on_what_the_lamp_does_not_reach() {
     let canvas = lit(&[([100.0, 100.0], 15.0, 0.0)], [-1.0, 0.0, 0.0]);
     let beside = |pixel: &usize| (pixel % SIDE).abs_diff(100).pow(2) + (pixel / SIDE).abs_diff(100).pow(2) > 17 * 17;
     assert!((0..SIDE * SIDE).filter(beside).all(|pixel| canvas.pixels()[pixel][1] >= GRAY - 3));
+}
+
+/// Where two sides of a body meet, one with its center in a pixel keeps half of it or more, whichever is drawn first: an edge
+/// between many of them does not go to and fro.
+#[test]
+fn an_edge_lies_where_its_sides_meet_in_either_order() {
+    let picture = |first: usize| {
+        let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
+        canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
+        let mut painting = Painting::default();
+        for (index, corner) in [[60.0, 20.0], [140.0, 180.0]].into_iter().enumerate() {
+            let triangle = Triangle {
+                corners: [[40.0, 110.0], [160.0, 90.0], corner],
+                colors: [[[255, 0][index], 0, 0, 255]; 3],
+                depths: [0.0, 0.0, 1.0],
+                lit: true,
+                texture_coordinates: [[0.0; 2]; 3],
+            };
+            painting.triangle(triangle, None, if index == first { 0.1 } else { 0.0 });
+        }
+        painting.paint(&mut canvas);
+        canvas
+    };
+    let (one, other) = (picture(0), picture(1));
+    for x in 60..140 {
+        for y in 90..110 {
+            let (here, there) = (gray(&one, x, y), gray(&other, x, y));
+            assert!(here.abs_diff(there) <= 128, "{x}, {y}: {here} and {there}");
+            let above = 110.0 - (x as f32 + 0.5 - 40.0) / 6.0 - (y as f32 + 0.5);
+            if above.abs() > 0.1 {
+                assert_eq!((here >= 127, there >= 127), (above > 0.0, above > 0.0), "{x}, {y}: {here} and {there}");
+            }
+        }
+    }
+}
+
+/// Nor is there anything above a plane, of triangles however thin.
+#[test]
+fn a_wall_of_thin_triangles_takes_no_light_from_itself() {
+    for slope in [0.0_f32, 0.01, 0.04] {
+        let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
+        canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
+        let mut painting = Painting::default();
+        painting.light(Light { lamp: ABOVE, shadow: 0.0, occlusion: 0.8, reach: 10.0 });
+        let node = |column: u8, row: f32| [40.0 + 1.3 * f32::from(column) + 0.1 * row, 30.0 + 140.0 * row];
+        let depth = |[x, y]: [f32; 2]| slope * (x - y);
+        for column in 0..90 {
+            let [a, b, c, d] = [(0, 0.0), (1, 0.0), (0, 1.0), (1, 1.0)].map(|(right, row)| node(column + right, row));
+            for corners in [[a, c, d], [a, d, b]] {
+                let depths = corners.map(depth);
+                let colors = [[GRAY, 0, 0, 255]; 3];
+                let triangle = Triangle { corners, colors, depths, lit: true, texture_coordinates: [[0.0; 2]; 3] };
+                painting.triangle(triangle, None, depths.iter().sum::<f32>() / 3.0);
+            }
+        }
+        painting.paint(&mut canvas);
+        for x in 45..150 {
+            for y in 35..165 {
+                assert!(gray(&canvas, x, y) >= GRAY - 1, "{slope}, {x}, {y}: {}", gray(&canvas, x, y));
+            }
+        }
+    }
 }
 
 /// A straight rod is convex: nothing of it lies above another part of it, whatever it is put together from.
