@@ -14,7 +14,7 @@
 //!
 //! **Viscosity.** Both forces act along d and go with v·d: angular momentum is conserved pair by pair, and a rotation as a whole
 //! feels none of them, at a free surface either. For any such force A(d) v·d d, the quadratic terms of a flow give ∇²v + 2∇∇·v
-//! times ½∫A dₓ²d_y² dV, which is free of traction at a free surface (A. Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le
+//! times ½∫A x²y² dV, which is free of traction at a free surface (A. Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le
 //! Touzé, Phys. Rev. E 84 (2011) 026705). J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703 takes A ∝ F/d²; with A ∝ F the
 //! integral is −σ², the variance of W along an axis, and the sum over a lattice is closer to it: with the default kernel
 //! shear along an axis of a square lattice feels 0.999 of μ, and along its diagonals 1.047, instead of 0.89 and 1.11.
