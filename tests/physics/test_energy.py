@@ -365,8 +365,8 @@ def test_verlet_dissipates_its_shadow_energy(displaced, share):
     """A damped spring, from a displacement or a velocity to rest: E (1 + y²/6 − …), y = ωh, as its shadow Hamiltonian.
 
     On x'' = −ω²x Verlet keeps ½v² + ½ω²x² (1 − y²/4), and the Hamiltonian whose flow it follows is that times
-    arcsin(y/2)/(y/2 √(1 − y²/4)) = 1 + y²/6 + O(y⁴). Of a displacement that is E (1 − y²/12), of a velocity E (1 + y²/6). The next
-    order is a tenth of y⁴, and damping by ξ = 0.01 changes the factors by as much.
+    arcsin(y/2)/(y/2 √(1 − y²/4)) = 1 + y²/6 + O(y⁴). Of a displacement that is E (1 − y²/12), of a velocity
+    E (1 + y²/6). The next order is a tenth of y⁴, and damping by ξ = 0.01 changes the factors by as much.
     """
     y, damping = 0.2, 0.01
     body = pc.SpringNetwork(

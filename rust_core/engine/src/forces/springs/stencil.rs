@@ -148,9 +148,9 @@ impl<T: Real> Stencil<T> {
         let ends = [(&lower, start), (&upper, start + self.offset)]
             .map(|(ends, first)| if ends.is_empty() { (0..0, 0) } else { (place(ends), ends.start - first) });
         for axis in 0..V::DIMENSION {
-            add(&ends, &mut rates.force.axes[axis], &scratch.force[axis]);
+            add(&ends, rates.force.axes[axis], &scratch.force[axis]);
             if let (true, Some(damping)) = (DAMPED, &mut rates.damping) {
-                add(&ends, &mut damping.axes[axis], &scratch.damping[axis]);
+                add(&ends, damping.axes[axis], &scratch.damping[axis]);
             }
         }
         if DAMPED && !lower.is_empty() {

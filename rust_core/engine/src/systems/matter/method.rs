@@ -48,8 +48,8 @@ pub struct About {
     pub drifts_first: bool,
     /// Whether each stage is a sweep over all particles, even where these are independent.
     pub sweeps: bool,
-    /// Whether the power of damping is corrected, as by [`Integrator::CORRECTED_WEIGHT`].
-    pub corrects: bool,
+    /// As [`Integrator::CORRECTED_WEIGHT`].
+    pub corrected_weight: f64,
     /// The angle by which it turns velocities in magnetic fields, if it does, as [`Integrator::GYRATES`].
     pub angle: Option<Angle>,
     /// As [`Integrator::limit`].
@@ -135,7 +135,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             own: 0,
             drifts_first: I::DRIFTS_FIRST,
             sweeps: false,
-            corrects: I::CORRECTED_WEIGHT != 0.0,
+            corrected_weight: I::CORRECTED_WEIGHT,
             angle: self.angle,
             limit: I::limit,
             springs: Treatment::Forces,

@@ -166,7 +166,7 @@ impl<V: Vector> MatterSystem<V> {
         let cost = 1e-9 * (about.evaluations as f64 * (per_stage + rods) + meshes);
         let blocks = state.tallies.len();
         let contacts = dynamics.contacts.is_some() || dynamics.self_contacts.is_some();
-        let damped = about.corrects && dynamics.damps_springs();
+        let damped = about.corrected_weight != 0.0 && dynamics.damps_springs();
         let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, contacts, damped));
         let mut system = Self {
             saved: state.clone(),

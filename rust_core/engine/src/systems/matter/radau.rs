@@ -236,7 +236,7 @@ impl<V: Vector<Scalar = f64>> Method<V> for GaussRadau15 {
             own: vectors,
             drifts_first: false,
             sweeps: true,
-            corrects: false,
+            corrected_weight: 0.0,
             angle: None,
             limit: rule::limit,
             springs: Treatment::Forces,

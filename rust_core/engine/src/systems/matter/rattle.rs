@@ -112,7 +112,7 @@ impl<V: Vector> Method<V> for Rattle {
             order_dissipative: 2,
             evaluations: self.parts.len(),
             sweeps: true,
-            corrects: false,
+            corrected_weight: 0.0,
             springs: Treatment::Rods,
             holds_rods: true,
             smooth_only: Some("it advances rods, springs and fields, and no density; with order=2 boundaries too"),

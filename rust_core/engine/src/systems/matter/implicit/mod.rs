@@ -241,7 +241,7 @@ impl<V: Vector> Method<V> for Implicit {
             own: 6,
             drifts_first: false,
             sweeps: true,
-            corrects: false,
+            corrected_weight: 0.0,
             angle: None,
             limit: |_| f64::INFINITY,
             springs: Treatment::Solved,

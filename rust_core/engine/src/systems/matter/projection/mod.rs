@@ -157,7 +157,7 @@ fn about(name: &'static str, evaluations: usize) -> About {
         own: 1,
         drifts_first: false,
         sweeps: true,
-        corrects: false,
+        corrected_weight: 0.0,
         angle: None,
         limit: SemiImplicitEuler::limit,
         springs: Treatment::Projections,
