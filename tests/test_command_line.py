@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -141,6 +142,26 @@ def test_costs_are_those_of_demos_and_are_listed(capsys):
     for name, cost in known.items():
         assert f"{cost.seconds:.0f} s" in lines[name]
         assert f"{cost.bytes / 1e6:.1f} MB" in lines[name]
+
+
+def test_a_demo_of_so_many_particles_says_beforehand_how_long_it_takes(capsys, monkeypatch, tmp_path):
+    """With more particles than the demo has by itself, it rehearses; here few are filmed for a moment."""
+    two_dams = demo("two_dams")
+    monkeypatch.setattr(two_dams, "DURATION", 0.05)
+    monkeypatch.setattr(two_dams, "PARTICLES", 1000)
+    assert main(["demo", "two_dams", "--particles", "2000", "-o", str(tmp_path / "dams.gif")]) == 0
+    output = capsys.readouterr().out
+    assert re.search(r"\n\d+ particles: \d+ steps of \S+ s, about .* at the pace of the first ones", output)
+    assert int(re.search(r"\n(\d+) particles", output)[1]) == len(two_dams.scene(2000).bodies[0].positions) * 2
+
+
+def test_a_number_of_particles_is_refused_where_a_demo_has_none_or_it_is_too_small(capsys):
+    assert main(["demo", "rope", "--particles", "2000"]) == 2
+    assert main(["demo", "two_dams", "--particles", "10"]) == 2
+    assert capsys.readouterr().err.splitlines() == [
+        "physcore: rope has no --particles",
+        "physcore: particles: must be ≥ 1000, got 10",
+    ]
 
 
 def test_the_source_of_a_demo_is_its_file(capsys):

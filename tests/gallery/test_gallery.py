@@ -26,6 +26,7 @@ LONG = (
     "butterfly",
     "vortex_street",
     "folds",
+    "two_dams",
 )
 """Demos that take more than five seconds, of those that have no test of their own."""
 FRAMES = 2
@@ -34,6 +35,7 @@ FEWER: dict[str, dict[str, int]] = {
     "hourglass": {"grains": 2000},
     "butterfly": {"tracers": 5000},
     "vortex_street": {"dye": 5000},
+    "two_dams": {"particles": 2000},
 }
 """Options of that test for demos that take seconds to begin."""
 
