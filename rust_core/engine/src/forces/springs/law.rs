@@ -44,34 +44,51 @@ impl<T: Real> SpringLaw<T> {
     /// no direction, and the force is 0.
     #[inline(always)]
     pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> Pull<T> {
-        let mut along = [T::ZERO; AXES];
-        let (mut square, mut approach) = (T::ZERO, T::ZERO);
+        let Factors { tension, drag, power } = self.factors::<V, DAMPED>(i, j);
+        let mut pull = Pull { force: [T::ZERO; AXES], damping: [T::ZERO; AXES], power };
         for axis in 0..V::DIMENSION {
-            along[axis] = j.position[axis] - i.position[axis];
-            square += along[axis] * along[axis];
+            let along = j.position[axis] - i.position[axis];
+            pull.force[axis] = tension * along;
             if DAMPED {
-                approach += (j.velocity[axis] - i.velocity[axis]) * along[axis];
+                pull.damping[axis] = drag * along;
             }
         }
-        let (tension, drag, power) = self.factors::<DAMPED>(square, approach);
-        let damping = if DAMPED { along.map(|along| drag * along) } else { [T::ZERO; AXES] };
-        Pull { force: along.map(|along| tension * along), damping, power }
+        pull
     }
 
-    /// The factors of d in the force and in its part by damping, and the power, from d·d and (vⱼ − vᵢ)·d.
+    /// The factors of d in the pull, and the power.
     #[inline(always)]
-    fn factors<const DAMPED: bool>(&self, square: T, approach: T) -> (T, T, T) {
+    pub fn factors<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> Factors<T> {
+        let (mut square, mut approach) = (T::ZERO, T::ZERO);
+        for axis in 0..V::DIMENSION {
+            let along = j.position[axis] - i.position[axis];
+            square += along * along;
+            if DAMPED {
+                approach += (j.velocity[axis] - i.velocity[axis]) * along;
+            }
+        }
         let length = square.sqrt();
         let inverse = T::ONE / length;
         let inverse = if length > T::ZERO { inverse } else { T::ZERO };
         let strain = if self.rest_length == T::ZERO { T::ONE } else { (length - self.rest_length) * inverse };
         if !DAMPED {
-            return (self.stiffness * strain, T::ZERO, T::ZERO);
+            return Factors { tension: self.stiffness * strain, drag: T::ZERO, power: T::ZERO };
         }
         let rate = approach * inverse;
         let drag = self.damping * rate;
-        (self.stiffness * strain + drag * inverse, drag * inverse, drag * rate)
+        Factors { tension: self.stiffness * strain + drag * inverse, drag: drag * inverse, power: drag * rate }
     }
+}
+
+/// The factors of the separation d = xⱼ − xᵢ in the pull on end i.
+#[derive(Debug, Clone, Copy)]
+pub struct Factors<T> {
+    /// That of the force [N/m].
+    pub tension: T,
+    /// That of its part by damping [N/m]: 0 without.
+    pub drag: T,
+    /// The dissipated power [W].
+    pub power: T,
 }
 
 /// The pull of a spring on one of its ends.

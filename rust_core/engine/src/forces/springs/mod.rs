@@ -27,7 +27,7 @@ pub use ordering::ordering;
 use law::SpringLaw;
 use slices::Slices;
 use statistics::SpringStatistics;
-use stencil::{Scratch, Stencil, TILE};
+use stencil::{Stencil, Sums, TILE};
 
 /// The ratio r/L = ½ below which the transverse stiffness exceeds the longitudinal one, with a margin for the rounding of
 /// single precision: above it the bound on the time step has the same bits for any configuration.
@@ -143,8 +143,6 @@ pub struct Springs<V: Vector> {
     stencils: Vec<Stencil<V::Scalar>>,
     slices: Option<Slices<V::Scalar>>,
     damped: bool,
-    /// The largest offset of a stencil.
-    reach: usize,
     /// The number of particles.
     count: usize,
 }
@@ -157,7 +155,6 @@ impl<V: Vector> Springs<V> {
         let (stencils, taken) = stencil::find::<V::Scalar>(&springs);
         let rest: Vec<Spring> = springs.iter().zip(taken).filter(|(_, taken)| !taken).map(|(spring, _)| *spring).collect();
         Self {
-            reach: stencils.iter().map(|stencil| stencil.offset).max().unwrap_or(0),
             damped: springs.iter().any(|spring| spring.damping != 0.0),
             slices: (!rest.is_empty()).then(|| Slices::new(&rest, count)),
             stencils,
@@ -186,6 +183,11 @@ impl<V: Vector> Springs<V> {
         if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
     }
 
+    /// The number of factors that the stencils keep of a block.
+    fn factors(&self, block: &Range<usize>) -> usize {
+        self.stencils.iter().map(|stencil| stencil.factors(block)).sum()
+    }
+
     fn measure(&self, block: Range<usize>, at: &StateView<'_, V>) -> SpringStatistics {
         dispatch(Surveying { springs: self, block, at })
     }
@@ -206,7 +208,9 @@ impl<V: Vector> Force<V> for Springs<V> {
     }
 
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
-        dispatch(Accumulation { springs: self, block, at, rates: rates.reborrow() });
+        V::Scalar::with_scratch(self.factors(&block), |factors| {
+            dispatch(Accumulation { springs: self, block, at, rates: rates.reborrow(), factors });
+        });
     }
 
     /// A spring's energy ½ k (r − L)² is counted at its lower end.
@@ -237,6 +241,8 @@ struct Accumulation<'a, V: Vector> {
     block: Range<usize>,
     at: &'a StateView<'a, V>,
     rates: Rates<'a, V>,
+    /// Memory for the factors of all stencils.
+    factors: &'a mut [V::Scalar],
 }
 
 impl<V: Vector> Kernel for Accumulation<'_, V> {
@@ -251,14 +257,19 @@ impl<V: Vector> Kernel for Accumulation<'_, V> {
 impl<V: Vector> Accumulation<'_, V> {
     #[inline(always)]
     fn add<const DAMPED: bool>(self) {
-        let Self { springs, block, at, mut rates } = self;
+        let Self { springs, block, at, mut rates, factors } = self;
         if !springs.stencils.is_empty() {
-            let mut scratch = Scratch::EMPTY;
-            for tile in block.start.saturating_sub(springs.reach) / TILE..block.end.div_ceil(TILE) {
-                let tile = tile * TILE..(tile + 1) * TILE;
+            let mut sums = Sums::ZERO;
+            for start in block.clone().step_by(TILE) {
+                let tile = start..block.end.min(start + TILE);
+                sums.clear::<V, DAMPED>();
+                let mut rest = &mut *factors;
                 for stencil in &springs.stencils {
-                    stencil.accumulate::<V, DAMPED>(&tile, &block, at, &mut rates, &mut scratch);
+                    let (own, others) = rest.split_at_mut(stencil.factors(&block));
+                    stencil.accumulate::<V, DAMPED>((&tile, &block), at, own, &mut sums);
+                    rest = others;
                 }
+                sums.add_to::<V, DAMPED>(&mut rates, start - block.start, tile.len());
             }
         }
         if let Some(slices) = &springs.slices {

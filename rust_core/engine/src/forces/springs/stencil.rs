@@ -1,9 +1,8 @@
 //! Stencils: springs of one law between particles with a constant index offset.
 //!
 //! A cloth, or a lattice, in row-major order is a few stencils with holes at its edges. Both ends are then read
-//! contiguously, and every spring is computed once. All blocks add in one global order (tile by tile, in a tile stencil by
-//! stencil, in a stencil first the forces on lower ends, then those on upper ends) and skip particles outside: so the sum
-//! on a particle has the same bits for any division into blocks.
+//! contiguously. Each spring is computed once, as the [`Factors`] of its separation in its pull, and each particle gathers the
+//! pulls on it, stencil by stencil: so their sum has the same bits for any division into blocks.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -16,23 +15,61 @@ use crate::math::{AXES, Real, Vector};
 use crate::matter::EnergySink;
 use crate::simd::{LANES, padded};
 
-/// Particles per tile: all stencils visit a tile in turn, which stays in the first-level cache.
+/// Particles per tile: all stencils visit a tile in turn, whose sums stay in the first-level cache.
 pub const TILE: usize = 16 * LANES;
 
-/// Forces and powers of one stencil's springs in a tile.
+/// Sums over the stencils for the particles of a tile.
 #[derive(Debug)]
-pub struct Scratch<T> {
-    /// The force on their lower ends [N].
+pub struct Sums<T> {
+    /// The force [N].
     force: [[T; TILE]; AXES],
     /// Its part by damping [N].
     damping: [[T; TILE]; AXES],
-    /// The dissipated power [W].
+    /// The power that is dissipated in springs whose lower ends these are [W].
     power: [T; TILE],
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> Sums<T> {
     /// Zero forces and powers.
-    pub const EMPTY: Self = Self { force: [[T::ZERO; TILE]; AXES], damping: [[T::ZERO; TILE]; AXES], power: [T::ZERO; TILE] };
+    pub const ZERO: Self = Self { force: [[T::ZERO; TILE]; AXES], damping: [[T::ZERO; TILE]; AXES], power: [T::ZERO; TILE] };
+
+    /// Sets those in use to zero.
+    #[inline(always)]
+    pub fn clear<V: Vector<Scalar = T>, const DAMPED: bool>(&mut self) {
+        for axis in 0..V::DIMENSION {
+            self.force[axis] = [T::ZERO; TILE];
+            if DAMPED {
+                self.damping[axis] = [T::ZERO; TILE];
+            }
+        }
+        if DAMPED {
+            self.power = [T::ZERO; TILE];
+        }
+    }
+
+    /// Adds them to the rates of the particles from `start` on, of a block.
+    #[inline(always)]
+    pub fn add_to<V: Vector<Scalar = T>, const DAMPED: bool>(&self, rates: &mut Rates<'_, V>, start: usize, length: usize) {
+        for axis in 0..V::DIMENSION {
+            add(&mut rates.force.axes[axis][start..start + length], &self.force[axis]);
+            if let (true, Some(damping)) = (DAMPED, &mut rates.damping) {
+                add(&mut damping.axes[axis][start..start + length], &self.damping[axis]);
+            }
+        }
+        if DAMPED {
+            let mut power = [T::ZERO; LANES];
+            for group in self.power.as_chunks::<LANES>().0 {
+                (0..LANES).for_each(|lane| power[lane] += group[lane]);
+            }
+            (0..LANES).for_each(|lane| rates.power[EnergySink::Damping as usize][lane] += power[lane].to_f64());
+        }
+    }
+}
+
+/// Adds numbers to a column. Not a closure, which might not be inlined into the code of a SIMD level.
+#[inline(always)]
+fn add<T: Real>(column: &mut [T], numbers: &[T; TILE]) {
+    column.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += *number);
 }
 
 /// Maximum number of stencils: each has a cost per tile.
@@ -53,10 +90,10 @@ pub struct Stencil<T> {
     pub law: SpringLaw<T>,
     /// The number of springs.
     pub count: usize,
-    /// The first group of lanes that has a lower end.
+    /// The first lower end.
     first: usize,
-    /// Which lanes are lower ends, one bit each, from the first group to the last.
-    present: Vec<u16>,
+    /// Which particles are lower ends, from the first to the last.
+    present: Vec<bool>,
 }
 
 /// The stencils in a network, and whether each spring is in one of them.
@@ -83,24 +120,15 @@ impl<T: Real> Stencil<T> {
     fn of(springs: &[Spring], kind: &[usize]) -> Option<(Self, Vec<usize>)> {
         let lower = |index: usize| springs[index].ends[0].min(springs[index].ends[1]) as usize;
         let [i, j] = springs[kind[0]].ends;
-        let first = kind.iter().map(|&index| lower(index)).min()? / LANES;
-        let last = kind.iter().map(|&index| lower(index)).max()? / LANES;
-        let mut present = vec![0_u16; last + 1 - first];
-        let members: Vec<usize> = kind
-            .iter()
-            .copied()
-            .filter(|&index| {
-                let (group, bit) = (&mut present[lower(index) / LANES - first], 1 << (lower(index) % LANES));
-                let new = *group & bit == 0;
-                *group |= bit;
-                new
-            })
-            .collect();
-        let tiles = present.chunks(TILE / LANES).filter(|tile| tile.iter().any(|&group| group != 0));
-        let lanes = tiles.map(|tile| tile.len() * LANES).sum::<usize>();
+        let first = kind.iter().map(|&index| lower(index)).min()?;
+        let last = kind.iter().map(|&index| lower(index)).max()?;
+        let mut present = vec![false; last + 1 - first];
+        let members: Vec<usize> =
+            kind.iter().copied().filter(|&index| !std::mem::replace(&mut present[lower(index) - first], true)).collect();
+        let visited = present.chunks(TILE).filter(|tile| tile.contains(&true)).map(|tile| padded(tile.len())).sum::<usize>();
         let stencil =
             Self { offset: i.abs_diff(j) as usize, law: SpringLaw::of(&springs[kind[0]]), count: members.len(), first, present };
-        (stencil.count * 100 >= DENSITY * lanes).then_some((stencil, members))
+        (stencil.count * 100 >= DENSITY * visited).then_some((stencil, members))
     }
 
     /// Memory [bytes].
@@ -108,101 +136,135 @@ impl<T: Real> Stencil<T> {
         std::mem::size_of_val(self.present.as_slice())
     }
 
-    /// The lower ends in a range of particles, group by group: the group's first particle, and one bit for each lane.
-    fn groups(&self, range: Range<usize>) -> impl Iterator<Item = (usize, u16)> {
-        let lower = (range.start / LANES).max(self.first);
-        let upper = range.end.div_ceil(LANES).min(self.first + self.present.len());
-        (lower..upper).map(|group| (group * LANES, self.present[group - self.first]))
+    /// The particles from the first lower end to the last, of a range.
+    fn lower_ends(&self, range: &Range<usize>) -> Range<usize> {
+        range.start.max(self.first)..range.end.min(self.first + self.present.len())
+    }
+
+    /// The particles from the first upper end to the last, of a range.
+    fn upper_ends(&self, range: &Range<usize>) -> Range<usize> {
+        range.start.max(self.first + self.offset)..range.end.min(self.first + self.present.len() + self.offset)
     }
 
     /// Calls `each` with the ends of every spring whose lower end is in a range.
     pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &SpringLaw<T>)) {
-        for (start, present) in self.groups(range) {
-            (0..LANES)
-                .filter(|lane| present >> lane & 1 == 1)
-                .for_each(|lane| each(start + lane, start + lane + self.offset, &self.law));
-        }
+        self.lower_ends(&range)
+            .filter(|&index| self.present[index - self.first])
+            .for_each(|index| each(index, index + self.offset, &self.law));
     }
 
-    /// Adds the forces and powers of its springs with a lower end in `tile` on the particles of a block.
+    /// The first lower end of the springs that reach a block, or some before, so that tiles begin at whole groups of lanes.
+    fn reach(&self, block: &Range<usize>) -> usize {
+        block.start.saturating_sub(self.offset) / LANES * LANES
+    }
+
+    /// The length of the columns of factors for a block: two of each spring that reaches it.
+    pub fn factors(&self, block: &Range<usize>) -> usize {
+        2 * padded(block.end - self.reach(block))
+    }
+
+    /// Adds the pulls on the particles of a tile, and the powers of the springs whose lower ends these are. The tiles of a block
+    /// are visited in order, with its factors.
     #[inline(always)]
     pub fn accumulate<V: Vector<Scalar = T>, const DAMPED: bool>(
         &self,
-        tile: &Range<usize>,
-        block: &Range<usize>,
+        (tile, block): (&Range<usize>, &Range<usize>),
         at: &StateView<'_, V>,
-        rates: &mut Rates<'_, V>,
-        scratch: &mut Scratch<T>,
+        factors: &mut [T],
+        sums: &mut Sums<T>,
     ) {
-        let halo = block.start.saturating_sub(self.offset) / LANES * LANES;
-        let Range { start, end } = self.lower(tile.start.max(halo)..tile.end.min(block.end), at);
-        if start >= end
-            || self.present[start / LANES - self.first..][..(end - start).div_ceil(LANES)].iter().all(|&group| group == 0)
-        {
-            return;
-        }
-        self.compute::<V, DAMPED>(&(start..end), at, scratch);
-        let lower = start.max(block.start)..end;
-        let upper = (start + self.offset).max(block.start)..(end + self.offset).min(block.end);
-        let place = |ends: &Range<usize>| ends.start - block.start..ends.end - block.start;
-        let ends = [(&lower, start), (&upper, start + self.offset)]
-            .map(|(ends, first)| if ends.is_empty() { (0..0, 0) } else { (place(ends), ends.start - first) });
-        for axis in 0..V::DIMENSION {
-            add(&ends, rates.force.axes[axis], &scratch.force[axis]);
-            if let (true, Some(damping)) = (DAMPED, &mut rates.damping) {
-                add(&ends, damping.axes[axis], &scratch.damping[axis]);
+        let first = self.reach(block);
+        let (tension, drag) = factors.split_at_mut(factors.len() / 2);
+        if tile.start == block.start {
+            for start in (first..block.start).step_by(TILE) {
+                let (before, place) = (start..block.start.min(start + TILE), start - first);
+                self.compute::<V, DAMPED, false>(&before, at, &mut tension[place..], &mut drag[place..], &mut sums.power);
             }
         }
-        if DAMPED && !lower.is_empty() {
-            let mut power = [T::ZERO; LANES];
-            for group in scratch.power[lower.start - start..padded(end - start)].as_chunks::<LANES>().0 {
-                (0..LANES).for_each(|lane| power[lane] += group[lane]);
-            }
-            (0..LANES).for_each(|lane| rates.power[EnergySink::Damping as usize][lane] += power[lane].to_f64());
-        }
+        let place = tile.start - first;
+        self.compute::<V, DAMPED, true>(tile, at, &mut tension[place..], &mut drag[place..], &mut sums.power);
+        let (lower, upper, factors) = (self.lower_ends(tile), self.upper_ends(tile), (&*tension, &*drag, first));
+        self.gather::<V, DAMPED, true, false>(tile.start, lower.start..lower.end.min(upper.start), at, factors, sums);
+        self.gather::<V, DAMPED, true, true>(tile.start, upper.start..lower.end, at, factors, sums);
+        self.gather::<V, DAMPED, false, true>(tile.start, upper.start.max(lower.end)..upper.end, at, factors, sums);
     }
 
-    /// The part of a range that can hold lower ends: it starts with a group of lanes, and the upper ends are in columns.
+    /// Computes the factors of the springs whose lower ends are in a range, 0 where there is none, and adds their powers where
+    /// they are tallied.
     #[inline(always)]
-    fn lower<V: Vector<Scalar = T>>(&self, range: Range<usize>, at: &StateView<'_, V>) -> Range<usize> {
-        let last = at.position.axis(0).len().saturating_sub(self.offset);
-        range.start.max(self.first * LANES)..range.end.min((self.first + self.present.len()) * LANES).min(last)
-    }
-
-    /// Computes the springs with a lower end in a range, and puts zeros where there is none.
-    #[inline(always)]
-    fn compute<V: Vector<Scalar = T>, const DAMPED: bool>(
+    fn compute<V: Vector<Scalar = T>, const DAMPED: bool, const TALLIED: bool>(
         &self,
         range: &Range<usize>,
         at: &StateView<'_, V>,
-        scratch: &mut Scratch<T>,
+        tension: &mut [T],
+        drag: &mut [T],
+        power: &mut [T; TILE],
     ) {
-        let (near, far) = (Run::new(at, range), Run::new(at, &(range.start + self.offset..range.end + self.offset)));
-        let law = self.law;
-        let length = range.len();
-        let force = scratch.force.each_mut().map(|axis| &mut axis[..length]);
-        let damping = scratch.damping.each_mut().map(|axis| &mut axis[..length]);
-        let power = &mut scratch.power[..length];
-        for index in 0..length {
-            let pull = law.force::<V, DAMPED>(near.get::<V, DAMPED>(index), far.get::<V, DAMPED>(index));
-            for axis in 0..V::DIMENSION {
-                force[axis][index] = pull.force[axis];
-                if DAMPED {
-                    damping[axis][index] = pull.damping[axis];
-                }
-            }
-            power[index] = pull.power;
+        let ends = self.lower_ends(range);
+        if ends.is_empty() {
+            return;
         }
-        scratch.power[length..padded(length)].fill(T::ZERO);
-        for (group, &present) in self.present[range.start / LANES - self.first..][..length.div_ceil(LANES)].iter().enumerate() {
-            let mut holes = !present;
-            while holes != 0 {
-                let hole = group * LANES + holes.trailing_zeros() as usize;
-                for axis in 0..V::DIMENSION {
-                    (scratch.force[axis][hole], scratch.damping[axis][hole]) = (T::ZERO, T::ZERO);
+        let (law, length, place) = (self.law, ends.len(), ends.start - range.start);
+        let (near, far) = (Run::new(at, &ends), Run::new(at, &(ends.start + self.offset..ends.end + self.offset)));
+        let present = &self.present[ends.start - self.first..][..length];
+        let (tension, drag) = (&mut tension[place..][..length], &mut drag[place..][..length]);
+        if !present.contains(&true) {
+            tension.fill(T::ZERO);
+            drag.fill(T::ZERO);
+            return;
+        }
+        let power = &mut power[place..][..length];
+        for index in 0..length {
+            let factors = law.factors::<V, DAMPED>(near.get::<V, DAMPED>(index), far.get::<V, DAMPED>(index));
+            tension[index] = if present[index] { factors.tension } else { T::ZERO };
+            if DAMPED {
+                drag[index] = if present[index] { factors.drag } else { T::ZERO };
+            }
+            if DAMPED && TALLIED {
+                power[index] += if present[index] { factors.power } else { T::ZERO };
+            }
+        }
+    }
+
+    /// Adds the pulls on a range of particles of a tile, of which all may be lower ends, upper ends, or both. The factors begin
+    /// with those of the lower end `first`.
+    #[inline(always)]
+    fn gather<V: Vector<Scalar = T>, const DAMPED: bool, const LOWER: bool, const UPPER: bool>(
+        &self,
+        start: usize,
+        range: Range<usize>,
+        at: &StateView<'_, V>,
+        (tension, drag, first): (&[T], &[T], usize),
+        sums: &mut Sums<T>,
+    ) {
+        if range.is_empty() {
+            return;
+        }
+        let (length, place) = (range.len(), range.start - start);
+        let far = if LOWER { range.start + self.offset } else { range.start };
+        let near = if UPPER { range.start - self.offset } else { range.start };
+        let is_empty = |ends: usize| !self.present[ends - self.first..][..length].contains(&true);
+        if (!LOWER || is_empty(range.start)) && (!UPPER || is_empty(near)) {
+            return;
+        }
+        let up = (&tension[range.start - first..][..length], &drag[range.start - first..][..length]);
+        let down = (&tension[near - first..][..length], &drag[near - first..][..length]);
+        for axis in 0..V::DIMENSION {
+            let own = at.position.slice(axis, range.clone());
+            let (above, below) = (at.position.slice(axis, far..far + length), at.position.slice(axis, near..near + length));
+            let force = &mut sums.force[axis][place..][..length];
+            let damping = &mut sums.damping[axis][place..][..length];
+            for index in 0..length {
+                let (to, from) = (above[index] - own[index], own[index] - below[index]);
+                let pull = |(up, down): (T, T)| match (LOWER, UPPER) {
+                    (true, true) => up * to - down * from,
+                    (true, false) => up * to,
+                    _ => T::ZERO - down * from,
+                };
+                force[index] += pull((up.0[index], down.0[index]));
+                if DAMPED {
+                    damping[index] += pull((up.1[index], down.1[index]));
                 }
-                scratch.power[hole] = T::ZERO;
-                holes &= holes - 1;
             }
         }
     }
@@ -210,7 +272,7 @@ impl<T: Real> Stencil<T> {
     /// Adds the springs with a lower end in a range to statistics.
     #[inline(always)]
     pub fn measure<V: Vector<Scalar = T>>(&self, block: &Range<usize>, at: &StateView<'_, V>, statistics: &mut SpringStatistics) {
-        let block = self.lower(block.clone(), at);
+        let block = self.lower_ends(block);
         let mut square = [0.0; TILE];
         for start in block.clone().step_by(TILE) {
             let range = start..block.end.min(start + TILE);
@@ -219,20 +281,12 @@ impl<T: Real> Stencil<T> {
             for index in 0..range.len() {
                 square[index] = near.get::<V, false>(index).square_to::<V>(far.get::<V, false>(index));
             }
-            let groups = self.present[start / LANES - self.first..].iter().zip(square.chunks(LANES));
-            for (&present, square) in groups {
-                for (lane, &square) in square.iter().enumerate() {
-                    statistics.add(lane, present >> lane & 1 == 1, square, self.law);
+            let groups = self.present[start - self.first..].chunks(LANES).zip(square.chunks(LANES));
+            for (present, square) in groups {
+                for (lane, (&present, &square)) in present.iter().zip(square).enumerate() {
+                    statistics.add(lane, present, square, self.law);
                 }
             }
         }
     }
-}
-
-/// Adds pulls to the forces on lower ends, and takes them from those on upper ends: each given by its range in the column, and the
-/// place of its first pull. Not a closure, which might not be inlined into the code of a SIMD level.
-#[inline(always)]
-fn add<T: Real>([lower, upper]: &[(Range<usize>, usize); 2], column: &mut [T], pulls: &[T; TILE]) {
-    column[lower.0.clone()].iter_mut().zip(&pulls[lower.1..]).for_each(|(force, pull)| *force += *pull);
-    column[upper.0.clone()].iter_mut().zip(&pulls[upper.1..]).for_each(|(force, pull)| *force -= *pull);
 }

@@ -66,7 +66,9 @@ impl Network {
                 let (force, others) = rest.0.split_at(end - start);
                 let (damping, other_damping) = rest.1.split_at(end - start);
                 let rates = Rates { damping: Some(damping), ..Rates::new(force, &mut power) };
-                let kernel = Accumulation { springs, block: start..end, at, rates };
+                // Whatever was there before.
+                let mut factors = vec![V::Scalar::from_f64(f64::NAN); springs.factors(&(start..end))];
+                let kernel = Accumulation { springs, block: start..end, at, rates, factors: &mut factors };
                 if simd {
                     dispatch(kernel);
                 } else {
@@ -119,7 +121,7 @@ impl Network {
 /// The same springs, gathered.
 fn gathered<V: Vector>(springs: &[Spring], count: usize) -> Springs<V> {
     let damped = springs.iter().any(|spring| spring.damping != 0.0);
-    Springs { stencils: Vec::new(), slices: Some(Slices::new(springs, count)), damped, reach: 0, count }
+    Springs { stencils: Vec::new(), slices: Some(Slices::new(springs, count)), damped, count }
 }
 
 /// A grid of springs with holes, and others between any two: of three kinds, or each of its own.
