@@ -71,6 +71,11 @@ def _random() -> np.random.Generator:
     return np.random.default_rng(20)
 
 
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """To 24 binary digits after the point: the last bits of NumPy's exponentials and powers depend on the CPU."""
+    return np.round(2.0**24 * values) / 2.0**24
+
+
 def network(dimension: int = 2, side: int = 5) -> pc.Scene:
     """A shuffled net of damped springs, one end held, under gravity."""
     rng = _random()
@@ -184,7 +189,7 @@ def chain(links: int = 12, dimension: int = 2) -> pc.Scene:
     nodes = np.zeros((links + 2, dimension))
     nodes[:, 0] = 0.1 * np.arange(links + 2)
     nodes[-2] += 0.1 * np.eye(dimension)[-1] - 0.1 * np.eye(dimension)[0]
-    nodes[1:, -1] += 0.02 * np.arange(1, links + 2) ** 1.5
+    nodes[1:, -1] += _rounded(0.02 * np.arange(1, links + 2) ** 1.5)
     ends = np.arange(links + 1)
     body = pc.SpringNetwork(
         nodes,
@@ -201,7 +206,7 @@ def dropped(links: int = 6, dimension: int = 2) -> pc.Scene:
     """A chain of rods, not in line, that falls on a floor beside a loose ball and bounces."""
     nodes = np.zeros((links + 1, dimension))
     nodes[:, 0] = 0.1 * np.arange(links + 1)
-    nodes[:, -1] = 0.08 + 0.03 * np.cos(1.7 * np.arange(links + 1))
+    nodes[:, -1] = _rounded(0.08 + 0.03 * np.cos(1.7 * np.arange(links + 1)))
     ends = np.arange(links)
     body = pc.SpringNetwork(nodes, np.column_stack([ends, ends + 1]), np.inf, mass=0.1 + 0.02 * ends.sum() / links)
     ball = pc.Particles([[-0.2] * (dimension - 1) + [0.05]], radius=0.02)
@@ -263,7 +268,7 @@ def vortices(spacing: float = 0.1) -> pc.Scene:
     """Four vortices in a periodic fluid whose density is a sum."""
     cells = pc.block((0.0, 0.0), (1.0, 1.0), spacing)
     x, y = 2.0 * np.pi * cells.T
-    flow = 0.5 * np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y)], axis=1)
+    flow = _rounded(0.5 * np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y)], axis=1))
     water = pc.Fluid(cells, spacing, velocities=flow)
     return pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0)))
 
@@ -273,7 +278,7 @@ def ripples(side: int = 24, **options: Any) -> pc.Scene:
     grid = pc.Grid((side, side - 7), 0.5)
     x, y = grid.coordinates
     end = grid.upper[0]
-    hump = 0.2 * np.exp(-((x - 0.3 * end) ** 2 + (y - 0.4 * end) ** 2) / (0.05 * end) ** 2)
+    hump = _rounded(0.2 * np.exp(-((x - 0.3 * end) ** 2 + (y - 0.4 * end) ** 2) / (0.05 * end) ** 2))
     row = (np.abs(x - grid.origin[0] - 0.25) < 0.1) & (y > 0.2 * end)
     sources = [pc.Source((0.61 * end, 0.52 * end), 0.4, 0.7, phase=0.3), pc.Source(row, 0.1, signal=pc.Ricker(1.0))]
     medium = {
@@ -295,21 +300,24 @@ def string(cells: int = 200, **options: Any) -> pc.Scene:
 
 
 def _hump(x: np.ndarray) -> np.ndarray:
-    return 0.1 * np.exp(-((x - 0.4) ** 2) / 0.02)
+    return _rounded(0.1 * np.exp(-((x - 0.4) ** 2) / 0.02))
 
 
 def room(side: int = 10, **options: Any) -> pc.Scene:
     """Sound in a room in 3D that repeats itself along one axis."""
     grid = pc.Grid((side, side + 2, side - 3), 0.1, periodic=(False, True, False))
-    start = grid.field(lambda x, y, z: np.exp(-((x - 0.4) ** 2 + (y - 0.3) ** 2 + (z - 0.2) ** 2) / 0.02), "start")
-    return pc.Scene(pc.Wave(grid, 1.0, rate=start, edges="free", **options))
+
+    def bang(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+        return _rounded(np.exp(-((x - 0.4) ** 2 + (y - 0.3) ** 2 + (z - 0.2) ** 2) / 0.02))
+
+    return pc.Scene(pc.Wave(grid, 1.0, rate=bang, edges="free", **options))
 
 
 def dish(side: int = 24, **options: Any) -> pc.Scene:
     """Gray and Scott's reaction around a drop in a dish, which is open at one side."""
     grid = pc.Grid((side, side - 5), 0.01)
     x, y = grid.coordinates
-    drop = np.exp(-((x - 0.11) ** 2 + (y - 0.08) ** 2) / 0.03**2)
+    drop = _rounded(np.exp(-((x - 0.11) ** 2 + (y - 0.08) ** 2) / 0.03**2))
     kinetics = pc.GrayScott(0.035, 0.0625)
     shape = {"initial": {"u": 1.0 - 0.5 * drop, "v": 0.3 * drop}, "edges": {"x-": "fixed"}}
     return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"u": 2e-5, "v": 1e-5}, **{**shape, **options}))
@@ -318,7 +326,7 @@ def dish(side: int = 24, **options: Any) -> pc.Scene:
 def clock(cells: int = 120) -> pc.Scene:
     """The Brusselator in a closed tube, which oscillates."""
     grid = pc.Grid(cells, 0.5, periodic=True)
-    bent = grid.field(lambda x: np.sin(2.0 * np.pi * x / grid.upper[0]), "start")
+    bent = grid.field(lambda x: _rounded(np.sin(2.0 * np.pi * x / grid.upper[0])), "start")
     start = {"u": 1.0 + 0.2 * bent, "v": 2.5 - 0.1 * bent}
     return pc.Scene(pc.ReactionDiffusion(grid, pc.Brusselator(1.0, 2.5), {"u": 0.5, "v": 2.0}, start))
 
@@ -335,7 +343,7 @@ def packet(cells: tuple[int, ...] = (24, 20), **options: Any) -> pc.Scene:
     dimension = len(cells)
     grid = pc.Grid(cells, 0.5, periodic=(False, True, False)[:dimension])
     middle = 0.5 * np.array(grid.upper)
-    psi = pc.wave_packet(grid, 0.8 * middle, 0.6 * (-1.0) ** np.arange(dimension), 1.2)
+    psi = _rounded(pc.wave_packet(grid, 0.8 * middle, 0.6 * (-1.0) ** np.arange(dimension), 1.2))
 
     def trap(*place: np.ndarray) -> np.ndarray:
         return sum(0.05 * (x - center) ** 2 for x, center in zip(place, middle.tolist(), strict=True))
@@ -347,7 +355,7 @@ def predators(side: int = 12) -> pc.Scene:
     """A reaction in Python, of operations that are rounded alike everywhere: prey and those that live on it."""
     grid = pc.Grid((side, side - 3), 0.5)
     x, y = grid.coordinates
-    start = {"prey": 0.5 + 0.1 * np.cos(x), "hunters": 0.3 + 0.1 * np.sin(y)}
+    start = {"prey": _rounded(0.5 + 0.1 * np.cos(x)), "hunters": _rounded(0.3 + 0.1 * np.sin(y))}
     kinetics = pc.Reaction(("prey", "hunters"), lambda n, p: (n * (1.0 - n) - n * p, 0.5 * n * p - 0.2 * p))
     return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"prey": 0.1, "hunters": 0.4}, start))
 
@@ -485,7 +493,7 @@ STONES = (
     pc.ConvexHull([[-0.9, -0.9, -1.1], [0.8, -0.7, -1.2], [0.0, 0.9, -1.15], [0.1, 0.0, -1.8]], restitution=0.5),
     pc.Capsule((-1.0, -0.2, -1.4), (1.0, 0.9, -1.3), 0.2, friction=0.3),
 )
-HILLS = np.sin(7.0 * np.arange(11))[:, None] * np.cos(5.0 * np.arange(9))
+HILLS = _rounded(np.sin(7.0 * np.arange(11))[:, None] * np.cos(5.0 * np.arange(9)))
 LAND = pc.HeightField(-1.3 + 0.2 * HILLS, 0.3, (-1.4, -1.1), restitution=0.5, friction=0.2)
 PROFILE = pc.HeightField(-1.3 + 0.2 * HILLS[:, 0], 0.3, -1.4, restitution=0.5, friction=0.2)
 ROOM = pc.Box((-1.1,) * 3, (1.1,) * 3, restitution=0.8, friction=0.3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -103,7 +104,9 @@ def _hinges(body: object, path: str) -> tuple[IntArray, FloatArray, FloatArray]:
     length = np.linalg.norm(edge, axis=1)
     normals = np.cross(edge, one - start), np.cross(other - start, edge)
     sine = length * (normals[0] * (other - start)).sum(axis=1)
-    angle = np.arctan2(sine, (normals[0] * normals[1]).sum(axis=1))
+    cosine = (normals[0] * normals[1]).sum(axis=1)
+    # The last bits of NumPy's function depend on the CPU.
+    angle = np.array([math.atan2(*pair) for pair in zip(sine.tolist(), cosine.tolist(), strict=True)])
     return hinges, angle, length**2 / (0.5 * sum(np.linalg.norm(normal, axis=1) for normal in normals))
 
 
