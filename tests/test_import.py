@@ -18,10 +18,13 @@ def test_heavy_modules_are_not_imported():
         assert module not in loaded
 
 
-def test_the_import_takes_at_most_150_ms_beyond_numpy():
+def test_the_import_takes_hardly_longer_than_that_of_numpy():
     # Time on the processor, and the least of several: the first one may compile, and others may share the machine.
-    code = "import time, numpy; t = time.process_time(); import physcore; print(time.process_time() - t)"
-    assert min(float(python(code)) for _ in range(5)) < 0.15
+    clock = "; print(time.process_time())"
+    code = f"import time{clock}; import numpy{clock}; import physcore{clock}"
+    times = [[float(time) for time in python(code).split()] for _ in range(5)]
+    numpy, own = (min(time[part + 1] - time[part] for time in times) for part in (0, 1))
+    assert own < 1.5 * numpy
 
 
 def test_everything_public_is_there_and_documented():

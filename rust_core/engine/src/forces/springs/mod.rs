@@ -27,7 +27,7 @@ pub use ordering::ordering;
 use law::SpringLaw;
 use slices::Slices;
 use statistics::SpringStatistics;
-use stencil::{Stencil, Sums, TILE};
+use stencil::{BLOCK, Stencil, Sums, TILE};
 
 /// The ratio r/L = ½ below which the transverse stiffness exceeds the longitudinal one, with a margin for the rounding of
 /// single precision: above it the bound on the time step has the same bits for any configuration.
@@ -183,9 +183,9 @@ impl<V: Vector> Springs<V> {
         if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
     }
 
-    /// The number of factors that the stencils keep of a block.
+    /// The number of factors that the stencils keep of a block, part by part.
     fn factors(&self, block: &Range<usize>) -> usize {
-        self.stencils.iter().map(|stencil| stencil.factors(block)).sum()
+        self.stencils.iter().map(|stencil| stencil.factors(block.len().min(BLOCK))).sum()
     }
 
     fn measure(&self, block: Range<usize>, at: &StateView<'_, V>) -> SpringStatistics {
@@ -261,12 +261,13 @@ impl<V: Vector> Accumulation<'_, V> {
         if !springs.stencils.is_empty() {
             let mut sums = Sums::ZERO;
             for start in block.clone().step_by(TILE) {
-                let tile = start..block.end.min(start + TILE);
+                let first = start - (start - block.start) % BLOCK;
+                let (part, tile) = (first..block.end.min(first + BLOCK), start..block.end.min(start + TILE));
                 sums.clear::<V, DAMPED>();
                 let mut rest = &mut *factors;
                 for stencil in &springs.stencils {
-                    let (own, others) = rest.split_at_mut(stencil.factors(&block));
-                    stencil.accumulate::<V, DAMPED>((&tile, &block), at, own, &mut sums);
+                    let (own, others) = rest.split_at_mut(stencil.factors(part.len()));
+                    stencil.accumulate::<V, DAMPED>((&tile, &part), at, own, &mut sums);
                     rest = others;
                 }
                 sums.add_to::<V, DAMPED>(&mut rates, start - block.start, tile.len());

@@ -18,6 +18,9 @@ use crate::simd::{LANES, padded};
 /// Particles per tile: all stencils visit a tile in turn, whose sums stay in the first-level cache.
 pub const TILE: usize = 16 * LANES;
 
+/// Particles per block at most, for which factors are kept: large against the rows of a grid that reach into it.
+pub const BLOCK: usize = 16 * TILE;
+
 /// Sums over the stencils for the particles of a tile.
 #[derive(Debug)]
 pub struct Sums<T> {
@@ -158,9 +161,9 @@ impl<T: Real> Stencil<T> {
         block.start.saturating_sub(self.offset) / LANES * LANES
     }
 
-    /// The length of the columns of factors for a block: two of each spring that reaches it.
-    pub fn factors(&self, block: &Range<usize>) -> usize {
-        2 * padded(block.end - self.reach(block))
+    /// The length of the columns of factors for a block of so many particles: two of each spring that reaches it.
+    pub fn factors(&self, length: usize) -> usize {
+        2 * (padded(length + self.offset) + LANES)
     }
 
     /// Adds the pulls on the particles of a tile, and the powers of the springs whose lower ends these are. The tiles of a block

@@ -287,6 +287,25 @@ fn bandwidth(springs: &[Spring]) -> u32 {
 }
 
 #[test]
+fn a_block_of_several_parts_has_the_same_bits() {
+    let (columns, rows) = (90, 60);
+    let place = |index: usize| DVec3::new((index % columns) as f64, (index / columns) as f64, (index * index % 7) as f64 / 20.0);
+    let position: Vec<DVec3> = (0..columns * rows).map(place).collect();
+    let network = Network {
+        springs: cloth(columns, rows),
+        velocity: position.iter().map(|x| DVec3::new(x.z, x.x, x.y) * 0.1).collect(),
+        position,
+    };
+    let springs = Springs::<Vec3>::new(&network.springs, network.count());
+    let whole = network.outcome(&springs, 2 * BLOCK, true);
+    assert!(network.count() > BLOCK && whole.force.iter().all(|force| force.length() > 0.0));
+    for block in [64, BLOCK] {
+        let outcome = network.outcome(&springs, block, true);
+        assert_eq!((outcome.force, outcome.damping), (whole.force.clone(), whole.damping.clone()), "blocks of {block}");
+    }
+}
+
+#[test]
 fn a_cloth_is_six_stencils_in_its_own_order() {
     let springs = cloth(31, 20);
     assert_eq!(Springs::<DVec2>::new(&springs, 620).layout(), format!("6 stencils of {} springs", springs.len()));
