@@ -102,19 +102,23 @@ impl Executor {
 
     /// Runs `each` on every block, in any order.
     pub fn for_each_block<W: Split>(&self, work: W, each: &(impl Fn(W) + Sync)) {
+        self.divide(work, each);
+    }
+
+    /// The same with the type of `each` erased: the division would else be compiled for each of a thousand closures.
+    fn divide<W: Split>(&self, work: W, each: &(dyn Fn(W) + Sync)) {
         if self.threads > 1 && work.blocks() > 1 {
             let half = work.blocks() / 2;
             let (left, right) = work.split_at(half);
             let (mut left, mut right) = (Some(left), Some(right));
             let run = |half: &mut Option<W>| {
                 if let Some(half) = half.take() {
-                    self.for_each_block(half, each);
+                    self.divide(half, each);
                 }
             };
             join(&mut || run(&mut left), &mut || run(&mut right));
             return;
         }
-        // One call of `each`: a second one would be compiled again.
         let mut rest = (work.blocks() > 0).then_some(work);
         while let Some(work) = rest.take().filter(|_| !self.stopped()) {
             let block = if work.blocks() > 1 {

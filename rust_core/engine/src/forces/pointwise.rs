@@ -93,5 +93,5 @@ fn lanes<T>(column: &[T]) -> &[Lanes<T>] {
 
 #[inline(always)]
 fn pick<T: Copy>(columns: &[Lanes<T>; AXES], lane: usize) -> [T; AXES] {
-    std::array::from_fn(|axis| columns[axis][lane])
+    [columns[0][lane], columns[1][lane], columns[2][lane]]
 }

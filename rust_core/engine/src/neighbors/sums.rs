@@ -179,7 +179,7 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
     fn run<I: Isa>(self, _isa: I) {
         let Sweep { records, neighbors, law, start, sums, executor } = self.0;
         for (slot, sum) in (start..).zip(sums).take_while(|_| !executor.stopped()) {
-            *sum = sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(records, neighbors.list(slot), &law, slot);
+            *sum = sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC, true>(records, neighbors.list(slot), &law, slot);
         }
     }
 }
@@ -206,19 +206,26 @@ where
     fn run<I: Isa>(mut self, _isa: I) {
         for (slot, list, data) in self.each {
             let law = (self.law)(&data);
-            (self.take)(slot, sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, slot));
+            let sums = sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC, false>(self.records, list, &law, slot);
+            (self.take)(slot, sums);
         }
     }
 }
 
-/// The sums of the particle at one slot over a list.
+/// The sums of the particle at one slot over a list. A long one is worth `OVERLAPS`: more code, which hides the latency of a
+/// group's operations behind those of the next.
 #[inline(always)]
-fn sum_over_list<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUMS: usize, const PERIODIC: bool>(
+fn sum_over_list<V, L, P, const SUMS: usize, const PERIODIC: bool, const OVERLAPS: bool>(
     records: &Records<V>,
     List { segment, range }: List<'_>,
     law: &L,
     slot: usize,
-) -> [V::Scalar; SUMS] {
+) -> [V::Scalar; SUMS]
+where
+    V: Vector,
+    L: PairLaw<V, SUMS>,
+    P: Pack<Scalar = V::Scalar>,
+{
     let own = records.words[slot];
     let law = law.for_particle(&own);
     let own = splat::<P>(&own);
@@ -229,7 +236,12 @@ fn sum_over_list<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, co
         let mut sums = [P::constant(0.0); SUMS];
         let mut left = range.len();
         let mut parts = groups.clone().take(left.saturating_sub(first).div_ceil(LANES));
-        if let Some(group) = parts.next() {
+        if const { !(OVERLAPS && P::OVERLAPS) } {
+            for group in parts {
+                add(&law, &pair::<V, P, PERIODIC>(own, records, group, left, first), &mut sums);
+                left = left.saturating_sub(LANES);
+            }
+        } else if let Some(group) = parts.next() {
             let mut current = pair::<V, P, PERIODIC>(own, records, group, left, first);
             // The square roots of the next neighbors are begun before those of the present ones are waited for.
             for group in parts {
@@ -240,7 +252,7 @@ fn sum_over_list<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, co
             }
             add(&law, &current, &mut sums);
         }
-        if P::WIDTH == LANES {
+        if const { P::WIDTH == LANES } {
             return P::fold(sums);
         }
         for sum in 0..SUMS {

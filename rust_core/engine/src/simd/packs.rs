@@ -46,6 +46,8 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
 pub trait Pack: Number {
     /// The number of lanes.
     const WIDTH: usize;
+    /// Whether loops are to hide the latency of one group's operations behind those of the next.
+    const OVERLAPS: bool;
 
     /// These numbers, of which there are at least [`Pack::WIDTH`].
     fn load(numbers: &[Self::Scalar]) -> Self;
@@ -185,10 +187,18 @@ scalar!(f64, |one, other| one - other);
 #[derive(Debug, Clone, Copy)]
 pub struct Four<T>([T; 4]);
 
+/// Written out: `std::array::from_fn` is several functions deep, which compilers have to inline at each of a law's operations.
 impl<T: Copy> Four<T> {
     #[inline(always)]
     fn each<R>(self, other: Self, of: impl Fn(T, T) -> R) -> [R; 4] {
-        std::array::from_fn(|lane| of(self.0[lane], other.0[lane]))
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        [of(a, e), of(b, f), of(c, g), of(d, h)]
+    }
+
+    #[inline(always)]
+    fn map<R>(self, of: impl Fn(T) -> R) -> [R; 4] {
+        let [a, b, c, d] = self.0;
+        [of(a), of(b), of(c), of(d)]
     }
 }
 
@@ -233,7 +243,7 @@ impl<T: Packed> Number for Four<T> {
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Self(self.0.map(T::sqrt))
+        Self(self.map(T::sqrt))
     }
 
     #[inline(always)]
@@ -253,17 +263,18 @@ impl<T: Packed> Number for Four<T> {
 
     #[inline(always)]
     fn both(one: [bool; 4], other: [bool; 4]) -> [bool; 4] {
-        std::array::from_fn(|lane| one[lane] & other[lane])
+        Four(one).each(Four(other), |one, other| one & other)
     }
 
     #[inline(always)]
     fn select(mask: [bool; 4], one: Self, other: Self) -> Self {
-        Self(std::array::from_fn(|lane| T::select(mask[lane], one.0[lane], other.0[lane])))
+        let ([a, b, c, d], [e, f, g, h], [i, j, k, l]) = (mask, one.0, other.0);
+        Self([T::select(a, e, i), T::select(b, f, j), T::select(c, g, k), T::select(d, h, l)])
     }
 
     #[inline(always)]
     fn has_bit(self, bit: u32) -> [bool; 4] {
-        self.0.map(|number| number.has_bit(bit))
+        self.map(|number| number.has_bit(bit))
     }
 
     #[inline(always)]
@@ -274,10 +285,11 @@ impl<T: Packed> Number for Four<T> {
 
 impl<T: Packed> Pack for Four<T> {
     const WIDTH: usize = 4;
+    const OVERLAPS: bool = false;
 
     #[inline(always)]
     fn load(numbers: &[T]) -> Self {
-        Self(std::array::from_fn(|lane| numbers[lane]))
+        Self([numbers[0], numbers[1], numbers[2], numbers[3]])
     }
 
     #[inline(always)]
@@ -288,8 +300,8 @@ impl<T: Packed> Pack for Four<T> {
     #[inline(always)]
     fn transpose(records: &[Record<T>], group: Group<'_>, first: usize) -> Record<Self> {
         let part = Part::<4>::new(records, group, first);
-        let rows: [_; 4] = std::array::from_fn(|lane| records[part.index(lane)]);
-        std::array::from_fn(|word| Self(std::array::from_fn(|lane| rows[lane][word])))
+        let [a, b, c, d] = [0, 1, 2, 3].map(|lane| records[part.index(lane)]);
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|word| Self([a[word], b[word], c[word], d[word]]))
     }
 }
 

@@ -110,6 +110,7 @@ macro_rules! register {
 
         impl Pack for $name {
             const WIDTH: usize = $width;
+            const OVERLAPS: bool = true;
 
             #[inline(always)]
             fn load(numbers: &[$scalar]) -> Self {

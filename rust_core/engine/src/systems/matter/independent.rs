@@ -33,7 +33,7 @@ pub fn advance<V: Vector, I: Integrator>(
     let work = (matter.blocks(), activity.record(from.tallies.len(), recorded));
     executor.for_each_block(work, &|(block, activity): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
         let activity = activity.items;
-        with_buffers::<V, I>(from, block, |buffers| {
+        with_buffers(from, block, Registers::of::<I>(), &mut |buffers| {
             if fused {
                 for activity in activity.iter_mut() {
                     kernels::steps::<V, I>(dynamics, &mut buffers.block, interval.h, interval.steps / recorded as u64);
@@ -83,7 +83,7 @@ fn sampled<V: Vector>(
 /// Evaluates the dynamics at the state `from` and fills the persistent registers of `matter`.
 pub fn begin<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
     Executor::serial().for_each_block(matter.blocks(), &|block: Blocks<'_, V>| {
-        with_buffers::<V, I>(from, block, |buffers| {
+        with_buffers(from, block, Registers::of::<I>(), &mut |buffers| {
             run_stage::<V, I>(dynamics, buffers, interval, interval.start, Action::Begin);
         });
     });
@@ -97,23 +97,39 @@ struct BlockBuffers<'a, V: Vector> {
     before: [Span<'a, V>; 2],
 }
 
-/// Copies a block of `from` to buffers, applies `work`, and copies the result to `block`.
-fn with_buffers<V: Vector, I: Integrator>(
+/// The numbers of an integrator's registers: all, those that last from step to step, and those that are read after a step.
+#[derive(Debug, Clone, Copy)]
+struct Registers {
+    all: usize,
+    persistent: usize,
+    readable: usize,
+}
+
+impl Registers {
+    const fn of<I: Integrator>() -> Self {
+        Self { all: I::REGISTERS, persistent: I::PERSISTENT, readable: I::READABLE }
+    }
+}
+
+/// Copies a block of `from` to buffers, applies `work`, and copies the result to `block`. The integrator is a value here and
+/// the type of `work` erased: this would else be compiled for each of both.
+fn with_buffers<V: Vector>(
     from: &Matter<V>,
     mut block: Blocks<'_, V>,
-    work: impl FnOnce(&mut BlockBuffers<'_, V>),
+    numbers: Registers,
+    work: &mut dyn FnMut(&mut BlockBuffers<'_, V>),
 ) {
     let (start, length) = (block.start, block.position.len());
     block.tallies[0] = from.tallies[start / from.block];
     let stride = length + LANES;
-    let vectors = 5 + I::REGISTERS;
+    let vectors = 5 + numbers.all;
     V::Scalar::with_scratch(vectors * V::DIMENSION * stride, |scratch| {
         let mut columns = scratch.chunks_exact_mut(stride).map(|column| &mut column[..length]);
         let mut span = || Span {
             axes: std::array::from_fn(|axis| if axis < V::DIMENSION { columns.next().unwrap_or_default() } else { &mut [] }),
         };
         let (position, velocity, force, before) = (span(), span(), span(), [span(), span()]);
-        let registers = std::array::from_fn(|register| if register < I::REGISTERS { span() } else { Span::empty() });
+        let registers = std::array::from_fn(|register| if register < numbers.all { span() } else { Span::empty() });
         let mut buffers = BlockBuffers {
             block: Blocks::new(start, block.count, position, velocity, registers, &mut *block.tallies),
             force,
@@ -121,14 +137,14 @@ fn with_buffers<V: Vector, I: Integrator>(
         };
         buffers.block.position.copy_from(&from.position.view(), start);
         buffers.block.velocity.copy_from(&from.velocity.view(), start);
-        for (registers, from) in buffers.block.registers.iter_mut().zip(&from.registers).take(I::PERSISTENT) {
+        for (registers, from) in buffers.block.registers.iter_mut().zip(&from.registers).take(numbers.persistent) {
             registers.copy_from(&from.view(), start);
         }
         work(&mut buffers);
         let BlockBuffers { block: done, .. } = buffers;
         block.position.copy_from(&done.position.view(0), 0);
         block.velocity.copy_from(&done.velocity.view(0), 0);
-        for (registers, done) in block.registers.iter_mut().zip(&done.registers).take(I::READABLE) {
+        for (registers, done) in block.registers.iter_mut().zip(&done.registers).take(numbers.readable) {
             registers.copy_from(&done.view(0), 0);
         }
     });

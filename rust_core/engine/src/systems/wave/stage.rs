@@ -201,13 +201,14 @@ impl<T: Real, I: Integrator, A: Groups<T>> Stage<'_, T, I, A> {
 
     #[inline(always)]
     fn update<const STAGE: usize>(&mut self, ends: bool) -> Sums {
-        if STAGE >= I::NODES.len() {
-            Sums::default()
-        } else if STAGE + 1 == I::NODES.len() && ends {
-            self.update_cells::<STAGE, true>()
-        } else {
-            self.update_cells::<STAGE, false>()
+        // Conditions on constants in blocks, so that only stages that there are, and ends of the last one, are compiled.
+        if const { STAGE >= I::NODES.len() } {
+            return Sums::default();
         }
+        if const { STAGE + 1 == I::NODES.len() } && ends {
+            return self.update_cells::<STAGE, true>();
+        }
+        self.update_cells::<STAGE, false>()
     }
 
     #[inline(always)]
@@ -217,11 +218,8 @@ impl<T: Real, I: Integrator, A: Groups<T>> Stage<'_, T, I, A> {
         let whole = count / LANES * LANES;
         for at in (0..whole).step_by(LANES) {
             let acceleration = &self.input.acceleration;
-            if acceleration.is_inner::<LANES>(at) {
-                self.update_group::<STAGE, ENDS, LANES>(at, acceleration.inner(at), &mut sums);
-            } else {
-                self.update_group::<STAGE, ENDS, LANES>(at, acceleration.any(at), &mut sums);
-            }
+            let a = if acceleration.is_inner::<LANES>(at) { acceleration.inner(at) } else { acceleration.any(at) };
+            self.update_group::<STAGE, ENDS, LANES>(at, a, &mut sums);
         }
         for at in whole..count {
             let mut cell = LaneSums::ZERO;

@@ -40,12 +40,15 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
 
     #[inline(always)]
     fn run(mut self) {
+        let mut left = self.number;
         // The stages of a longer method keep the registers busy enough.
-        let pairs = if I::NODES.len() == 1 { self.number / 2 } else { 0 };
-        for _ in 0..pairs {
-            self.pass::<true>();
+        if const { I::NODES.len() == 1 } {
+            for _ in 0..left / 2 {
+                self.pass::<true>();
+            }
+            left %= 2;
         }
-        for _ in 2 * pairs..self.number {
+        for _ in 0..left {
             self.pass::<false>();
         }
     }

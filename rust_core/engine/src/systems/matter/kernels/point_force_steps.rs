@@ -50,7 +50,7 @@ impl<V: Vector, I: Integrator> LevelKernel for PointForceSteps<'_, '_, V, I> {
         };
         // Some registers of particles in turn: others compute while one waits for its root and its division. Not all of their
         // numbers stay in registers, and of longer operations fewer hide the wait.
-        if S::Pack::<V::Scalar>::WIDTH == LANES { walk.steps::<4>(number) } else { walk.steps::<2>(number) }
+        if const { S::Pack::<V::Scalar>::WIDTH == LANES } { walk.steps::<4>(number) } else { walk.steps::<2>(number) }
     }
 }
 
@@ -74,8 +74,11 @@ impl<V: Vector, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
             for first in (0..together).step_by(TURNS) {
                 self.advance::<TURNS>(first);
             }
-            for first in together..packs {
-                self.advance::<1>(first);
+            // Columns are whole groups of lanes: of narrower registers none is left.
+            if const { !(LANES / P::WIDTH).is_multiple_of(TURNS) } {
+                for first in together..packs {
+                    self.advance::<1>(first);
+                }
             }
         }
     }
