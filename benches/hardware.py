@@ -5,7 +5,7 @@ are compared with Numba; fluids with a program outside this project, named by PH
 one. It takes `--n ROWS --threads T --warm STEPS --steps STEPS --reps TIMES --load STATE --dump STATE`, simulates a
 broken dam of ROWS³ particles (a cube of water of 1 m in a tank of 2.5 m × 1 m × 2 m, Wendland's C2 kernel of 1.2
 spacings, α = 0.1, c = 10 √(2g·1 m), steps of 0.2 h/c), and keeps states as x, y, z, u, v, w in f32. With --large also
-10⁶ particles in the fluid, and 10⁷ independent ones.
+10⁶ particles in the fluid, and 10⁷ independent ones and springs.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import TypeAlias
 import numpy as np
 import particles
 import springs
-from measure import Contender, race, rate, speedup
+from measure import Contender, rate, speedup
 
 import physcore as pc
 
@@ -152,16 +152,23 @@ def fluids(large: bool) -> list[Row]:
 
 
 def beyond_caches() -> list[Row]:
-    """What a particle-step costs among 10⁷ of them, over that among 10⁶."""
-    cost = {}
-    for count in (10**6, 10**7):
-        simulation = pc.Simulation(
-            particles.falling(count), pc.VelocityVerlet(), dt=particles.STEP, precision="f32", threads=1
-        )
-        contender = Contender("physcore", simulation.step)
-        race([contender], 3)
-        cost[count] = median(contender.cpu) / count
-    return [Row("Verlet f32, 10⁷ over 10⁶, cost each", 1.3, cost[10**7] / cost[10**6], "", at_most=True)]
+    """The cost of a particle or a spring among 10⁷ over that among 10⁶, in runs of the same number of steps."""
+
+    def cost(scene: pc.Scene, work: int, steps: int) -> float:
+        step = pc.Simulation(scene, pc.VelocityVerlet(), dt=particles.STEP, precision="f32", threads=1).step
+        step(steps)
+        contender = Contender("physcore", step, steps=steps)
+        for _ in range(3):
+            contender.turn()
+        return min(contender.cpu) / work
+
+    few, many = (cost(particles.falling(count), count, 100) for count in (10**6, 10**7))
+    cloths = [springs.grid((side, side)) for side in (408, 1291)]
+    loose, dense = (cost(pc.Scene(cloth, pc.Gravity((0.0, springs.GRAVITY))), len(cloth.pairs), 10) for cloth in cloths)
+    return [
+        Row("Verlet f32, 10⁷ over 10⁶, cost each", 1.3, many / few, "100 steps a call", at_most=True),
+        Row("springs f32, grid, 10⁷ over 10⁶, cost each", 1.3, dense / loose, "10 steps a call", at_most=True),
+    ]
 
 
 def show(particle_races: Races, spring_races: Races) -> None:
