@@ -216,12 +216,13 @@ impl Displacements {
             *of_cell = of_cell.with(&displacements);
             all = all.with(&displacements);
         }
+        // Also where all move together: walls and points that they approach are looked for up to this displacement.
+        if farthest(&all) > largest {
+            return true;
+        }
         let skin = self.skin * self.skin;
         if difference(&all, &all) <= skin {
             return false;
-        }
-        if farthest(&all) > largest {
-            return true;
         }
         around.clone_from(of_cells);
         let mut stride = 1;

@@ -84,6 +84,19 @@ fn lists_serve_longer_for_particles_that_move_together() {
     }
 }
 
+/// Walls and points beside the particles are looked for up to the largest displacement.
+#[test]
+fn no_lists_outlive_the_largest_displacement() {
+    let still = cloud(5000, [20.0; AXES], 2);
+    let mut neighbors = search(&still, 3, &Domain::default(), 1.0, 0.25).unwrap();
+    let largest = neighbors.largest_displacement();
+    for (displacement, made) in [(0.999 * largest, false), (1.001 * largest, true)] {
+        let mut points = still.clone();
+        points[2].iter_mut().for_each(|coordinate| *coordinate -= displacement);
+        assert_eq!(neighbors.update(view(&points), &Executor::serial()).unwrap(), made, "{displacement}");
+    }
+}
+
 #[test]
 fn lists_come_back_from_their_anchors() {
     let points = cloud(3000, [8.0; AXES], 4);
