@@ -2,20 +2,21 @@
 
 use std::ops::Range;
 
+use crate::aligned::{Aligned, filled};
 use crate::math::{AXES, Real, Vector};
 use crate::simd::padded;
 
 /// One vector per particle, stored as one array per axis. The arrays are padded with zeros to whole groups of lanes.
 #[derive(Debug, Clone, Default)]
 pub struct Columns<V: Vector> {
-    axes: Vec<Vec<V::Scalar>>,
+    axes: Vec<Aligned<V::Scalar>>,
     count: usize,
 }
 
 impl<V: Vector> Columns<V> {
     /// `count` zero vectors.
     pub fn zeros(count: usize) -> Self {
-        Self { axes: vec![vec![V::Scalar::ZERO; padded(count)]; V::DIMENSION], count }
+        Self { axes: vec![filled(V::Scalar::ZERO, padded(count)); V::DIMENSION], count }
     }
 
     /// The vectors `each(index)` of all particles.
@@ -62,13 +63,13 @@ impl<V: Vector> Columns<V> {
 
     /// A read-only view of all vectors.
     pub fn view(&self) -> View<'_, V> {
-        View { start: 0, axes: std::array::from_fn(|axis| self.axes.get(axis).map_or(&[][..], Vec::as_slice)) }
+        View { start: 0, axes: std::array::from_fn(|axis| self.axes.get(axis).map_or(&[][..], |axis| axis.as_slice())) }
     }
 
     /// A mutable span of all vectors.
     pub fn span(&mut self) -> Span<'_, V> {
         let mut arrays = self.axes.iter_mut();
-        Span { axes: std::array::from_fn(|_| arrays.next().map_or(&mut [][..], Vec::as_mut_slice)) }
+        Span { axes: std::array::from_fn(|_| arrays.next().map_or(&mut [][..], |axis| axis.as_mut_slice())) }
     }
 
     /// Memory of the arrays [bytes].

@@ -9,6 +9,7 @@
 //! threads of [`parallel`] and at the SIMD level of [`simd`].
 
 pub mod adjacency;
+pub mod aligned;
 pub mod boundaries;
 pub mod columns;
 pub mod contacts;

@@ -9,6 +9,8 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
+use crate::aligned::CACHE_LINE;
+
 mod coordinate;
 
 pub use coordinate::Coordinate;
@@ -61,9 +63,6 @@ pub trait Real:
     /// because a vector that straddles two costs twice.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
 }
-
-/// The size of a cache line [bytes].
-const CACHE_LINE: usize = 64;
 
 macro_rules! real {
     ($number:ident, $bits:ident, $scratch:ident) => {

@@ -6,6 +6,7 @@
 //! any number of threads.
 
 use super::{BLOCK, List, Neighbors};
+use crate::aligned::filled;
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{
@@ -59,8 +60,8 @@ impl<V: Vector> Records<V> {
     /// Records for the particles of `neighbors`.
     pub fn new(neighbors: &Neighbors) -> Self {
         Self {
-            words: Table::zeros(neighbors.count() + LANES),
-            unsorted: Table::zeros(neighbors.count()),
+            words: filled([V::Scalar::ZERO; WORDS], neighbors.count() + LANES),
+            unsorted: filled([V::Scalar::ZERO; WORDS], neighbors.count()),
             encodings: neighbors.domain().lengths().map(|length| V::Scalar::encoding(length, neighbors.support())),
             periodic: neighbors.domain().is_periodic(),
         }

@@ -9,6 +9,8 @@
 #![allow(unsafe_code)]
 
 use std::sync::OnceLock;
+#[cfg(target_arch = "x86_64")]
+use std::{hint::black_box, mem::MaybeUninit};
 
 use crate::error::{Error, Result};
 
@@ -180,14 +182,31 @@ pub fn dispatch_level<K: LevelKernel>(kernel: K) -> K::Output {
     kernel.run(Scalar(()))
 }
 
+/// A cache line on the stack. A function that has one aligns its frame, and with it the registers that it spills: compilers do
+/// not align a frame for spilled registers alone, and one that straddles two cache lines takes several times as long.
+#[cfg(target_arch = "x86_64")]
+#[repr(align(64))]
+struct CacheLine(#[expect(dead_code, reason = "its place counts, not its value")] [u8; 64]);
+
+#[cfg(target_arch = "x86_64")]
+impl CacheLine {
+    /// Aligns the frame of the function that this is called in.
+    #[inline(always)]
+    fn align_frame() {
+        black_box(&MaybeUninit::<Self>::uninit());
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,popcnt,bmi1,bmi2")]
 fn avx512<K: LevelKernel>(kernel: K) -> K::Output {
+    CacheLine::align_frame();
     kernel.run(Avx512(()))
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
 fn avx2<K: LevelKernel>(kernel: K) -> K::Output {
+    CacheLine::align_frame();
     kernel.run(Avx2(()))
 }
