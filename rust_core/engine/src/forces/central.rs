@@ -248,8 +248,8 @@ impl InverseCube {
     /// A factor times q^(−3/2), 0 where that is infinite.
     #[inline(always)]
     fn times<N: Number>(factor: N, q: N) -> N {
-        let (cube, zero) = (q * q.sqrt(), N::constant(0.0));
-        N::select(zero.less(cube), factor / cube, zero)
+        let cube = q * q.sqrt();
+        (factor / cube).masked(N::constant(0.0).less(cube))
     }
 }
 

@@ -91,7 +91,7 @@ impl<V: Vector> PairLaw<V, SUMS> for LennardJones<V::Scalar> {
         let ratio = N::of(self.square_sigma) * inverse;
         let six = ratio * ratio * ratio;
         let push = N::of(self.strength) * (six * six + six * six - six) * inverse - N::of(self.shift) * (pair.distance * inverse);
-        let push = N::select(square.less(N::of(self.square_cutoff)), push, N::constant(0.0));
+        let push = push.masked(square.less(N::of(self.square_cutoff)));
         let mut terms = [N::constant(0.0); SUMS];
         for axis in 0..V::DIMENSION {
             terms[axis] = push * pair.separation[axis];

@@ -104,8 +104,8 @@ impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for SoftSpheres<V::Scalar
         let overlap = attribute::<V, N>(own) + attribute::<V, N>(other) - distance;
         // Concentric spheres have no contact normal.
         let touches = N::both(zero.less(overlap), zero.less(distance));
-        let inverse = N::select(touches, one / distance, zero);
-        let overlap = N::select(touches, overlap, zero);
+        let inverse = (one / distance).masked(touches);
+        let overlap = overlap.masked(touches);
         let elastic = N::of(self.stiffness) * if HERTZIAN { overlap * overlap.sqrt() } else { overlap };
         let v = relative_velocity::<V, N>(pair);
         let (mut normal, mut tangent) = ([zero; AXES], [zero; AXES]);
@@ -119,10 +119,10 @@ impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for SoftSpheres<V::Scalar
             square_slip += tangent[axis] * tangent[axis];
         }
         let damped = elastic - N::of(self.damping) * parting;
-        let push = N::select(touches, damped.max(zero), zero);
+        let push = damped.max(zero).masked(touches);
         let slip = square_slip.sqrt();
         let drag = (N::of(self.tangential_damping) * slip).min(N::of(self.friction) * push);
-        let per_slip = N::select(zero.less(slip), drag / slip, zero);
+        let per_slip = (drag / slip).masked(zero.less(slip));
         let mut terms = [zero; SUMS];
         for axis in 0..V::DIMENSION {
             terms[axis] = push * normal[axis] - per_slip * tangent[axis];

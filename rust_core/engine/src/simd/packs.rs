@@ -34,6 +34,9 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn both(one: Self::Mask, other: Self::Mask) -> Self::Mask;
     /// One number in the lanes of a mask, another elsewhere.
     fn select(mask: Self::Mask, one: Self, other: Self) -> Self;
+    /// This number in the lanes of a mask, 0 elsewhere.
+    #[must_use]
+    fn masked(self, mask: Self::Mask) -> Self;
     /// Where one of the bits of the number is set.
     fn has_bit(self, bit: u32) -> Self::Mask;
     /// The difference of two encoded coordinates: of f32, that of their bits as integers, modulo 2³²; of f64, that of the
@@ -167,6 +170,11 @@ macro_rules! scalar {
             }
 
             #[inline(always)]
+            fn masked(self, mask: bool) -> $number {
+                if mask { self } else { 0.0 }
+            }
+
+            #[inline(always)]
             fn has_bit(self, bit: u32) -> bool {
                 self.to_bits() & (1 << bit) != 0
             }
@@ -270,6 +278,12 @@ impl<T: Packed> Number for Four<T> {
     fn select(mask: [bool; 4], one: Self, other: Self) -> Self {
         let ([a, b, c, d], [e, f, g, h], [i, j, k, l]) = (mask, one.0, other.0);
         Self([T::select(a, e, i), T::select(b, f, j), T::select(c, g, k), T::select(d, h, l)])
+    }
+
+    #[inline(always)]
+    fn masked(self, mask: [bool; 4]) -> Self {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, mask);
+        Self([a.masked(e), b.masked(f), c.masked(g), d.masked(h)])
     }
 
     #[inline(always)]

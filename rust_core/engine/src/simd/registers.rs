@@ -25,6 +25,7 @@ macro_rules! register {
         less: |$a:ident, $b:ident| $less:expr,
         both: |$m:ident, $n:ident| $both:expr,
         select: |$o:ident, $p:ident, $q:ident| $select:expr,
+        masked: |$l:ident, $r:ident| $masked:expr,
         has_bit: |$x:ident, $bit:ident| $has_bit:expr,
         coordinate_difference: |$s:ident, $t:ident| $difference:expr,
         transpose: $transpose:ident
@@ -93,6 +94,12 @@ macro_rules! register {
             fn select($o: $mask, one: Self, other: Self) -> Self {
                 let ($p, $q) = (one.0, other.0);
                 Self(unsafe { $select })
+            }
+
+            #[inline(always)]
+            fn masked(self, $l: $mask) -> Self {
+                let $r = self.0;
+                Self(unsafe { $masked })
             }
 
             #[inline(always)]
@@ -170,6 +177,7 @@ register!(
     less: |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b),
     both: |m, n| m & n,
     select: |mask, one, other| _mm512_mask_blend_ps(mask, other, one),
+    masked: |mask, one| _mm512_maskz_mov_ps(mask, one),
     has_bit: |x, bit| _mm512_test_epi32_mask(_mm512_castps_si512(x), _mm512_set1_epi32(1 << bit)),
     coordinate_difference: |one, other| _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_castps_si512(one), _mm512_castps_si512(other))),
     transpose: sixteen_singles,
@@ -183,6 +191,7 @@ register!(
     less: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
     both: |m, n| m & n,
     select: |mask, one, other| _mm512_mask_blend_pd(mask, other, one),
+    masked: |mask, one| _mm512_maskz_mov_pd(mask, one),
     has_bit: |x, bit| _mm512_test_epi64_mask(_mm512_castpd_si512(x), _mm512_set1_epi64(1 << bit)),
     coordinate_difference: |one, other| _mm512_sub_pd(one, other),
     transpose: eight_doubles
@@ -195,6 +204,7 @@ register!(
     less: |a, b| _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
     both: |m, n| _mm256_and_ps(m, n),
     select: |mask, one, other| _mm256_blendv_ps(other, one, mask),
+    masked: |mask, one| _mm256_and_ps(mask, one),
     has_bit: |x, bit| {
         let one = _mm256_set1_epi32(1 << bit);
         _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_castps_si256(x), one), one))
@@ -210,6 +220,7 @@ register!(
     less: |a, b| _mm256_cmp_pd::<_CMP_LT_OQ>(a, b),
     both: |m, n| _mm256_and_pd(m, n),
     select: |mask, one, other| _mm256_blendv_pd(other, one, mask),
+    masked: |mask, one| _mm256_and_pd(mask, one),
     has_bit: |x, bit| {
         let one = _mm256_set1_epi64x(1 << bit);
         _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(_mm256_castpd_si256(x), one), one))
@@ -289,13 +300,16 @@ unsafe fn fold_singles<const SUMS: usize>(registers: [Single512; SUMS]) -> [f32;
 unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORDS] {
     unsafe {
         let mut words = [_mm256_setzero_ps(); WORDS];
+        // Each index is read once.
+        let [a, b, c, d, e, f, g, h] = [0, 1, 2, 3, 4, 5, 6, 7].map(|row| records.add(part.index(row) * WORDS));
+        let (first, second) = ([a, b, c, d], [e, f, g, h]);
         for half in 0..2 {
             let mut rows = [_mm256_setzero_pd(); 4];
             let mut read = [_mm256_setzero_ps(); 4];
             for row in 0..4 {
                 // Half a record of one in each half.
-                let low = _mm_loadu_ps(records.add(part.index(row) * WORDS + 4 * half));
-                let high = _mm_loadu_ps(records.add(part.index(row + 4) * WORDS + 4 * half));
+                let low = _mm_loadu_ps(first[row].add(4 * half));
+                let high = _mm_loadu_ps(second[row].add(4 * half));
                 read[row] = _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
             }
             rows[0] = _mm256_castps_pd(_mm256_unpacklo_ps(read[0], read[1]));

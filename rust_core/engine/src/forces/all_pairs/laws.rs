@@ -34,7 +34,7 @@ impl<T: Real, const SOFTENED: bool, const ONE_SIDED: bool> SourceLaw<T, WORDS, S
         let mut terms = [zero; SUMS];
         if !SOFTENED {
             let apart = zero.less(square);
-            inverse = N::select(apart, inverse, zero);
+            inverse = inverse.masked(apart);
             terms[COINCIDENT] = N::select(apart, zero, one);
         }
         terms[POTENTIAL] = source[AXES] * inverse;
@@ -58,7 +58,7 @@ impl<T: Real> SourceLaw<T, WORDS, 2> for Tide<T> {
     fn terms<N: Number<Scalar = T>>(&self, _offset: [N; AXES], square: N, source: &Record<N>) -> [N; 2] {
         let zero = N::constant(0.0);
         let softened = square + N::of(self.0);
-        let cube = N::select(zero.less(square), N::constant(1.0) / (softened * softened.sqrt()), zero);
+        let cube = (N::constant(1.0) / (softened * softened.sqrt())).masked(zero.less(square));
         [source[AXES] * cube, source[AXES + 1] * cube]
     }
 }

@@ -142,7 +142,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, RATES> for Continuity<V:
             return [squeeze, evened, zero];
         }
         let is_obstacle = is_obstacle(volume);
-        [N::select(is_obstacle, zero, squeeze), evened, N::select(is_obstacle, squeeze, zero)]
+        [N::select(is_obstacle, zero, squeeze), evened, squeeze.masked(is_obstacle)]
     }
 }
 
@@ -332,7 +332,7 @@ impl<V: Vector, K: Shape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Sca
             terms[axis] = weight * pair.separation[axis];
         }
         // Padding of the lists has infinite distance.
-        terms[AXES] = N::select(weight.less(zero), zero - weight * distance, zero);
+        terms[AXES] = (zero - weight * distance).masked(weight.less(zero));
         terms
     }
 }

@@ -112,7 +112,7 @@ impl<T: Real> VortexLaw<'_, T> {
     fn swirl<N: Number<Scalar = T>>(&self, [x, y]: [N; 2], place: [T; 2], strength: T) -> ([N; 2], N, N) {
         let offset = [x - N::of(place[0]), y - N::of(place[1])];
         let (zero, distance) = (N::constant(0.0), offset[0] * offset[0] + offset[1] * offset[1]);
-        let inverse = N::select(zero.less(distance), N::constant(1.0) / (distance + N::of(self.core)), zero);
+        let inverse = (N::constant(1.0) / (distance + N::of(self.core))).masked(zero.less(distance));
         (offset, inverse, N::of(strength) * inverse)
     }
 }
