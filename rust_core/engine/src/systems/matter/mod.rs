@@ -49,9 +49,9 @@ use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Quantity, Rec
 
 /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
-/// Particles per block that runs many steps: position, velocity and registers in three dimensions fit into the first-level
-/// cache.
-const INDEPENDENT_BLOCK: usize = 512;
+/// Bytes of one column of a block that runs many steps: position, velocity and registers in three dimensions fit into the
+/// first-level cache.
+const INDEPENDENT_COLUMN: usize = 2048;
 /// Particles per block of coupled matter: large against the rows of a grid that it shares with other blocks, small against
 /// the second-level cache.
 const COUPLED_BLOCK: usize = 4096;
@@ -142,11 +142,12 @@ struct MatterSystem<V: Vector> {
 impl<V: Vector> MatterSystem<V> {
     /// The number of particles per block, for independent or coupled particles.
     fn block(about: &About, independent: bool) -> usize {
+        let column = INDEPENDENT_COLUMN / size_of::<V::Scalar>();
         match (independent, about.registers) {
             (false, _) => COUPLED_BLOCK,
-            (true, 0..=2) => INDEPENDENT_BLOCK,
+            (true, 0..=2) => column,
             // More registers per particle, fewer particles in the same cache.
-            (true, _) => INDEPENDENT_BLOCK / 2,
+            (true, _) => column / 2,
         }
     }
 

@@ -119,7 +119,7 @@ impl GaussRadau15 {
         self.error = error * (self.tolerance / rounding.max(self.tolerance));
         for (tally, power) in matter.tallies.iter_mut().zip(&self.power) {
             for (power, weight) in power.iter().zip(rule::WEIGHTS) {
-                kernels::integrate(tally, power, &kernels::ALL, h * weight, 0.0, false);
+                kernels::integrate(tally, kernels::through_all(power), h * weight, 0.0, false);
             }
         }
         let counts = [1, iterations as u64, u64::from(change > self.tolerance)];

@@ -184,7 +184,7 @@ fn integrate<V: Vector>(
         let mut power: Power = [[0.0; LANES]; SINKS];
         dynamics.accumulate(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
         kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
-        kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, share, last, true);
+        kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), share, last, true);
     });
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! The accelerations of a block: accumulated forces plus the linear force.
 
 use super::activity::kinetic;
-use super::axis_force::{AxisForce, Uniform, supplies};
+use super::axis_force::{AxisForce, Uniform};
 use super::power::add_power;
 use crate::forces::linear::AxisLaw;
 use crate::math::{AXES, Real, Vector};
@@ -68,8 +68,8 @@ impl<T: Real> Kernel for Accelerations<'_, T> {
 
 /// The accelerations along one axis. Adds to the powers, and Σ m v² to `squares`.
 #[inline(always)]
-fn along<T: Real>(
-    law: impl AxisForce<T>,
+fn along<T: Real, L: AxisForce<T>>(
+    law: L,
     Axis { x, v, force, .. }: Axis<'_, T>,
     (inverse_mass, inertia): (&[Lanes<T>], &[Lanes<T>]),
     power: &mut Power,
@@ -77,20 +77,21 @@ fn along<T: Real>(
 ) {
     let (mut drag, mut work, mut moved) = ([T::ZERO; LANES], [T::ZERO; LANES], *squares);
     for (group, force) in force.iter_mut().enumerate() {
-        let coefficients = law.group(group);
+        let coefficients = law.coefficients(|column| column[group]);
         let (x, v, inverse_mass, inertia, mut a) = (x[group], v[group], inverse_mass[group], inertia[group], *force);
         for lane in 0..LANES {
-            let (dissipated, supplied) = law.power(&coefficients, lane, v[lane]);
+            let own = law.of_lane(&coefficients, lane);
+            let [dissipated, supplied] = law.power(&own, v[lane]);
             drag[lane] += dissipated;
             work[lane] += supplied;
             moved[lane] += inertia[lane] * (v[lane] * v[lane]);
-            a[lane] = a[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, x[lane], v[lane]);
+            a[lane] = a[lane] * inverse_mass[lane] + law.acceleration(&own, x[lane], v[lane]);
         }
         *force = a;
     }
     *squares = moved;
     add_power(&mut power[EnergySink::Drag as usize], &drag, law.unit());
-    if supplies(&law) {
+    if L::SUPPLIES {
         add_power(&mut power[EnergySink::Work as usize], &work, law.unit());
     }
 }

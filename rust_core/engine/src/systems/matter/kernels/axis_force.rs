@@ -2,21 +2,23 @@
 
 use crate::forces::linear::{Coefficients, Varying};
 use crate::math::Real;
-use crate::simd::Lanes;
+use crate::simd::{Lanes, Number};
 
-/// The linear force along one axis of a block. The loops below copy all input of a group of lanes to local arrays first:
-/// only then can the compiler exclude aliasing, and vectorize them.
+/// The linear force along one axis of a block, on one particle or on several in lanes.
 pub(super) trait AxisForce<T: Real>: Copy {
     /// Whether power is supplied from outside, by wind.
     const SUPPLIES: bool;
-    /// The coefficients of a group.
-    type Group: Copy;
-    /// Reads the coefficients of a group.
-    fn group(&self, group: usize) -> Self::Group;
-    /// The acceleration of a lane.
-    fn acceleration(&self, group: &Self::Group, lane: usize, x: T, v: T) -> T;
+    /// The coefficients, each a `C`: of one particle, of a register of them or of a group of lanes.
+    type Coefficients<C: Copy>: Copy;
+    /// The coefficients that `read` takes from each of their columns.
+    fn coefficients<C: Copy>(&self, read: impl Fn(&[Lanes<T>]) -> C) -> Self::Coefficients<C>;
+    /// Those of one lane of a group. Loops over lanes copy all input of a group to local arrays first: only then can the compiler
+    /// exclude aliasing, and vectorize them.
+    fn of_lane(&self, group: &Self::Coefficients<Lanes<T>>, lane: usize) -> Self::Coefficients<T>;
+    /// The acceleration.
+    fn acceleration<N: Number<Scalar = T>>(&self, coefficients: &Self::Coefficients<N>, x: N, v: N) -> N;
     /// The power that drag dissipates and the power of the wind, in units of [`AxisForce::unit`].
-    fn power(&self, group: &Self::Group, lane: usize, v: T) -> (T, T);
+    fn power<N: Number<Scalar = T>>(&self, coefficients: &Self::Coefficients<N>, v: N) -> [N; 2];
     /// The unit of the powers [W].
     fn unit(&self) -> f64;
 }
@@ -27,19 +29,23 @@ pub(super) struct Uniform<T, const DRAG: bool>(pub(super) Coefficients<T>);
 
 impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
     const SUPPLIES: bool = false;
-    type Group = ();
+    type Coefficients<C: Copy> = ();
 
     #[inline(always)]
-    fn group(&self, _group: usize) {}
+    fn coefficients<C: Copy>(&self, _read: impl Fn(&[Lanes<T>]) -> C) {}
 
     #[inline(always)]
-    fn acceleration(&self, _group: &(), _lane: usize, _x: T, v: T) -> T {
-        if DRAG { self.0.a0 + self.0.b * v } else { self.0.a0 }
+    fn of_lane(&self, _group: &(), _lane: usize) {}
+
+    #[inline(always)]
+    fn acceleration<N: Number<Scalar = T>>(&self, _coefficients: &(), _x: N, v: N) -> N {
+        if DRAG { N::of(self.0.a0) + N::of(self.0.b) * v } else { N::of(self.0.a0) }
     }
 
     #[inline(always)]
-    fn power(&self, _group: &(), _lane: usize, v: T) -> (T, T) {
-        (if DRAG { v * v } else { T::ZERO }, T::ZERO)
+    fn power<N: Number<Scalar = T>>(&self, _coefficients: &(), v: N) -> [N; 2] {
+        let nothing = N::constant(0.0);
+        [if DRAG { v * v } else { nothing }, nothing]
     }
 
     #[inline(always)]
@@ -51,33 +57,32 @@ impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
 impl<T: Real> AxisForce<T> for Varying<'_, T> {
     const SUPPLIES: bool = true;
     /// a₀, b, c and γ.
-    type Group = [Lanes<T>; 4];
+    type Coefficients<C: Copy> = [C; 4];
 
     #[inline(always)]
-    fn group(&self, group: usize) -> [Lanes<T>; 4] {
-        [self.a0, self.b, self.c, self.drag].map(|column| column[group])
+    fn coefficients<C: Copy>(&self, read: impl Fn(&[Lanes<T>]) -> C) -> [C; 4] {
+        [read(self.a0), read(self.b), read(self.c), read(self.drag)]
     }
 
     #[inline(always)]
-    fn acceleration(&self, [a0, b, c, _]: &[Lanes<T>; 4], lane: usize, x: T, v: T) -> T {
-        a0[lane] + b[lane] * v + c[lane] * x
+    fn of_lane(&self, group: &[Lanes<T>; 4], lane: usize) -> [T; 4] {
+        [group[0][lane], group[1][lane], group[2][lane], group[3][lane]]
     }
 
     #[inline(always)]
-    fn power(&self, [.., drag]: &[Lanes<T>; 4], lane: usize, v: T) -> (T, T) {
-        let relative = v - self.wind;
-        let resistance = drag[lane] * relative;
-        (resistance * relative, -(resistance * self.wind))
+    fn acceleration<N: Number<Scalar = T>>(&self, &[a0, b, c, _]: &[N; 4], x: N, v: N) -> N {
+        a0 + b * v + c * x
+    }
+
+    #[inline(always)]
+    fn power<N: Number<Scalar = T>>(&self, &[.., drag]: &[N; 4], v: N) -> [N; 2] {
+        let relative = v - N::of(self.wind);
+        let resistance = drag * relative;
+        [resistance * relative, resistance * N::of(-self.wind)]
     }
 
     #[inline(always)]
     fn unit(&self) -> f64 {
         1.0
     }
-}
-
-/// Whether a force supplies power.
-#[inline(always)]
-pub(super) fn supplies<T: Real, L: AxisForce<T>>(_law: &L) -> bool {
-    L::SUPPLIES
 }

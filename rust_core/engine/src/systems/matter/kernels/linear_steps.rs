@@ -2,14 +2,14 @@
 
 use std::marker::PhantomData;
 
-use super::axis_force::{AxisForce, Uniform, supplies};
+use super::axis_force::{AxisForce, Uniform};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, reuses_one_of_many};
 use crate::forces::linear::AxisLaw;
-use crate::integrators::{Component, ComponentGroup, Integrator, for_each_stage};
+use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{Real, Vector};
-use crate::matter::{Blocks, EnergySink, EnergyTally, Power, SINKS};
-use crate::simd::{Kernel, LANES, dispatch};
+use crate::matter::{Blocks, EnergySink, EnergyTally, REGISTERS};
+use crate::simd::{Isa, LANES, Lanes, LevelKernel, Pack, dispatch_level};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Whole steps of a block whose forces are all fused.
@@ -25,7 +25,7 @@ struct Steps<'a, T, I> {
 /// Advances one block by whole steps under the linear force alone.
 pub fn steps<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
     let (axes, tally) = split(dynamics, blocks);
-    dispatch(Steps::<V::Scalar, I> {
+    dispatch_level(Steps::<V::Scalar, I> {
         axes,
         tally,
         dissipates: dynamics.linear.dissipates,
@@ -35,118 +35,124 @@ pub fn steps<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Bloc
     });
 }
 
-impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
+/// The sinks of a linear force.
+const OF_DRAG: [EnergySink; 2] = [EnergySink::Drag, EnergySink::Work];
+
+/// The powers through [`OF_DRAG`] [W], by lane: weighted over the stages of a step, and at its last stage.
+#[derive(Default)]
+struct Powers {
+    step: [Lanes<f64>; 2],
+    last: [Lanes<f64>; 2],
+}
+
+impl<T: Real, I: Integrator> LevelKernel for Steps<'_, T, I> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
-        let mut left = self.number;
-        // The stages of a longer method keep the registers busy enough.
-        if const { I::NODES.len() == 1 } {
-            for _ in 0..left / 2 {
-                self.pass::<true>();
-            }
-            left %= 2;
-        }
-        for _ in 0..left {
-            self.pass::<false>();
+    fn run<S: Isa>(mut self, _isa: S) {
+        for _ in 0..self.number {
+            self.step::<S::Pack<T>>();
         }
     }
 }
 
 impl<T: Real, I: Integrator> Steps<'_, T, I> {
-    /// Takes one step, or two with the same bits in one pass over the columns.
+    /// Takes one step. Each further one is a pass over a block in the first-level cache, and costs no more than in registers.
     #[inline(always)]
-    fn pass<const TWO: bool>(&mut self) {
-        let mut power = [[[0.0; LANES]; SINKS]; 2];
-        let mut sinks = &[EnergySink::Drag][..];
+    fn step<P: Pack<Scalar = T>>(&mut self) {
+        let (mut powers, mut sinks) = (Powers::default(), 1);
         for (axis, law) in self.axes.iter_mut().flatten() {
             match *law {
                 AxisLaw::Uniform(same) if self.dissipates => {
-                    whole_steps::<_, I, TWO>(Uniform::<_, true>(same), axis, self.h, &mut power);
+                    whole_step::<P, I, _>(Uniform::<_, true>(same), axis, self.h, &mut powers);
                 }
-                AxisLaw::Uniform(same) => whole_steps::<_, I, TWO>(Uniform::<_, false>(same), axis, self.h, &mut power),
+                AxisLaw::Uniform(same) => whole_step::<P, I, _>(Uniform::<_, false>(same), axis, self.h, &mut powers),
                 AxisLaw::Varying(varying) => {
-                    whole_steps::<_, I, TWO>(varying, axis, self.h, &mut power);
-                    sinks = &[EnergySink::Drag, EnergySink::Work];
+                    whole_step::<P, I, _>(varying, axis, self.h, &mut powers);
+                    sinks = OF_DRAG.len();
                 }
             }
         }
         if self.dissipates {
             let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
-            for power in power.iter().take(1 + usize::from(TWO)) {
-                integrate(self.tally, power, sinks, self.h * weight, self.h * I::LAST_WEIGHT, true);
-            }
+            let of_sinks = OF_DRAG.into_iter().zip(&powers.step).take(sinks);
+            integrate(self.tally, of_sinks, self.h * weight, self.h * I::LAST_WEIGHT, true);
             if reuses_one_of_many::<I>() {
-                self.tally.last = power[1];
+                OF_DRAG.into_iter().zip(powers.last).for_each(|(sink, last)| self.tally.last[sink as usize] = last);
             }
         }
     }
 }
 
-/// One step of every lane along one axis, or two in one pass over the columns, with the power of each. Only persistent
-/// registers are read, and only readable ones are written.
+/// One step of every lane along one axis, and its powers. Only persistent registers are read, and only readable ones are written.
 #[inline(always)]
-fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
-    law: impl AxisForce<T>,
-    axis: &mut Axis<'_, T>,
+fn whole_step<P: Pack<Scalar: Real>, I: Integrator, L: AxisForce<P::Scalar>>(
+    law: L,
+    axis: &mut Axis<'_, P::Scalar>,
     h: f64,
-    power: &mut [Power; 2],
+    powers: &mut Powers,
 ) {
-    let step = T::from_f64(h);
+    let (step, zero) = (P::constant(h), P::constant(0.0));
     let Axis { x, v, registers, .. } = axis;
-    let (mut drag, mut second_drag) = ([T::ZERO; LANES], [T::ZERO; LANES]);
-    let (mut work, mut second_work) = ([T::ZERO; LANES], [T::ZERO; LANES]);
-    for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
-        let coefficients = law.group(group);
-        let mut components = ComponentGroup::<T>::load(x, v, registers, group, I::PERSISTENT);
-        for lane in 0..LANES {
-            let mut component = components.lane(lane);
-            let (passed, last) = one_step::<T, I, _>(&law, &coefficients, lane, &mut component, step);
-            drag[lane] += passed.0;
-            work[lane] += passed.1;
-            if TWO {
-                let (passed, _) = one_step::<T, I, _>(&law, &coefficients, lane, &mut component, step);
-                second_drag[lane] += passed.0;
-                second_work[lane] += passed.1;
-            } else if reuses_one_of_many::<I>() {
-                second_drag[lane] += last.0;
-                second_work[lane] += last.1;
+    // Copied, because writes to columns might change what is read through a reference.
+    let registers = registers.each_mut().map(|column| &mut **column);
+    let (mut of_step, mut of_last) = ([[P::Scalar::ZERO; LANES]; 2], [[P::Scalar::ZERO; LANES]; 2]);
+    // One register's lanes of all groups, then the next ones.
+    for first in (0..LANES).step_by(P::WIDTH) {
+        let (mut sums, mut lasts) = ([zero; 2], [zero; 2]);
+        for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
+            let coefficients = law.coefficients(|column| P::load(&column[group][first..]));
+            let mut component = Component { x: P::load(&x[first..]), v: P::load(&v[first..]), registers: [zero; REGISTERS] };
+            for register in 0..I::PERSISTENT {
+                component.registers[register] = P::load(&registers[register][group][first..]);
             }
-            components.set(lane, &component);
+            let [powers, last] = one_step::<P, I, L>(&law, &coefficients, &mut component, step);
+            for sink in 0..OF_DRAG.len() {
+                sums[sink] += powers[sink];
+                if reuses_one_of_many::<I>() {
+                    lasts[sink] += last[sink];
+                }
+            }
+            component.x.store(&mut x[first..]);
+            component.v.store(&mut v[first..]);
+            for register in 0..I::READABLE {
+                component.registers[register].store(&mut registers[register][group][first..]);
+            }
         }
-        components.store(x, v, registers, group, I::READABLE);
+        for sink in 0..OF_DRAG.len() {
+            sums[sink].store(&mut of_step[sink][first..]);
+            lasts[sink].store(&mut of_last[sink][first..]);
+        }
     }
-    for (power, [drag, work]) in power.iter_mut().zip([[&drag, &work], [&second_drag, &second_work]]) {
-        add_power(&mut power[EnergySink::Drag as usize], drag, law.unit());
-        if supplies(&law) {
-            add_power(&mut power[EnergySink::Work as usize], work, law.unit());
+    let sinks = if L::SUPPLIES { 2 } else { 1 };
+    for sink in 0..sinks {
+        add_power(&mut powers.step[sink], &of_step[sink], law.unit());
+        if reuses_one_of_many::<I>() {
+            add_power(&mut powers.last[sink], &of_last[sink], law.unit());
         }
     }
 }
 
-/// One step of one lane; returns the dissipated and the supplied power, weighted over the stages, and those of the last
-/// stage.
+/// One step along one axis; returns the dissipated and the supplied power, weighted over the stages, and those of the last stage.
 #[inline(always)]
-fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
+fn one_step<P: Pack<Scalar: Real>, I: Integrator, L: AxisForce<P::Scalar>>(
     law: &L,
-    coefficients: &L::Group,
-    lane: usize,
-    component: &mut Component<T>,
-    h: T,
-) -> ((T, T), (T, T)) {
-    let (mut drag, mut work) = (T::ZERO, T::ZERO);
-    let mut last = (T::ZERO, T::ZERO);
+    coefficients: &L::Coefficients<P>,
+    component: &mut Component<P>,
+    h: P,
+) -> [[P; 2]; 2] {
+    let mut sums = [P::constant(0.0); 2];
+    let mut last = sums;
     for_each_stage!(I, stage => {
         I::stage_state(stage, component, h);
-        let (dissipated, supplied) = law.power(coefficients, lane, component.v);
-        // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
-        let weigh = |power: T| if I::NODES.len() == 1 { power } else { T::from_f64(I::WEIGHTS[stage]) * power };
-        drag = if stage == 0 { weigh(dissipated) } else { drag + weigh(dissipated) };
-        work = if stage == 0 { weigh(supplied) } else { work + weigh(supplied) };
-        last = (dissipated, supplied);
-        let a = law.acceleration(coefficients, lane, component.x, component.v);
+        last = law.power(coefficients, component.v);
+        for sink in 0..OF_DRAG.len() {
+            // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
+            let weighted = if I::NODES.len() == 1 { last[sink] } else { P::constant(I::WEIGHTS[stage]) * last[sink] };
+            sums[sink] = if stage == 0 { weighted } else { sums[sink] + weighted };
+        }
+        let a = law.acceleration(coefficients, component.x, component.v);
         I::stage_update(stage, component, a, h);
     });
-    ((drag, work), last)
+    [sums, last]
 }

@@ -23,5 +23,5 @@ pub use gyration::gyrate;
 pub use gyration_steps::gyration_steps;
 pub use linear_steps::steps;
 pub use point_force_steps::point_force_steps;
-pub use power::{ALL, integrate};
+pub use power::{integrate, through_all};
 pub use stage::{Action, Evaluation, kicked, stage};

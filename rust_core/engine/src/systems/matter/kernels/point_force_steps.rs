@@ -48,9 +48,9 @@ impl<V: Vector, I: Integrator> LevelKernel for PointForceSteps<'_, '_, V, I> {
             step: Number::constant(h),
             integrator: PhantomData,
         };
-        // Some registers of particles in turn: others compute while one waits for its root and its division. Not all of their
-        // numbers stay in registers, and of longer operations fewer hide the wait.
-        if const { S::Pack::<V::Scalar>::WIDTH == LANES } { walk.steps::<4>(number) } else { walk.steps::<2>(number) }
+        // Some registers of particles in turn: others compute while one waits for its root and its division. Of the wider ones
+        // there are more.
+        if const { S::Pack::<V::Scalar>::WIDTH == LANES } { walk.steps::<4>(number) } else { walk.steps::<3>(number) }
     }
 }
 
@@ -68,64 +68,58 @@ impl<V: Vector, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
     /// Takes all steps, with `TURNS` registers of particles in turn.
     #[inline(always)]
     fn steps<const TURNS: usize>(&mut self, number: u64) {
-        let packs = self.members.len() / P::WIDTH;
-        let together = packs - packs % TURNS;
-        for _ in 0..number {
-            for first in (0..together).step_by(TURNS) {
-                self.advance::<TURNS>(first);
-            }
-            // Columns are whole groups of lanes: of narrower registers none is left.
-            if const { !(LANES / P::WIDTH).is_multiple_of(TURNS) } {
-                for first in together..packs {
-                    self.advance::<1>(first);
-                }
-            }
+        for first in (0..self.members.len() / P::WIDTH).step_by(TURNS) {
+            self.advance::<TURNS>(first, number);
         }
     }
 
-    /// Takes one step with `N` registers of particles, from the register `first` on.
+    /// Takes all steps with `N` registers of particles, from the register `first` on; past the last one it is that one again,
+    /// which reads and writes the same.
     #[inline(always)]
-    fn advance<const N: usize>(&mut self, first: usize) {
-        let at = |number: usize| (first + number) * P::WIDTH;
+    fn advance<const N: usize>(&mut self, first: usize, number: u64) {
+        let last = self.members.len() / P::WIDTH - 1;
+        let at = |turn: usize| (first + turn).min(last) * P::WIDTH;
         let zero = P::constant(0.0);
         let mut components = [[Component { x: zero, v: zero, registers: [zero; REGISTERS] }; AXES]; N];
         let mut weights = [zero; N];
-        for number in 0..N {
+        for turn in 0..N {
             // A force times an inverse mass is an acceleration.
-            weights[number] = P::load(&self.members[at(number)..]) * P::load(&self.inverse_mass[at(number)..]);
+            weights[turn] = P::load(&self.members[at(turn)..]) * P::load(&self.inverse_mass[at(turn)..]);
             for axis in 0..V::DIMENSION {
-                let (from, component) = (&self.axes[axis], &mut components[number][axis]);
-                component.x = P::load(&from.x.as_flattened()[at(number)..]);
-                component.v = P::load(&from.v.as_flattened()[at(number)..]);
+                let (from, component) = (&self.axes[axis], &mut components[turn][axis]);
+                component.x = P::load(&from.x.as_flattened()[at(turn)..]);
+                component.v = P::load(&from.v.as_flattened()[at(turn)..]);
                 for register in 0..I::PERSISTENT {
-                    component.registers[register] = P::load(&from.registers[register].as_flattened()[at(number)..]);
+                    component.registers[register] = P::load(&from.registers[register].as_flattened()[at(turn)..]);
                 }
             }
         }
-        for_each_stage!(I, stage => {
-            for number in 0..N {
-                for axis in 0..V::DIMENSION {
-                    I::stage_state(stage, &mut components[number][axis], self.step);
+        for _ in 0..number {
+            for_each_stage!(I, stage => {
+                for turn in 0..N {
+                    for axis in 0..V::DIMENSION {
+                        I::stage_state(stage, &mut components[turn][axis], self.step);
+                    }
                 }
-            }
-            let mut accelerations = [[zero; AXES]; N];
-            for number in 0..N {
-                let place = components[number].each_ref().map(|component| component.x);
-                accelerations[number] = self.law.force::<V, P>(weights[number], place);
-            }
-            for number in 0..N {
-                for axis in 0..V::DIMENSION {
-                    I::stage_update(stage, &mut components[number][axis], accelerations[number][axis], self.step);
+                let mut accelerations = [[zero; AXES]; N];
+                for turn in 0..N {
+                    let place = components[turn].each_ref().map(|component| component.x);
+                    accelerations[turn] = self.law.force::<V, P>(weights[turn], place);
                 }
-            }
-        });
-        for number in 0..N {
+                for turn in 0..N {
+                    for axis in 0..V::DIMENSION {
+                        I::stage_update(stage, &mut components[turn][axis], accelerations[turn][axis], self.step);
+                    }
+                }
+            });
+        }
+        for turn in 0..N {
             for axis in 0..V::DIMENSION {
-                let (to, component) = (&mut self.axes[axis], &components[number][axis]);
-                component.x.store(&mut to.x.as_flattened_mut()[at(number)..]);
-                component.v.store(&mut to.v.as_flattened_mut()[at(number)..]);
+                let (to, component) = (&mut self.axes[axis], &components[turn][axis]);
+                component.x.store(&mut to.x.as_flattened_mut()[at(turn)..]);
+                component.v.store(&mut to.v.as_flattened_mut()[at(turn)..]);
                 for register in 0..I::READABLE {
-                    component.registers[register].store(&mut to.registers[register].as_flattened_mut()[at(number)..]);
+                    component.registers[register].store(&mut to.registers[register].as_flattened_mut()[at(turn)..]);
                 }
             }
         }

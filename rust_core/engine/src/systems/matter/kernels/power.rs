@@ -2,19 +2,28 @@
 
 use crate::integrators::Integrator;
 use crate::math::Real;
-use crate::matter::{EnergySink, EnergyTally, Power, SINKS};
+use crate::matter::{EnergySink, EnergyTally, Power};
 use crate::simd::{LANES, Lanes};
 
-/// All sinks.
-pub const ALL: [EnergySink; SINKS] =
-    [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity, EnergySink::Work];
+/// The powers through all sinks.
+pub fn through_all(power: &Power) -> impl Iterator<Item = (EnergySink, &Lanes<f64>)> {
+    let sinks = [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity, EnergySink::Work];
+    sinks.into_iter().zip(power)
+}
 
 /// Adds the energy through some sinks of a tally during one stage: the power times `span`, and the power at the last stage
 /// of the previous step times `last_span`. `keep` marks the last stage of its step.
 #[inline(always)]
-pub fn integrate(tally: &mut EnergyTally, power: &Power, sinks: &[EnergySink], span: f64, last_span: f64, keep: bool) {
-    for sink in sinks.iter().map(|&sink| sink as usize) {
-        let (now, last) = (power[sink], tally.last[sink]);
+pub fn integrate<'a>(
+    tally: &mut EnergyTally,
+    powers: impl Iterator<Item = (EnergySink, &'a Lanes<f64>)>,
+    span: f64,
+    last_span: f64,
+    keep: bool,
+) {
+    for (sink, now) in powers {
+        let (sink, now) = (sink as usize, *now);
+        let last = tally.last[sink];
         for lane in 0..LANES {
             tally.energy[sink][lane] += last_span * last[lane] + span * now[lane];
         }

@@ -3,9 +3,9 @@
 use std::marker::PhantomData;
 
 use super::activity::kinetic;
-use super::axis_force::{AxisForce, Uniform, supplies};
+use super::axis_force::{AxisForce, Uniform};
 use super::components::{Axes, Axis, split};
-use super::power::{ALL, add_power, integrate};
+use super::power::{add_power, integrate, through_all};
 use crate::forces::linear::AxisLaw;
 use crate::integrators::{ComponentGroup, Integrator, for_each_stage};
 use crate::math::{AXES, Real, Vector};
@@ -102,9 +102,11 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
             let input = AxisInput { force, damping, inverse_mass, inertia };
             let sums = (&mut power, &mut squares);
             match *law {
-                AxisLaw::Uniform(same) if dissipates => one_stage::<_, I>(Uniform::<_, true>(same), input, axis, h, action, sums),
-                AxisLaw::Uniform(same) => one_stage::<_, I>(Uniform::<_, false>(same), input, axis, h, action, sums),
-                AxisLaw::Varying(varying) => one_stage::<_, I>(varying, input, axis, h, action, sums),
+                AxisLaw::Uniform(same) if dissipates => {
+                    one_stage::<_, I, _>(Uniform::<_, true>(same), input, axis, h, action, sums)
+                }
+                AxisLaw::Uniform(same) => one_stage::<_, I, _>(Uniform::<_, false>(same), input, axis, h, action, sums),
+                AxisLaw::Varying(varying) => one_stage::<_, I, _>(varying, input, axis, h, action, sums),
             }
         }
         match action {
@@ -112,7 +114,7 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
             Action::StageState => {}
             Action::StageUpdate(stage, _) => {
                 let last = if stage == 0 { h * I::LAST_WEIGHT } else { 0.0 };
-                integrate(tally, &power, &ALL, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
+                integrate(tally, through_all(&power), h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
             }
         }
         kinetic(&squares)
@@ -130,8 +132,8 @@ struct AxisInput<'a, T> {
 
 /// One stage of every lane along one axis. Adds to the powers, and Σ m v² at the stage to `squares`.
 #[inline(always)]
-fn one_stage<T: Real, I: Integrator>(
-    law: impl AxisForce<T>,
+fn one_stage<T: Real, I: Integrator, L: AxisForce<T>>(
+    law: L,
     input: AxisInput<'_, T>,
     axis: &mut Axis<'_, T>,
     h: f64,
@@ -145,17 +147,18 @@ fn one_stage<T: Real, I: Integrator>(
     let mut corrected = [T::ZERO; LANES];
     let mut moved = *squares;
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
-        let coefficients = law.group(group);
+        let coefficients = law.coefficients(|column| column[group]);
         let (force, inverse_mass, inertia) = (input.force[group], input.inverse_mass[group], input.inertia[group]);
         let mut components = ComponentGroup::<T>::load(x, v, registers, group, I::REGISTERS);
         let mut a = [T::ZERO; LANES];
         for lane in 0..LANES {
             let component = components.lane(lane);
-            let (dissipated, supplied) = law.power(&coefficients, lane, component.v);
+            let own = law.of_lane(&coefficients, lane);
+            let [dissipated, supplied] = law.power(&own, component.v);
             drag[lane] += dissipated;
             work[lane] += supplied;
             moved[lane] += inertia[lane] * (component.v * component.v);
-            a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, component.x, component.v);
+            a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&own, component.x, component.v);
         }
         // Integrators only add increments to a position, so they can be added to the residual instead.
         if let Some(residual) = residual.get(group) {
@@ -190,7 +193,7 @@ fn one_stage<T: Real, I: Integrator>(
     *squares = moved;
     add_power(&mut power[EnergySink::Damping as usize], &corrected, I::CORRECTED_WEIGHT);
     add_power(&mut power[EnergySink::Drag as usize], &drag, law.unit());
-    if supplies(&law) {
+    if L::SUPPLIES {
         add_power(&mut power[EnergySink::Work as usize], &work, law.unit());
     }
 }

@@ -103,7 +103,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
             let mut power: Power = [[0.0; LANES]; SINKS];
             dynamics.accumulate(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
             kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
-            kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
+            kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), h, 0.0, false);
         });
         let (h, square) = (V::Scalar::from_f64(h), V::Scalar::from_f64(h * h));
         let (displacement, velocity, acceleration) = (self.displacement.span(), &matter.velocity, &workspace.force);
@@ -138,7 +138,7 @@ fn finish<V: Vector>(
         let BlocksWithForces { blocks, mut force, .. } = work;
         let mut power: Power = [[0.0; LANES]; SINKS];
         dynamics.spring_power(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
-        kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
+        kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), h, 0.0, false);
         activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
     });
     Ok(())
