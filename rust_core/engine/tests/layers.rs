@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, in order. Those of one group may import each other.
 const LAYERS: [&[&str]; 18] = [
-    &["error"],
+    &["aligned", "error"],
     &["memory"],
     &["simd"],
     &["math"],
