@@ -57,7 +57,7 @@ impl<T: Real, I: Integrator> LevelKernel for Steps<'_, T, I> {
 }
 
 impl<T: Real, I: Integrator> Steps<'_, T, I> {
-    /// Takes one step. Each further one is a pass over a block in the first-level cache, and costs no more than in registers.
+    /// Takes one step: a pass over a block in the first-level cache. Two steps in a pass ask for more registers than there are.
     #[inline(always)]
     fn step<P: Pack<Scalar = T>>(&mut self) {
         let (mut powers, mut sinks) = (Powers::default(), 1);

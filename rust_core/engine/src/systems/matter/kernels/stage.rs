@@ -103,7 +103,7 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
             let sums = (&mut power, &mut squares);
             match *law {
                 AxisLaw::Uniform(same) if dissipates => {
-                    one_stage::<_, I, _>(Uniform::<_, true>(same), input, axis, h, action, sums)
+                    one_stage::<_, I, _>(Uniform::<_, true>(same), input, axis, h, action, sums);
                 }
                 AxisLaw::Uniform(same) => one_stage::<_, I, _>(Uniform::<_, false>(same), input, axis, h, action, sums),
                 AxisLaw::Varying(varying) => one_stage::<_, I, _>(varying, input, axis, h, action, sums),
