@@ -145,12 +145,13 @@ impl NeighborList {
 
     /// The position of the member at a slot relative to the origin [m].
     pub fn at(&self, slot: usize) -> DVec3 {
-        self.vector(self.positions(), slot)
+        let member = self.neighbors.order()[slot] as usize;
+        DVec3::from_array(self.positions().map(|axis| axis.get(member).copied().unwrap_or(0.0)))
     }
 
     /// The position of that member at the last build [m].
     pub fn anchor(&self, slot: usize) -> DVec3 {
-        self.vector(self.neighbors.anchors(), slot)
+        self.neighbors.anchor(slot)
     }
 
     /// The distance of a point from the members of a block of the lists, or less [m].
@@ -161,11 +162,6 @@ impl NeighborList {
     /// Declares the reflections of displacements that the lists serve for too, by position at the build [m].
     pub fn reflect(&mut self, reflections: &(impl Fn(DVec3) -> Reflections + Sync), executor: &Executor) {
         self.neighbors.reflect(&|point| reflections(DVec3::from_array(point)), executor);
-    }
-
-    fn vector(&self, columns: [&[f64]; AXES], slot: usize) -> DVec3 {
-        let member = self.neighbors.order()[slot] as usize;
-        DVec3::from_array(columns.map(|axis| axis.get(member).copied().unwrap_or(0.0)))
     }
 
     /// Rebuilds the lists after a rollback, and returns whether that was necessary.
@@ -211,7 +207,9 @@ impl NeighborList {
 impl History for NeighborList {
     fn save(&mut self) {
         if self.renewed {
-            self.saved.iter_mut().zip(self.neighbors.anchors()).for_each(|(saved, anchors)| saved.copy_from_slice(anchors));
+            for (axis, saved) in self.saved.iter_mut().enumerate() {
+                saved.iter_mut().zip(self.neighbors.anchors(axis)).for_each(|(saved, anchor)| *saved = anchor);
+            }
             self.renewed = false;
         }
     }
@@ -221,9 +219,11 @@ impl History for NeighborList {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        let saved = self.saved.each_ref().map(Vec::as_slice);
-        let anchors = if self.rolled_back { saved } else { self.neighbors.anchors() };
-        archive.write(anchors.into_iter().flatten().copied());
+        if self.rolled_back {
+            archive.write(self.saved.iter().flatten().copied());
+        } else {
+            archive.write((0..AXES).flat_map(|axis| self.neighbors.anchors(axis)));
+        }
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {

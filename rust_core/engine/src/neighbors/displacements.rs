@@ -1,8 +1,8 @@
-//! The displacements of particles since the last build of their lists, and how long the lists serve.
+//! The displacements of particles since the last build of their lists: how long the lists serve, and where near neighbors suffice.
 //!
 //! A pair that is not listed was farther apart than cutoff + skin. It comes within the cutoff only if the displacements of
 //! its particles differ by more than the skin, which in a flow takes far longer than for one of them to exceed half of it.
-//! Displacements are bounded in boxes, over runs of slots in the same cell of a coarse grid; the boxes of each cell are
+//! Displacements are bounded in boxes and in length, over runs of slots in the same cell of a coarse grid; the boxes of each cell are
 //! compared with those of the cells around it. Particles in other cells are too far from each other, up to a
 //! displacement of half of the difference of cell size and cutoff.
 //!
@@ -11,6 +11,7 @@
 
 use super::domain::Domain;
 use super::grid::Bounds;
+use super::lists::NEAR;
 use super::{BLOCK, LANES, Positions};
 use crate::math::AXES;
 use crate::parallel::{BlockedSlice, Executor};
@@ -21,6 +22,9 @@ const CELL: f64 = 1.5;
 
 /// Factor between the sizes of cells that are tried.
 const GROWTH: f64 = 1.25;
+
+/// Margin of near neighbors for the rounding of distances, in units of the cutoff: single precision has 1e-7.
+const MARGIN: f64 = 1e-6;
 
 /// Particles per coarse cell, at least.
 const OCCUPANCY: usize = 8;
@@ -41,23 +45,43 @@ impl Reflections {
         Self { axes: std::array::from_fn(|axis| self.axes[axis] | other.axes[axis]), any: self.any | other.any }
     }
 
-    /// The box of displacements and their reflections.
-    fn of(self, displacements: &Bounds) -> Bounds {
-        let mut bounds = *displacements;
-        let radius = if self.any { farthest(displacements) } else { 0.0 };
+    /// The extent of displacements and their reflections.
+    fn of(self, extent: &Extent) -> Extent {
+        let Extent { mut bounds, length } = *extent;
         for axis in 0..AXES {
             if self.any || self.axes[axis] {
-                let most = bounds.high[axis].max(-bounds.low[axis]).max(radius);
+                let most = if self.any { length } else { bounds.high[axis].max(-bounds.low[axis]) };
                 (bounds.low[axis], bounds.high[axis]) = (-most, most);
             }
         }
-        bounds
+        Extent { bounds, length }
     }
 }
 
-/// The largest length of a vector in a box.
-fn farthest(bounds: &Bounds) -> f64 {
-    (0..AXES).map(|axis| bounds.high[axis].max(-bounds.low[axis]).powi(2)).sum::<f64>().sqrt()
+/// The extent of some displacements: their box, and the largest length [m].
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    bounds: Bounds,
+    length: f64,
+}
+
+impl Extent {
+    /// That of no displacements.
+    const EMPTY: Self = Self { bounds: Bounds::EMPTY, length: 0.0 };
+
+    /// That of both.
+    fn with(self, other: &Self) -> Self {
+        Self { bounds: self.bounds.with(&other.bounds), length: self.length.max(other.length) }
+    }
+
+    /// An upper bound of the difference of a displacement from another [m].
+    fn difference(&self, other: &Self) -> f64 {
+        let (one, two) = (&self.bounds, &other.bounds);
+        let along = |axis: usize| (one.high[axis] - two.low[axis]).max(two.high[axis] - one.low[axis]);
+        let across = (0..AXES).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt();
+        // The first is less where particles move together, the second where each goes its own way.
+        across.min(self.length + other.length)
+    }
 }
 
 /// Consecutive slots of a block in the same coarse cell.
@@ -67,8 +91,9 @@ struct Run {
     end: u32,
     cell: u32,
     reflections: Reflections,
-    /// Their displacements [m].
-    displacements: Bounds,
+    displacements: Extent,
+    /// Largest difference from the displacement of a neighbor [m].
+    difference: f64,
 }
 
 /// The displacements since the last build.
@@ -83,10 +108,10 @@ pub struct Displacements {
     size: f64,
     /// The runs of each block of slots.
     runs: Vec<Vec<Run>>,
-    /// The displacements in each cell [m], in the cells around each along the axes so far, and a copy while that is computed.
-    of_cells: Vec<Bounds>,
-    around: Vec<Bounds>,
-    copy: Vec<Bounds>,
+    /// The displacements in each cell, in the cells around each along the axes so far, and a copy while that is computed.
+    of_cells: Vec<Extent>,
+    around: Vec<Extent>,
+    copy: Vec<Extent>,
 }
 
 impl Displacements {
@@ -108,7 +133,7 @@ impl Displacements {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let boxes = self.of_cells.capacity() + self.around.capacity() + self.copy.capacity();
-        boxes * size_of::<Bounds>() + self.runs.iter().map(|runs| runs.capacity() * size_of::<Run>()).sum::<usize>()
+        boxes * size_of::<Extent>() + self.runs.iter().map(|runs| runs.capacity() * size_of::<Run>()).sum::<usize>()
     }
 
     /// The largest displacement with which lists may serve [m].
@@ -176,7 +201,13 @@ impl Displacements {
                         if runs.len() == runs.capacity() {
                             runs.reserve_exact(runs.len() / 8 + 16);
                         }
-                        runs.push(Run { end, cell, reflections: Reflections::default(), displacements: Bounds::EMPTY });
+                        runs.push(Run {
+                            end,
+                            cell,
+                            reflections: Reflections::default(),
+                            displacements: Extent::EMPTY,
+                            difference: 0.0,
+                        });
                     }
                 }
             }
@@ -198,18 +229,28 @@ impl Displacements {
         });
     }
 
+    /// The runs of slots of a block: the end of each, and whether all neighbors within the cutoff are near ones, after
+    /// [`Displacements::exceed`].
+    pub fn are_near(&self, block: usize) -> impl Iterator<Item = (usize, bool)> {
+        let most = NEAR * self.skin - MARGIN * self.cutoff;
+        self.runs[block].iter().map(move |run| (run.end as usize, run.difference <= most))
+    }
+
     /// Whether those of neighboring particles differ by more than the skin, or are not finite, at these positions by
-    /// particle, of lists built at the positions `sorted` by slot.
+    /// particle, of lists built at the positions `sorted` by slot. On an interrupt they do.
     pub fn exceed(&mut self, positions: Positions<'_>, order: &[u32], sorted: &[Vec<f64>; AXES], executor: &Executor) -> bool {
         executor.for_each_block(BlockedSlice::new(&mut self.runs, 1), &|runs| {
             let start = runs.start * BLOCK;
             dispatch(Measure { runs: &mut runs.items[0], start, positions, order, sorted });
         });
+        if executor.stopped() {
+            return true;
+        }
         let largest = self.largest();
         let Self { runs, of_cells, around, copy, cells, periodic, .. } = self;
         of_cells.clear();
-        of_cells.resize(cells.iter().product(), Bounds::EMPTY);
-        let mut all = Bounds::EMPTY;
+        of_cells.resize(cells.iter().product(), Extent::EMPTY);
+        let mut all = Extent::EMPTY;
         for run in runs.iter().flatten() {
             let displacements = run.reflections.of(&run.displacements);
             let of_cell = &mut of_cells[run.cell as usize];
@@ -217,12 +258,8 @@ impl Displacements {
             all = all.with(&displacements);
         }
         // Also where all move together: walls and points that they approach are looked for up to this displacement.
-        if farthest(&all) > largest {
+        if all.length > largest {
             return true;
-        }
-        let skin = self.skin * self.skin;
-        if difference(&all, &all) <= skin {
-            return false;
         }
         around.clone_from(of_cells);
         let mut stride = 1;
@@ -233,8 +270,12 @@ impl Displacements {
             }
             stride *= cells[axis];
         }
-        let near = |(own, around): (&Bounds, &Bounds)| own.low[0] > own.high[0] || difference(own, around) <= skin;
-        !of_cells.iter().zip(&*around).all(near)
+        let mut greatest = 0.0_f64;
+        for run in runs.iter_mut().flatten() {
+            run.difference = run.reflections.of(&run.displacements).difference(&around[run.cell as usize]);
+            greatest = greatest.max(run.difference);
+        }
+        greatest > self.skin
     }
 }
 
@@ -243,24 +284,19 @@ fn most_cells(count: usize) -> usize {
     (count / OCCUPANCY).max(64)
 }
 
-/// The square of the largest difference of a vector in one box from one in another.
-fn difference(one: &Bounds, other: &Bounds) -> f64 {
-    (0..AXES).map(|axis| (one.high[axis] - other.low[axis]).max(other.high[axis] - one.low[axis]).powi(2)).sum()
-}
-
-/// Adds the boxes of both adjacent cells along an axis to each.
-fn widen(around: &mut [Bounds], of: &[Bounds], cells: usize, stride: usize, periodic: bool) {
-    for (index, bounds) in around.iter_mut().enumerate() {
+/// Adds the extents in both adjacent cells along an axis to that in each.
+fn widen(around: &mut [Extent], of: &[Extent], cells: usize, stride: usize, periodic: bool) {
+    for (index, extent) in around.iter_mut().enumerate() {
         let along = index / stride % cells;
         if along + 1 < cells {
-            *bounds = bounds.with(&of[index + stride]);
+            *extent = extent.with(&of[index + stride]);
         } else if periodic {
-            *bounds = bounds.with(&of[index - along * stride]);
+            *extent = extent.with(&of[index - along * stride]);
         }
         if along > 0 {
-            *bounds = bounds.with(&of[index - stride]);
+            *extent = extent.with(&of[index - stride]);
         } else if periodic {
-            *bounds = bounds.with(&of[index + (cells - 1) * stride]);
+            *extent = extent.with(&of[index + (cells - 1) * stride]);
         }
     }
 }
@@ -279,25 +315,39 @@ impl Kernel for Measure<'_> {
 
     #[inline(always)]
     fn run(self) {
+        if self.positions.dimension == 2 { self.measure::<2>() } else { self.measure::<3>() }
+    }
+}
+
+impl Measure<'_> {
+    #[inline(always)]
+    fn measure<const DIMENSION: usize>(self) {
         let Self { runs, mut start, positions, order, sorted } = self;
         for run in runs {
-            let end = run.end as usize;
-            run.displacements = Bounds { low: [0.0; AXES], high: [0.0; AXES] };
-            for axis in 0..positions.dimension {
-                let (mut low, mut high, mut zero) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-                for (&particle, then) in order[start..end].iter().zip(&sorted[axis][start..end]) {
-                    let displacement = positions.axes[axis][particle as usize] - then;
-                    low = if displacement < low { displacement } else { low };
-                    high = if displacement > high { displacement } else { high };
-                    zero += displacement * 0.0;
+            let slots = start..run.end as usize;
+            start = slots.end;
+            let (mut low, mut high) = ([f64::INFINITY; DIMENSION], [f64::NEG_INFINITY; DIMENSION]);
+            let (mut most, mut zero) = (0.0, 0.0);
+            for slot in slots {
+                let (particle, mut square) = (order[slot] as usize, 0.0);
+                for axis in 0..DIMENSION {
+                    let displacement = positions.axes[axis][particle] - sorted[axis][slot];
+                    low[axis] = if displacement < low[axis] { displacement } else { low[axis] };
+                    high[axis] = if displacement > high[axis] { displacement } else { high[axis] };
+                    square += displacement * displacement;
                 }
-                // 0 times what is not finite is NaN.
-                if zero != 0.0 {
-                    (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-                }
-                (run.displacements.low[axis], run.displacements.high[axis]) = (low, high);
+                most = if square > most { square } else { most };
+                zero += square * 0.0;
             }
-            start = end;
+            let mut bounds = Bounds { low: [0.0; AXES], high: [0.0; AXES] };
+            bounds.low[..DIMENSION].copy_from_slice(&low);
+            bounds.high[..DIMENSION].copy_from_slice(&high);
+            run.displacements = Extent { bounds, length: most.sqrt() };
+            // 0 times what is not finite is NaN.
+            if zero != 0.0 {
+                let bounds = Bounds { low: [f64::NEG_INFINITY; AXES], high: [f64::INFINITY; AXES] };
+                run.displacements = Extent { bounds, length: f64::INFINITY };
+            }
         }
     }
 }

@@ -1,7 +1,13 @@
 //! The neighbor lists of all particles, in blocks of slots.
+//!
+//! A neighbor at a distance r at the build is beyond the cutoff for as long as the displacements of both since then differ by
+//! less than r − cutoff. A list begins with the neighbors that are near enough to come within the cutoff soon ([`NEAR`]); pair
+//! sums leave out the others while displacements around the particle differ by less: nearly always, since lists must be renewed
+//! where they differ most. The terms that are left out are 0, so that sums have the same bits with them.
 
 use std::ops::Range;
 
+use super::displacements::Displacements;
 use super::grid::{Grid, Rows, Runs};
 use super::{BLOCK, Metric};
 use crate::adjacency::Adjacency;
@@ -9,7 +15,10 @@ use crate::error::Result;
 use crate::math::{AXES, Coordinate};
 use crate::memory;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, LANES, LevelKernel, Selection, dispatch_level};
+use crate::simd::{Isa, LANES, LevelKernel, Selection, at_most, dispatch_level};
+
+/// Difference of displacements up to which pair sums take the near neighbors alone, in units of the skin.
+pub const NEAR: f64 = 0.2;
 
 /// Some neighbors of one particle, as slots.
 #[derive(Debug, Clone)]
@@ -20,13 +29,45 @@ pub struct List<'a> {
     pub range: Range<usize>,
 }
 
+/// Ends of the list of a slot in the segment of its block.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Ends {
+    /// That of the near neighbors.
+    near: usize,
+    /// That of all.
+    pub all: usize,
+}
+
 /// The lists of all slots.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Lists {
     /// The lists of each block, one after the other.
-    segments: Vec<Selection>,
-    /// End of the list of each slot in the segment of its block.
-    ends: Vec<usize>,
+    segments: Vec<Segment>,
+    ends: Vec<Ends>,
+    /// Whether pair sums take all neighbors of a slot at present.
+    whole: Vec<bool>,
+}
+
+/// Some lists, one after the other.
+#[derive(Debug)]
+pub struct Segment {
+    lists: Selection,
+    /// The neighbors of one slot that are not near, while it is searched.
+    far: Selection,
+}
+
+impl Segment {
+    /// An empty segment of lists of `count` slots.
+    pub fn new(count: usize) -> Self {
+        let empty = || Selection::new(count + LANES);
+        Self { lists: empty(), far: empty() }
+    }
+
+    /// The neighbors from `start` to `end`.
+    #[inline(always)]
+    pub fn list(&self, start: usize, end: usize) -> &[u32] {
+        self.lists.list(start, end)
+    }
 }
 
 /// The sorted particles that lists are built from.
@@ -48,26 +89,50 @@ pub struct Candidates<'a> {
 impl Lists {
     /// Empty lists for `count` slots.
     pub fn new(count: usize) -> Self {
-        Self { segments: (0..count.div_ceil(BLOCK)).map(|_| Selection::new(count + LANES)).collect(), ends: vec![0; count] }
+        let segments = (0..count.div_ceil(BLOCK)).map(|_| Segment::new(count)).collect();
+        Self { segments, ends: vec![Ends::default(); count], whole: vec![false; count] }
     }
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        self.segments.iter().map(Selection::bytes).sum::<usize>() + std::mem::size_of_val(self.ends.as_slice())
+        let segments = self.segments.iter().map(|segment| segment.lists.bytes() + segment.far.bytes()).sum::<usize>();
+        segments + std::mem::size_of_val(self.ends.as_slice()) + self.whole.len()
     }
 
     /// The list of one slot.
     #[inline(always)]
     pub fn of(&self, slot: usize) -> &[u32] {
-        let List { segment, range } = self.at(slot);
-        segment.list(range.start, range.end)
+        self.segments[slot / BLOCK].list(self.start(slot), self.ends[slot].all)
     }
 
-    /// The list of one slot, for pair sums.
+    /// The neighbors of one slot that pair sums take at present.
     #[inline(always)]
     pub fn at(&self, slot: usize) -> List<'_> {
-        let start = if slot.is_multiple_of(BLOCK) { 0 } else { self.ends[slot - 1] };
-        List { segment: &self.segments[slot / BLOCK], range: start..self.ends[slot] }
+        let end = if self.needs_far(slot) { self.ends[slot].all } else { self.ends[slot].near };
+        List { segment: &self.segments[slot / BLOCK].lists, range: self.start(slot)..end }
+    }
+
+    /// Whether pair sums of a slot take far neighbors at present.
+    #[inline(always)]
+    pub fn needs_far(&self, slot: usize) -> bool {
+        self.whole[slot]
+    }
+
+    #[inline(always)]
+    fn start(&self, slot: usize) -> usize {
+        if slot.is_multiple_of(BLOCK) { 0 } else { self.ends[slot - 1].all }
+    }
+
+    /// Chooses the neighbors that pair sums take with these displacements.
+    pub fn serve(&mut self, displacements: &Displacements, executor: &Executor) {
+        executor.for_each_block(BlockedSlice::new(&mut self.whole, BLOCK), &|mine| {
+            let mut start = 0;
+            for (end, are_near) in displacements.are_near(mine.start / BLOCK) {
+                let end = end - mine.start;
+                mine.items[start..end].fill(!are_near);
+                start = end;
+            }
+        });
     }
 
     /// Builds all lists.
@@ -80,9 +145,11 @@ impl Lists {
         executor.for_each_block(work, &|(ends, segments)| {
             let Some(segment) = segments.items.first_mut() else { return };
             list(candidates, dimension, ends.start, ends.items, segment, executor);
-            segment.spare();
+            segment.lists.spare();
+            segment.far.spare();
         });
-        if self.segments.iter().any(Selection::has_overflowed) {
+        self.whole.fill(false);
+        if self.segments.iter().any(|segment| segment.lists.has_overflowed() || segment.far.has_overflowed()) {
             // The estimate was too low, or the memory was taken by another process.
             let held = self.bytes();
             *self = Self::new(self.ends.len());
@@ -105,11 +172,11 @@ impl Lists {
             let (mut listed, mut samples) = (0, 0);
             for offset in (0..ends.items.len()).step_by(SAMPLE) {
                 list(candidates, dimension, ends.start + offset, &mut ends.items[offset..=offset], segment, executor);
-                (listed, samples) = (listed + segment.len(), samples + 1);
+                (listed, samples) = (listed + segment.lists.len(), samples + 1);
             }
-            ends.items[0] = listed * ends.items.len() / samples;
+            ends.items[0].all = listed * ends.items.len() / samples;
         });
-        let needed = room(self.ends.iter().step_by(BLOCK).sum());
+        let needed = room(self.ends.iter().step_by(BLOCK).map(|ends| ends.all).sum());
         let refused = memory::check(LISTS, needed, held, || hint(candidates.metric));
         if refused.is_err() {
             *self = Self::new(count);
@@ -135,14 +202,13 @@ fn hint(metric: &Metric) -> String {
     format!("everything within {reach:.3e} m of each particle is listed: take a smaller cutoff, or sizes that differ less")
 }
 
-/// Lists the neighbors of consecutive slots from `start` on, one list after the other in `segment`, with the end of each
-/// list.
+/// Lists the neighbors of consecutive slots from `start` on, one list after the other in `segment`, with the ends of each.
 pub fn list(
     candidates: Candidates<'_>,
     dimension: usize,
     start: usize,
-    ends: &mut [usize],
-    segment: &mut Selection,
+    ends: &mut [Ends],
+    segment: &mut Segment,
     executor: &Executor,
 ) {
     let search = Search { candidates, start, ends, segment, executor };
@@ -158,8 +224,8 @@ pub fn list(
 struct Search<'a> {
     candidates: Candidates<'a>,
     start: usize,
-    ends: &'a mut [usize],
-    segment: &'a mut Selection,
+    ends: &'a mut [Ends],
+    segment: &'a mut Segment,
     executor: &'a Executor,
 }
 
@@ -174,9 +240,12 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
         let Search { candidates, start, ends, segment, executor } = self.0;
         let Candidates { grid, starts, columns, order, excluded, .. } = candidates;
         let nowhere = starts[starts.len() - 2] as usize;
-        segment.clear();
+        let Segment { lists, far } = segment;
+        lists.clear();
         let (mut last, mut rows, mut runs) = (u32::MAX, Rows::NONE, Runs::NONE);
-        for (slot, end) in (start..).zip(ends) {
+        for (slot, ends) in (start..).zip(ends) {
+            let from = lists.len();
+            far.clear();
             // After an interrupt the lists are incomplete.
             if slot < nowhere && !executor.stopped() {
                 let point = std::array::from_fn(|axis| if axis < DIMENSION { columns[axis][slot] } else { 0.0 });
@@ -185,18 +254,21 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
                     (last, rows) = (bucket, grid.rows(bucket));
                 }
                 grid.runs(&rows, point, candidates.metric.square, starts, &mut runs);
-                let from = segment.len();
                 for run in runs.iter() {
                     for first in run.clone().step_by(LANES) {
-                        add_group::<I, DIMENSION, PERIODIC>(isa, &candidates, slot, first, run.end, point, segment);
+                        add_group::<I, DIMENSION, PERIODIC>(isa, &candidates, slot, first, run.end, point, [lists, far]);
                     }
                 }
                 let left_out = excluded.of(order[slot] as usize);
                 if !left_out.is_empty() {
-                    segment.retain(from, |other| !left_out.contains(&order[other as usize]));
+                    let is_left_in = |other: u32| !left_out.contains(&order[other as usize]);
+                    lists.retain(from, is_left_in);
+                    far.retain(0, is_left_in);
                 }
             }
-            *end = segment.len();
+            ends.near = lists.len();
+            lists.append(far);
+            ends.all = lists.len();
         }
     }
 }
@@ -210,9 +282,9 @@ fn add_group<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
     first: usize,
     end: usize,
     point: [f64; AXES],
-    segment: &mut Selection,
+    [near, far]: [&mut Selection; 2],
 ) {
-    let Metric { encodings, square: limit, .. } = candidates.metric;
+    let Metric { encodings, square, near_square, .. } = candidates.metric;
     let mut squares = [0.0; LANES];
     for axis in 0..DIMENSION {
         let others = &candidates.columns[axis][first..first + LANES];
@@ -226,5 +298,9 @@ fn add_group<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
     if let Some(own) = slot.checked_sub(first).filter(|&own| own < LANES) {
         valid &= !(1 << own);
     }
-    segment.add(isa, first, &squares, *limit, valid);
+    let close = valid & at_most(isa, &squares, *near_square);
+    near.add(isa, first, close);
+    if near_square < square {
+        far.add(isa, first, valid & at_most(isa, &squares, *square) & !close);
+    }
 }

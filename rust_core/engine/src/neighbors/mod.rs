@@ -38,7 +38,7 @@ pub use displacements::Reflections;
 use domain::{check_lengths, check_spacing};
 pub use grid::Bounds;
 use grid::Grid;
-use lists::{Candidates, Lists};
+use lists::{Candidates, Ends, Lists, NEAR, Segment};
 use sort::Sort;
 
 /// The number of slots in a block of lists and sums.
@@ -49,8 +49,9 @@ pub(crate) const BLOCK: usize = 1024;
 struct Metric {
     encodings: [<f64 as Coordinate>::Encoding; AXES],
     periodic: bool,
-    /// The square of the largest listed distance [m²].
+    /// The square of the largest listed distance, and of that of near neighbors [m²].
     square: f64,
+    near_square: f64,
 }
 
 /// Positions of all particles.
@@ -80,14 +81,10 @@ pub struct Neighbors {
     grid: Grid,
     sort: Sort,
     lists: Lists,
-    /// The positions of the last build [m].
-    anchors: [Vec<f64>; AXES],
-    /// These positions by slot, with zeros as padding.
+    /// The positions of the last build, by slot, with zeros as padding [m].
     sorted: [Vec<f64>; AXES],
     /// The bounding box of each block of particles.
     bounds: Vec<Bounds>,
-    /// Whether a displacement in each block exceeds half the skin.
-    moved: Vec<bool>,
     displacements: Displacements,
     /// Pairs that are left out.
     excluded: Adjacency,
@@ -110,22 +107,21 @@ impl Neighbors {
         domain.period[dimension..].fill(None);
         let support = cutoff + skin;
         domain.check(cutoff, support)?;
-        let columns = |length: usize| std::array::from_fn(|axis| vec![0.0; if axis < dimension { length } else { 0 }]);
         let encodings = domain.lengths().map(|length| f64::encoding(length, support));
+        let [square, near_square] = [skin, NEAR * skin].map(|skin| (cutoff + skin) * (cutoff + skin));
+        let metric = Metric { encodings, periodic: domain.is_periodic(), square, near_square };
         Ok(Self {
             count,
             dimension,
             domain,
             cutoff,
             skin,
-            metric: Metric { encodings, periodic: domain.is_periodic(), square: support * support },
+            metric,
             grid: Grid::NONE,
             sort: Sort::new(count),
             lists: Lists::new(count),
-            anchors: columns(count),
-            sorted: columns(count + LANES),
+            sorted: std::array::from_fn(|axis| vec![0.0; if axis < dimension { count + LANES } else { 0 }]),
             bounds: vec![Bounds::EMPTY; count.div_ceil(BLOCK)],
-            moved: vec![false; count.div_ceil(BLOCK)],
             displacements: Displacements::new(count, cutoff, skin),
             excluded: Adjacency::default(),
             built: false,
@@ -151,7 +147,8 @@ impl Neighbors {
     /// memory. The lists are then invalid.
     pub fn update(&mut self, positions: [&[f64]; AXES], executor: &Executor) -> Result<bool> {
         let positions = Positions { axes: positions, dimension: self.dimension };
-        if self.built && self.skin > 0.0 && !self.have_moved(positions, executor) {
+        if self.built && self.skin > 0.0 && !self.displacements.exceed(positions, &self.sort.order, &self.sorted, executor) {
+            self.lists.serve(&self.displacements, executor);
             return Ok(false);
         }
         self.arrange(positions.axes, executor)?;
@@ -184,14 +181,14 @@ impl Neighbors {
     /// Lists the neighbors of some slots only, for a single use, after [`Neighbors::arrange`].
     pub fn list_slots(&self, slots: Range<usize>, listed: &mut Listed, executor: &Executor) {
         listed.ends.clear();
-        listed.ends.resize(slots.len(), 0);
+        listed.ends.resize(slots.len(), Ends::default());
         let candidates = candidates(&self.grid, (&self.sort, &self.sorted), &self.metric, &self.excluded);
         lists::list(candidates, self.dimension, slots.start, &mut listed.ends, &mut listed.segment, executor);
     }
 
     /// An empty buffer for [`Neighbors::list_slots`].
     pub fn listed(&self) -> Listed {
-        Listed { ends: Vec::new(), segment: self.selection() }
+        Listed { ends: Vec::new(), segment: Segment::new(self.count) }
     }
 
     /// Rebuilds the lists of the positions `anchors`: all later sums then have the same bits.
@@ -218,9 +215,21 @@ impl Neighbors {
         self.lists.of(slot)
     }
 
-    /// The neighbor list of a slot, for pair sums.
+    /// The neighbors of a slot that may be within the cutoff at the positions of the last update, for pair sums.
+    #[inline(always)]
     pub fn list(&self, slot: usize) -> List<'_> {
         self.lists.at(slot)
+    }
+
+    /// Whether a neighbor of a slot that was farther than [`Neighbors::near`] at the last build, or the mirror image of one, may
+    /// be within the cutoff at the positions of the last update.
+    pub fn needs_far(&self, slot: usize) -> bool {
+        self.lists.needs_far(slot)
+    }
+
+    /// The largest distance of near neighbors [m].
+    pub fn near(&self) -> f64 {
+        self.cutoff + NEAR * self.skin
     }
 
     /// An empty selection of slots, for pair sums over chosen neighbors.
@@ -231,17 +240,22 @@ impl Neighbors {
     /// The separation vectors to the particle at a slot from all its neighbors, or their nearest images, at the last build
     /// [m].
     pub fn separation(&self, slot: usize) -> impl Iterator<Item = DVec3> {
-        let point = |slot: usize| std::array::from_fn(|axis| self.sorted[axis].get(slot).copied().unwrap_or(0.0));
-        let (own, encodings): ([f64; AXES], _) = (point(slot), self.metric.encodings);
+        let (own, encodings) = (self.anchor(slot), self.metric.encodings);
         self.of(slot).iter().map(move |&other| {
-            let other = point(other as usize);
+            let other = self.anchor(other as usize);
             DVec3::from_array(std::array::from_fn(|axis| f64::separation::<true, _>(own[axis], other[axis], encodings[axis])))
         })
     }
 
-    /// The positions of the last build along each axis [m], by particle.
-    pub fn anchors(&self) -> [&[f64]; AXES] {
-        self.anchors.each_ref().map(Vec::as_slice)
+    /// The positions of all particles along an axis at the last build [m]; none past the dimension.
+    pub fn anchors(&self, axis: usize) -> impl Iterator<Item = f64> {
+        let slots = if axis < self.dimension { self.slots() } else { &[] };
+        slots.iter().map(move |&slot| self.sorted[axis][slot as usize])
+    }
+
+    /// The position of the particle at a slot at the last build [m].
+    pub fn anchor(&self, slot: usize) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|axis| self.sorted[axis].get(slot).copied().unwrap_or(0.0)))
     }
 
     /// The number of particles.
@@ -266,38 +280,12 @@ impl Neighbors {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        let columns = self.anchors.iter().chain(&self.sorted).map(|axis| std::mem::size_of_val(axis.as_slice())).sum::<usize>();
-        columns
+        self.sorted.iter().map(|axis| std::mem::size_of_val(axis.as_slice())).sum::<usize>()
             + std::mem::size_of_val(self.bounds.as_slice())
-            + self.moved.len()
             + self.displacements.bytes()
             + self.sort.bytes()
             + self.lists.bytes()
             + self.excluded.bytes()
-    }
-
-    /// Whether the displacements of neighboring particles since the last build differ by more than the skin, or are not
-    /// finite.
-    fn have_moved(&mut self, positions: Positions<'_>, executor: &Executor) -> bool {
-        self.one_has_moved(positions, executor)
-            && (executor.stopped() || self.displacements.exceed(positions, &self.sort.order, &self.sorted, executor))
-    }
-
-    /// Whether a displacement since the last build exceeds half the skin, or is not finite: if none does, no two differ by
-    /// more.
-    fn one_has_moved(&mut self, positions: Positions<'_>, executor: &Executor) -> bool {
-        let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
-        let (count, limit) = (self.count, 0.25 * self.skin * self.skin);
-        executor.for_each_block(BlockedSlice::new(&mut self.moved, 1), &|moved| {
-            let particles = moved.start * BLOCK..((moved.start + 1) * BLOCK).min(count);
-            let square = |particle: usize| {
-                let (now, then) = (positions.get(particle), anchors.get(particle));
-                (0..AXES).map(|axis| (now[axis] - then[axis]) * (now[axis] - then[axis])).sum::<f64>()
-            };
-            // A NaN is not within the limit.
-            moved.items[0] = !particles.fold(true, |all, particle| all & (square(particle) <= limit));
-        });
-        executor.stopped() || self.moved.contains(&true)
     }
 
     /// Sorts the particles at `positions` [m] into slots, for later list builds.
@@ -306,14 +294,11 @@ impl Neighbors {
     /// If a position is so far away that its rounding error is not small against the cutoff.
     pub fn arrange(&mut self, positions: [&[f64]; AXES], executor: &Executor) -> Result<()> {
         self.built = false;
-        for (anchor, axis) in self.anchors.iter_mut().zip(positions).take(self.dimension) {
-            anchor.copy_from_slice(&axis[..self.count]);
-        }
-        let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
+        let positions = Positions { axes: positions, dimension: self.dimension };
         let count = self.count;
         executor.for_each_block(BlockedSlice::new(&mut self.bounds, 1), &|bounds| {
             let particles = bounds.start * BLOCK..((bounds.start + 1) * BLOCK).min(count);
-            bounds.items[0] = particles.map(|particle| anchors.get(particle)).fold(Bounds::EMPTY, |bounds, point| {
+            bounds.items[0] = particles.map(|particle| positions.get(particle)).fold(Bounds::EMPTY, |bounds, point| {
                 let there = point.iter().all(|coordinate| coordinate.is_finite());
                 if there { bounds.with(&Bounds { low: point, high: point }) } else { bounds }
             });
@@ -321,9 +306,9 @@ impl Neighbors {
         let bounds = self.bounds.iter().fold(Bounds::EMPTY, Bounds::with);
         check_spacing(bounds.low.iter().chain(&bounds.high), self.cutoff)?;
         self.grid = Grid::new(count, self.dimension, &self.domain.period, self.support(), &bounds);
-        self.sort.sort(&self.grid, anchors, executor);
+        self.sort.sort(&self.grid, positions, executor);
         let order = &self.sort.order;
-        for (sorted, axis) in self.sorted.iter_mut().zip(anchors.axes).take(self.dimension) {
+        for (sorted, axis) in self.sorted.iter_mut().zip(positions.axes).take(self.dimension) {
             executor.for_each_block(BlockedSlice::new(&mut sorted[..count], BLOCK), &|mine| {
                 mine.items.iter_mut().zip(&order[mine.start..]).for_each(|(to, &particle)| *to = axis[particle as usize]);
             });
@@ -345,14 +330,14 @@ fn candidates<'a>(
 /// The neighbors of some slots, for a single use.
 #[derive(Debug)]
 pub struct Listed {
-    ends: Vec<usize>,
-    segment: Selection,
+    ends: Vec<Ends>,
+    segment: Segment,
 }
 
 impl Listed {
     /// The neighbors of each of the slots.
     pub fn each(&self) -> impl Iterator<Item = &[u32]> {
-        let starts = [0].into_iter().chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| self.segment.list(start, end))
+        let ends = self.ends.iter().map(|ends| ends.all);
+        [0].into_iter().chain(ends.clone()).zip(ends).map(|(start, end)| self.segment.list(start, end))
     }
 }

@@ -24,7 +24,7 @@ mod selection;
 pub use gather::Gather;
 pub use packs::{Number, Pack, Packed, fold};
 pub use records::{Record, Table, WORDS};
-pub use selection::{Group, Selection};
+pub use selection::{Group, Selection, at_most};
 
 /// The width of every fixed-lane loop: one AVX-512 register of f32, two of f64.
 pub const LANES: usize = 16;

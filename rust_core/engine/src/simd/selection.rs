@@ -129,34 +129,75 @@ impl Selection {
         self.length += usize::from(counts);
     }
 
-    /// Adds `first` plus the number of each lane of `valid` (bit by bit) whose value is at most `limit`, in order.
+    /// Adds `first` plus the number of each lane of a mask, in order.
     ///
     /// # Panics
     /// If that could be more than the bound.
     #[inline(always)]
-    pub fn add<I: Isa>(&mut self, isa: I, first: usize, values: &Lanes<f64>, limit: f64, valid: u16) {
+    pub fn add<I: Isa>(&mut self, isa: I, first: usize, mask: u16) {
         assert!(first <= self.bound - LANES, "indices past the bound");
         if self.entries.len() < self.length + LANES {
             self.grow();
         }
         if let Some(out) = self.entries[self.length..].first_chunk_mut() {
-            self.length += select(isa, first as u32, values, limit, valid, out);
+            self.length += compress(isa, first as u32, mask, out);
+        }
+    }
+
+    /// Adds all indices of another selection.
+    ///
+    /// # Panics
+    /// If its bound is greater.
+    #[inline(always)]
+    pub fn append(&mut self, other: &Self) {
+        assert!(other.bound <= self.bound, "indices past the bound");
+        for start in (0..other.length).step_by(LANES) {
+            if self.entries.len() < self.length + LANES {
+                self.grow();
+            }
+            // Whole groups, of which what is past the end is below the bound too.
+            let (to, from) = (self.entries[self.length..].first_chunk_mut(), other.entries[start..].first_chunk::<LANES>());
+            if let (Some(to), Some(from)) = (to, from) {
+                *to = *from;
+                self.length += LANES.min(other.length - start);
+            }
         }
     }
 }
 
-/// Writes the selected lanes to the beginning of `out`, and returns their number. The remainder is arbitrary, but 0 or
-/// other lane indices.
+/// The mask, bit by bit, of the values that are at most `limit`.
 #[inline(always)]
-fn select<I: Isa>(isa: I, first: u32, values: &Lanes<f64>, limit: f64, valid: u16, out: &mut Lanes<u32>) -> usize {
+pub fn at_most<I: Isa>(isa: I, values: &Lanes<f64>, limit: f64) -> u16 {
     let _ = isa;
     #[cfg(target_arch = "x86_64")]
     // SAFETY: `isa` exists only where the CPU has these instructions.
     unsafe {
         use super::Level;
         match I::LEVEL {
-            Level::Avx512 => return x86::avx512(first, values, limit, valid, out),
-            Level::Avx2 => return x86::avx2(first, values, limit, valid, out),
+            Level::Avx512 => return x86::at_most_avx512(values, limit),
+            Level::Avx2 => return x86::at_most_avx2(values, limit),
+            Level::Scalar => {}
+        }
+    }
+    let mut mask = 0;
+    for lane in 0..LANES {
+        mask |= u16::from(values[lane] <= limit) << lane;
+    }
+    mask
+}
+
+/// Writes `first` plus the number of each lane of a mask to the beginning of `out`, and returns how many there are. The
+/// remainder is arbitrary, but 0 or other lanes.
+#[inline(always)]
+fn compress<I: Isa>(isa: I, first: u32, mask: u16, out: &mut Lanes<u32>) -> usize {
+    let _ = isa;
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: `isa` exists only where the CPU has these instructions.
+    unsafe {
+        use super::Level;
+        match I::LEVEL {
+            Level::Avx512 => return x86::compress_avx512(first, mask, out),
+            Level::Avx2 => return x86::compress_avx2(first, mask, out),
             Level::Scalar => {}
         }
     }
@@ -164,7 +205,7 @@ fn select<I: Isa>(isa: I, first: u32, values: &Lanes<f64>, limit: f64, valid: u1
     for lane in 0..LANES {
         // The count never exceeds the lane, so the modulus changes nothing but spares a bounds check.
         out[count % LANES] = first + lane as u32;
-        count += usize::from(values[lane] <= limit && valid & (1 << lane) != 0);
+        count += usize::from(mask & (1 << lane) != 0);
     }
     count
 }
@@ -179,11 +220,19 @@ mod x86 {
     /// # Safety
     /// The CPU has AVX-512 F.
     #[inline(always)]
-    pub unsafe fn avx512(first: u32, values: &Lanes<f64>, limit: f64, valid: u16, out: &mut Lanes<u32>) -> usize {
+    pub unsafe fn at_most_avx512(values: &Lanes<f64>, limit: f64) -> u16 {
         unsafe {
             let limit = _mm512_set1_pd(limit);
-            let near = |half: usize| _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_loadu_pd(values[8 * half..].as_ptr()), limit);
-            let mask = (u16::from(near(0)) | u16::from(near(1)) << 8) & valid;
+            let mask = |half: usize| _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_loadu_pd(values[8 * half..].as_ptr()), limit);
+            u16::from(mask(0)) | u16::from(mask(1)) << 8
+        }
+    }
+
+    /// # Safety
+    /// The CPU has AVX-512 F.
+    #[inline(always)]
+    pub unsafe fn compress_avx512(first: u32, mask: u16, out: &mut Lanes<u32>) -> usize {
+        unsafe {
             let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
             let lanes = _mm512_add_epi32(lanes, _mm512_set1_epi32(first.cast_signed()));
             _mm512_storeu_si512(out.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask, lanes));
@@ -212,14 +261,22 @@ mod x86 {
     /// # Safety
     /// The CPU has AVX2.
     #[inline(always)]
-    pub unsafe fn avx2(first: u32, values: &Lanes<f64>, limit: f64, valid: u16, out: &mut Lanes<u32>) -> usize {
+    pub unsafe fn at_most_avx2(values: &Lanes<f64>, limit: f64) -> u16 {
         unsafe {
             let limit = _mm256_set1_pd(limit);
-            let near = |quarter: usize| {
+            let mask = |quarter: usize| {
                 let values = _mm256_loadu_pd(values[4 * quarter..].as_ptr());
                 _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(values, limit)).cast_unsigned() << (4 * quarter)
             };
-            let mask = (near(0) | near(1) | near(2) | near(3)) & u32::from(valid);
+            (mask(0) | mask(1) | mask(2) | mask(3)) as u16
+        }
+    }
+
+    /// # Safety
+    /// The CPU has AVX2.
+    #[inline(always)]
+    pub unsafe fn compress_avx2(first: u32, mask: u16, out: &mut Lanes<u32>) -> usize {
+        unsafe {
             let mut count = 0;
             for half in 0..2 {
                 let byte = (mask >> (8 * half)) as u8;

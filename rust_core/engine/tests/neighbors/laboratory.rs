@@ -2,7 +2,7 @@
 
 use physcore_engine::error::Result;
 use physcore_engine::math::AXES;
-use physcore_engine::neighbors::{Domain, Neighbors};
+use physcore_engine::neighbors::{Domain, List, Neighbors};
 use physcore_engine::parallel::{Executor, ThreadPool};
 
 /// Positions, one array per axis.
@@ -44,12 +44,24 @@ pub fn search(points: &Points, dimension: usize, domain: &Domain, cutoff: f64, s
 
 /// The lists in the order of the particles, as sorted particles.
 pub fn by_particle(neighbors: &Neighbors) -> Vec<Vec<u32>> {
-    let list = |&slot: &u32| {
-        let mut list: Vec<u32> = neighbors.of(slot as usize).iter().map(|&other| neighbors.order()[other as usize]).collect();
+    particles(neighbors, |slot| neighbors.of(slot))
+}
+
+/// The same of the neighbors that pair sums take at present.
+pub fn summed_by_particle(neighbors: &Neighbors) -> Vec<Vec<u32>> {
+    particles(neighbors, |slot| {
+        let List { segment, range } = neighbors.list(slot);
+        segment.list(range.start, range.end)
+    })
+}
+
+fn particles<'a>(neighbors: &'a Neighbors, list: impl Fn(usize) -> &'a [u32]) -> Vec<Vec<u32>> {
+    let sorted = |&slot: &u32| {
+        let mut list: Vec<u32> = list(slot as usize).iter().map(|&other| neighbors.order()[other as usize]).collect();
         list.sort_unstable();
         list
     };
-    neighbors.slots().iter().map(list).collect()
+    neighbors.slots().iter().map(sorted).collect()
 }
 
 /// The lists as they stand, and the order of the slots.

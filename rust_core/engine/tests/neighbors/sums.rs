@@ -145,3 +145,36 @@ fn later_sums_allocate_nothing() {
     });
     assert_eq!(allocated.count_total, 0, "{allocated:?}");
 }
+
+/// What is left out is beyond the cutoff, where terms are 0: the lists are complete after a move of one particle by more than
+/// the near ones allow, which is far from all others.
+#[test]
+fn sums_over_near_neighbors_have_the_bits_of_those_over_all() {
+    let mut points = cloud(2500, [5.0; AXES], 22);
+    let (cutoff, skin) = (1.0, 0.3);
+    let sums = |points: &Points, anchors: &Points| {
+        let mut neighbors = Neighbors::new(points[0].len(), 3, &Domain::default(), cutoff, skin).unwrap();
+        neighbors.update(view(anchors), &Executor::serial()).unwrap();
+        assert!(!neighbors.update(view(points), &Executor::serial()).unwrap());
+        let mut records = Records::<Vec3>::new(&neighbors);
+        records.fill(&neighbors, view(points), &Executor::serial(), &|particle, record| record[7] = (particle + 1) as f32);
+        let mut sums = vec![[0.0; 4]; points[0].len()];
+        records.sum(&neighbors, Weighted { cutoff: 1.0 }, &mut sums, &Executor::serial());
+        let lengths: usize = (0..points[0].len()).map(|slot| neighbors.list(slot).range.len()).sum();
+        (lengths, neighbors.slots().iter().map(|&slot| sums[slot as usize]).collect::<Vec<[f32; 4]>>())
+    };
+    let anchors = points.clone();
+    points.iter_mut().flatten().for_each(|coordinate| *coordinate *= 1.001);
+    let (near, short) = sums(&points, &anchors);
+    points[0][0] += 0.2;
+    let (all, long) = sums(&points, &anchors);
+    assert!(near < all);
+    let moved = DVec3::new(points[0][0], points[1][0], points[2][0]);
+    let far = |particle: usize| {
+        let other = DVec3::new(points[0][particle], points[1][particle], points[2][particle]);
+        (other - moved).length() > cutoff + 0.3
+    };
+    let untouched: Vec<usize> = (1..points[0].len()).filter(|&particle| far(particle)).collect();
+    assert!(untouched.len() > 2000);
+    assert!(untouched.iter().all(|&particle| short[particle] == long[particle]));
+}

@@ -79,7 +79,8 @@ struct ImageList {
     slot: u32,
     /// The walls of the successive reflections.
     sides: [Option<u32>; AXES],
-    /// End of its list of originals.
+    /// Ends of its list of originals: of those with near images, and of all.
+    near: usize,
     end: usize,
 }
 
@@ -181,8 +182,10 @@ impl Walls {
         executor.for_each_block((BlockedSlice::new(sums, BLOCK), notes), &|(mine, notes)| {
             let BlockImages { lists, originals, .. } = &self.images[mine.start / BLOCK];
             let (mut start, current) = (0, Cell::new(Mirrors::NONE));
-            let terms = lists.iter().filter_map(|&ImageList { slot, sides, end }| {
-                let (slot, list) = (slot as usize, List { segment: originals, range: start..end });
+            let terms = lists.iter().filter_map(|&ImageList { slot, sides, near, end }| {
+                let slot = slot as usize;
+                let nearest = if neighbor_list.neighbors().needs_far(slot) { end } else { near };
+                let list = List { segment: originals, range: start..nearest };
                 start = end;
                 let x = neighbor_list.at(slot);
                 let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
@@ -265,14 +268,20 @@ impl BlockImages {
         let neighbors = neighbor_list.neighbors();
         let mut image = Image::ITSELF;
         mirrors.iter().for_each(|(_, mirror, _)| image.reflect(mirror));
-        let reach = neighbors.support() + mirrors.iter().map(|(.., turn)| turn).sum::<f64>();
+        let turn = mirrors.iter().map(|(.., turn)| turn).sum::<f64>();
+        let [near, reach] = [neighbors.near(), neighbors.support()].map(|reach| (reach + turn) * (reach + turn));
+        let itself = [slot as u32];
+        let others = || neighbors.of(slot).iter().chain(&itself).zip(&self.others);
         let before = self.originals.len();
-        for (&other, &separation) in neighbors.of(slot).iter().chain(&[slot as u32]).zip(&self.others) {
-            self.originals.push(other, image.square(separation) <= reach * reach);
+        others().for_each(|(&other, &separation)| self.originals.push(other, image.square(separation) <= near));
+        let end = self.originals.len();
+        for (&other, &separation) in others() {
+            let square = image.square(separation);
+            self.originals.push(other, near < square && square <= reach);
         }
         if self.originals.len() > before {
             let sides = std::array::from_fn(|mirror| mirrors.get(mirror).map(|(side, ..)| *side));
-            self.lists.push(ImageList { slot: slot as u32, sides, end: self.originals.len() });
+            self.lists.push(ImageList { slot: slot as u32, sides, near: end, end: self.originals.len() });
         }
     }
 }
