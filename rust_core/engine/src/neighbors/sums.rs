@@ -9,9 +9,7 @@ use super::{BLOCK, List, Neighbors};
 use crate::aligned::filled;
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{
-    Group, Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level, fold,
-};
+use crate::simd::{Group, Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level};
 
 /// A particle and its neighbor; or several neighbors, one in each lane.
 #[derive(Debug, Clone, Copy)]
@@ -180,7 +178,7 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
     fn run<I: Isa>(self, _isa: I) {
         let Sweep { records, neighbors, law, start, sums, executor } = self.0;
         for (slot, sum) in (start..).zip(sums).take_while(|_| !executor.stopped()) {
-            *sum = sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC, true>(records, neighbors.list(slot), &law, slot);
+            *sum = sum_over_list::<V, L, I::Group<V::Scalar>, SUMS, PERIODIC, true>(records, neighbors.list(slot), &law, slot);
         }
     }
 }
@@ -207,7 +205,7 @@ where
     fn run<I: Isa>(mut self, _isa: I) {
         for (slot, list, data) in self.each {
             let law = (self.law)(&data);
-            let sums = sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC, false>(self.records, list, &law, slot);
+            let sums = sum_over_list::<V, L, I::Group<V::Scalar>, SUMS, PERIODIC, false>(self.records, list, &law, slot);
             (self.take)(slot, sums);
         }
     }
@@ -227,40 +225,29 @@ where
     L: PairLaw<V, SUMS>,
     P: Pack<Scalar = V::Scalar>,
 {
+    const { assert!(P::WIDTH == LANES, "a register for each group") };
     let own = records.words[slot];
     let law = law.for_particle(&own);
     let own = splat::<P>(&own);
-    let groups = segment.groups(range.start, range.end);
-    let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
-    // One register's lanes of all groups, then the next ones.
-    for first in (0..LANES).step_by(P::WIDTH) {
-        let mut sums = [P::constant(0.0); SUMS];
-        let mut left = range.len();
-        let mut parts = groups.clone().take(left.saturating_sub(first).div_ceil(LANES));
-        if const { !(OVERLAPS && P::OVERLAPS) } {
-            for group in parts {
-                add(&law, &pair::<V, P, PERIODIC>(own, records, group, left, first), &mut sums);
-                left = left.saturating_sub(LANES);
-            }
-        } else if let Some(group) = parts.next() {
-            let mut current = pair::<V, P, PERIODIC>(own, records, group, left, first);
-            // The square roots of the next neighbors are begun before those of the present ones are waited for.
-            for group in parts {
-                left -= LANES;
-                let next = pair::<V, P, PERIODIC>(own, records, group, left, first);
-                add(&law, &current, &mut sums);
-                current = next;
-            }
+    let mut groups = segment.groups(range.start, range.end);
+    let (mut sums, mut left) = ([P::constant(0.0); SUMS], range.len());
+    if const { !(OVERLAPS && P::OVERLAPS) } {
+        for group in groups {
+            add(&law, &pair::<V, P, PERIODIC>(own, records, group, left), &mut sums);
+            left = left.saturating_sub(LANES);
+        }
+    } else if let Some(group) = groups.next() {
+        let mut current = pair::<V, P, PERIODIC>(own, records, group, left);
+        // The square roots of the next neighbors are begun before those of the present ones are waited for.
+        for group in groups {
+            left -= LANES;
+            let next = pair::<V, P, PERIODIC>(own, records, group, left);
             add(&law, &current, &mut sums);
+            current = next;
         }
-        if const { P::WIDTH == LANES } {
-            return P::fold(sums);
-        }
-        for sum in 0..SUMS {
-            sums[sum].store(&mut lanes[sum][first..]);
-        }
+        add(&law, &current, &mut sums);
     }
-    lanes.map(fold)
+    P::fold(sums)
 }
 
 /// Adds the terms of a pair to the sums.
@@ -289,16 +276,15 @@ where
     words
 }
 
-/// A particle paired with a group of neighbors, from the lane `first` on; the first `number` of the group are valid.
+/// A particle paired with a group of neighbors, of which the first `number` are valid.
 #[inline(always)]
 fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     own: Record<P>,
     records: &Records<V>,
     group: Group<'_>,
     number: usize,
-    first: usize,
 ) -> Pair<P> {
-    let (other, encodings) = (P::transpose(&records.words, group, first), &records.encodings);
+    let (other, encodings) = (P::transpose(&records.words, group, 0), &records.encodings);
     let mut separation = [P::constant(0.0); AXES];
     for axis in 0..V::DIMENSION {
         separation[axis] = V::Scalar::separation::<PERIODIC, P>(own[axis], other[axis], encodings[axis]);
@@ -309,7 +295,7 @@ fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     }
     // Added from a table, because compilers turn a comparison with the lane into branches.
     let table = Rest::<V::Scalar>::TABLE;
-    square += P::load(&table.as_flattened()[LANES + first - number.min(LANES)..]);
+    square += P::load(&table.as_flattened()[LANES - number.min(LANES)..]);
     Pair { own, other, separation, square, distance: square.sqrt() }
 }
 

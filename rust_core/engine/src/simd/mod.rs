@@ -123,6 +123,8 @@ pub trait Isa: Copy {
     const LEVEL: Level;
     /// A register of it.
     type Pack<T: Packed>: Pack<Scalar = T>;
+    /// Registers for the lanes of a whole group.
+    type Group<T: Packed>: Pack<Scalar = T>;
 }
 
 /// A computation to run at the best level, with the level as a type. `run` and all that it calls must be
@@ -135,7 +137,7 @@ pub trait LevelKernel {
 }
 
 macro_rules! level {
-    ($name:ident, $level:ident, $pack:ty) => {
+    ($name:ident, $level:ident, $pack:ty, $group:ty) => {
         /// A level as a type.
         #[derive(Debug, Clone, Copy)]
         struct $name(());
@@ -143,15 +145,16 @@ macro_rules! level {
         impl Isa for $name {
             const LEVEL: Level = Level::$level;
             type Pack<T: Packed> = $pack;
+            type Group<T: Packed> = $group;
         }
     };
 }
 
-level!(Scalar, Scalar, packs::Four<T>);
+level!(Scalar, Scalar, packs::Four<T>, packs::Twice<packs::Twice<packs::Four<T>>>);
 #[cfg(target_arch = "x86_64")]
-level!(Avx2, Avx2, T::Avx2);
+level!(Avx2, Avx2, T::Avx2, T::Avx2Group);
 #[cfg(target_arch = "x86_64")]
-level!(Avx512, Avx512, T::Avx512);
+level!(Avx512, Avx512, T::Avx512, T::Avx512Group);
 
 /// A kernel without its level as a type.
 struct Any<K>(K);

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
-use super::{Group, LANES, Lanes, Record, WORDS};
+use super::{Group, LANES, Record, WORDS};
 
 /// A number, or one in each lane.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + AddAssign {
@@ -62,24 +62,27 @@ pub trait Pack: Number {
     /// If there are fewer records than the bound of the group, or fewer lanes than it takes.
     fn transpose(records: &[Record<Self::Scalar>], group: Group<'_>, first: usize) -> Record<Self>;
 
-    /// The sums of the lanes of registers that are as wide as a group, by [`fold`].
+    /// The sum of all lanes of each register, by a tree.
     #[inline(always)]
     fn fold<const SUMS: usize>(registers: [Self; SUMS]) -> [Self::Scalar; SUMS]
     where
         Self::Scalar: Packed,
     {
-        registers.map(|register| {
+        // Loops, because compilers do not inline `map` over arrays of every length.
+        let mut sums = [Self::Scalar::default(); SUMS];
+        for sum in 0..SUMS {
             let mut lanes = [Self::Scalar::default(); LANES];
-            register.store(&mut lanes);
-            fold(lanes)
-        })
+            registers[sum].store(&mut lanes);
+            sums[sum] = fold(&mut lanes[..Self::WIDTH]);
+        }
+        sums
     }
 }
 
-/// The sum of all lanes, by a tree.
+/// The sum of lanes, by a tree.
 #[inline(always)]
-pub fn fold<T: Packed>(mut lanes: Lanes<T>) -> T {
-    let mut half = LANES / 2;
+pub fn fold<T: Packed>(lanes: &mut [T]) -> T {
+    let mut half = lanes.len() / 2;
     while half > 0 {
         for lane in 0..half {
             let other = lanes[lane + half];
@@ -99,6 +102,12 @@ pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
     /// The pack of AVX2.
     #[cfg(target_arch = "x86_64")]
     type Avx2: Pack<Scalar = Self>;
+    /// The same for whole groups of lanes.
+    #[cfg(target_arch = "x86_64")]
+    type Avx512Group: Pack<Scalar = Self>;
+    /// The same for whole groups of lanes.
+    #[cfg(target_arch = "x86_64")]
+    type Avx2Group: Pack<Scalar = Self>;
 }
 
 /// Part of a group, none of whose indices is past the end of some records.
@@ -235,9 +244,22 @@ impl<T: Packed> AddAssign for Four<T> {
     }
 }
 
+/// The mask of these lanes, a bit for each.
+#[inline(always)]
+fn bits([a, b, c, d]: [bool; 4]) -> u8 {
+    u8::from(a) | u8::from(b) << 1 | u8::from(c) << 2 | u8::from(d) << 3
+}
+
+/// The lanes of a mask.
+#[inline(always)]
+fn lanes(mask: u8) -> [bool; 4] {
+    [mask & 1 != 0, mask & 2 != 0, mask & 4 != 0, mask & 8 != 0]
+}
+
 impl<T: Packed> Number for Four<T> {
     type Scalar = T;
-    type Mask = [bool; 4];
+    /// A bit for each lane. LLVM 22 vectorizes arrays of `bool` wrongly where four of these packs are computed in turn.
+    type Mask = u8;
 
     #[inline(always)]
     fn of(number: T) -> Self {
@@ -265,30 +287,30 @@ impl<T: Packed> Number for Four<T> {
     }
 
     #[inline(always)]
-    fn less(self, other: Self) -> [bool; 4] {
-        self.each(other, T::less)
+    fn less(self, other: Self) -> u8 {
+        bits(self.each(other, T::less))
     }
 
     #[inline(always)]
-    fn both(one: [bool; 4], other: [bool; 4]) -> [bool; 4] {
-        Four(one).each(Four(other), |one, other| one & other)
+    fn both(one: u8, other: u8) -> u8 {
+        one & other
     }
 
     #[inline(always)]
-    fn select(mask: [bool; 4], one: Self, other: Self) -> Self {
-        let ([a, b, c, d], [e, f, g, h], [i, j, k, l]) = (mask, one.0, other.0);
+    fn select(mask: u8, one: Self, other: Self) -> Self {
+        let ([a, b, c, d], [e, f, g, h], [i, j, k, l]) = (lanes(mask), one.0, other.0);
         Self([T::select(a, e, i), T::select(b, f, j), T::select(c, g, k), T::select(d, h, l)])
     }
 
     #[inline(always)]
-    fn masked(self, mask: [bool; 4]) -> Self {
-        let ([a, b, c, d], [e, f, g, h]) = (self.0, mask);
+    fn masked(self, mask: u8) -> Self {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, lanes(mask));
         Self([a.masked(e), b.masked(f), c.masked(g), d.masked(h)])
     }
 
     #[inline(always)]
-    fn has_bit(self, bit: u32) -> [bool; 4] {
-        self.map(|number| number.has_bit(bit))
+    fn has_bit(self, bit: u32) -> u8 {
+        bits(self.map(|number| number.has_bit(bit)))
     }
 
     #[inline(always)]
@@ -316,6 +338,133 @@ impl<T: Packed> Pack for Four<T> {
         let part = Part::<4>::new(records, group, first);
         let [a, b, c, d] = [0, 1, 2, 3].map(|lane| records[part.index(lane)]);
         [0, 1, 2, 3, 4, 5, 6, 7].map(|word| Self([a[word], b[word], c[word], d[word]]))
+    }
+}
+
+/// Two packs as one: their operations alternate, so that each hides the latency of the other.
+#[derive(Debug, Clone, Copy)]
+pub struct Twice<P>(P, P);
+
+macro_rules! operator_twice {
+    ($trait:ident, $name:ident) => {
+        impl<P: Pack> $trait for Twice<P> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self(self.0.$name(other.0), self.1.$name(other.1))
+            }
+        }
+    };
+}
+
+operator_twice!(Add, add);
+operator_twice!(Sub, sub);
+operator_twice!(Mul, mul);
+operator_twice!(Div, div);
+
+impl<P: Pack> AddAssign for Twice<P> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<P: Pack<Scalar: Copy>> Number for Twice<P> {
+    type Scalar = P::Scalar;
+    type Mask = (P::Mask, P::Mask);
+
+    #[inline(always)]
+    fn of(number: P::Scalar) -> Self {
+        Self(P::of(number), P::of(number))
+    }
+
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self(P::constant(value), P::constant(value))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0), self.1.min(other.1))
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0), self.1.max(other.1))
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> Self::Mask {
+        (self.0.less(other.0), self.1.less(other.1))
+    }
+
+    #[inline(always)]
+    fn both(one: Self::Mask, other: Self::Mask) -> Self::Mask {
+        (P::both(one.0, other.0), P::both(one.1, other.1))
+    }
+
+    #[inline(always)]
+    fn select(mask: Self::Mask, one: Self, other: Self) -> Self {
+        Self(P::select(mask.0, one.0, other.0), P::select(mask.1, one.1, other.1))
+    }
+
+    #[inline(always)]
+    fn masked(self, mask: Self::Mask) -> Self {
+        Self(self.0.masked(mask.0), self.1.masked(mask.1))
+    }
+
+    #[inline(always)]
+    fn has_bit(self, bit: u32) -> Self::Mask {
+        (self.0.has_bit(bit), self.1.has_bit(bit))
+    }
+
+    #[inline(always)]
+    fn coordinate_difference(self, other: Self) -> Self {
+        Self(self.0.coordinate_difference(other.0), self.1.coordinate_difference(other.1))
+    }
+}
+
+impl<P: Pack<Scalar: Copy>> Pack for Twice<P> {
+    const WIDTH: usize = 2 * P::WIDTH;
+    const OVERLAPS: bool = false;
+
+    #[inline(always)]
+    fn load(numbers: &[P::Scalar]) -> Self {
+        Self(P::load(numbers), P::load(&numbers[P::WIDTH..]))
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [P::Scalar]) {
+        self.0.store(to);
+        self.1.store(&mut to[P::WIDTH..]);
+    }
+
+    #[inline(always)]
+    fn transpose(records: &[Record<P::Scalar>], group: Group<'_>, first: usize) -> Record<Self> {
+        let (one, other) = (P::transpose(records, group, first), P::transpose(records, group, first + P::WIDTH));
+        let mut words = [Self(one[0], other[0]); WORDS];
+        for word in 1..WORDS {
+            words[word] = Self(one[word], other[word]);
+        }
+        words
+    }
+
+    #[inline(always)]
+    fn fold<const SUMS: usize>(registers: [Self; SUMS]) -> [P::Scalar; SUMS]
+    where
+        P::Scalar: Packed,
+    {
+        let mut sums = [P::constant(0.0); SUMS];
+        for sum in 0..SUMS {
+            sums[sum] = registers[sum].0 + registers[sum].1;
+        }
+        P::fold(sums)
     }
 }
 

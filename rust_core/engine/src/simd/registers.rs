@@ -4,17 +4,21 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
-use super::packs::{Number, Pack, Packed, Part};
+use super::packs::{Number, Pack, Packed, Part, Twice};
 use super::{Group, Record, WORDS};
 
 impl Packed for f32 {
     type Avx512 = Single512;
     type Avx2 = Single256;
+    type Avx512Group = Single512;
+    type Avx2Group = Twice<Single256>;
 }
 
 impl Packed for f64 {
     type Avx512 = Double512;
     type Avx2 = Double256;
+    type Avx512Group = Twice<Double512>;
+    type Avx2Group = Twice<Twice<Double256>>;
 }
 
 /// A register as a [`Number`]; operations that differ by name are listed, those that differ in kind are closures.
@@ -153,7 +157,11 @@ macro_rules! register {
             $(
                 #[inline(always)]
                 fn fold<const SUMS: usize>(registers: [Self; SUMS]) -> [$scalar; SUMS] {
-                    unsafe { $fold(registers) }
+                    let mut fours = [unsafe { _mm_setzero_ps() }; SUMS];
+                    for sum in 0..SUMS {
+                        fours[sum] = unsafe { $fold(registers[sum].0) };
+                    }
+                    unsafe { fold_fours(fours) }
                 }
             )?
         }
@@ -181,7 +189,7 @@ register!(
     has_bit: |x, bit| _mm512_test_epi32_mask(_mm512_castps_si512(x), _mm512_set1_epi32(1 << bit)),
     coordinate_difference: |one, other| _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_castps_si512(one), _mm512_castps_si512(other))),
     transpose: sixteen_singles,
-    fold: fold_singles
+    fold: four_of_sixteen
 );
 
 register!(
@@ -210,7 +218,8 @@ register!(
         _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_castps_si256(x), one), one))
     },
     coordinate_difference: |one, other| _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_castps_si256(one), _mm256_castps_si256(other))),
-    transpose: eight_singles
+    transpose: eight_singles,
+    fold: four_of_eight
 );
 
 register!(
@@ -263,30 +272,43 @@ unsafe fn sixteen_singles(records: *const f32, part: Part<'_, 16>) -> [__m512; W
     }
 }
 
-/// The sums of the lanes of registers of singles, by a tree.
+/// The sums of lanes at a distance of 8 and 4.
 ///
 /// # Safety
 /// The CPU has AVX-512 F and DQ.
 #[inline(always)]
-unsafe fn fold_singles<const SUMS: usize>(registers: [Single512; SUMS]) -> [f32; SUMS] {
+unsafe fn four_of_sixteen(register: __m512) -> __m128 {
+    unsafe { four_of_eight(_mm256_add_ps(_mm512_castps512_ps256(register), _mm512_extractf32x8_ps::<1>(register))) }
+}
+
+/// The sums of lanes at a distance of 4.
+///
+/// # Safety
+/// The CPU has AVX2.
+#[inline(always)]
+unsafe fn four_of_eight(register: __m256) -> __m128 {
+    unsafe { _mm_add_ps(_mm256_castps256_ps128(register), _mm256_extractf128_ps::<1>(register)) }
+}
+
+/// The sums over the four lanes of registers, by a tree.
+///
+/// # Safety
+/// The CPU has AVX2.
+#[inline(always)]
+unsafe fn fold_fours<const SUMS: usize>(registers: [__m128; SUMS]) -> [f32; SUMS] {
     let mut sums = [0.0; SUMS];
     for first in (0..SUMS).step_by(4) {
-        let mut folded = [0.0; 4];
+        let (number, mut folded) = ((SUMS - first).min(4), [0.0; 4]);
         // SAFETY: the caller has these instructions, and there is room for four numbers.
         unsafe {
             let mut four = [_mm_setzero_ps(); 4];
-            for index in 0..(SUMS - first).min(4) {
-                let register = registers[first + index].0;
-                let eight = _mm256_add_ps(_mm512_castps512_ps256(register), _mm512_extractf32x8_ps::<1>(register));
-                four[index] = _mm_add_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
-            }
+            four[..number].copy_from_slice(&registers[first..first + number]);
             // One number of each pair in the lower half, the other in the upper one.
             let [a, b, c, d] = four;
             let ab = _mm_add_ps(_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
             let cd = _mm_add_ps(_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));
             _mm_storeu_ps(folded.as_mut_ptr(), _mm_add_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab)));
         }
-        let number = (SUMS - first).min(4);
         sums[first..first + number].copy_from_slice(&folded[..number]);
     }
     sums
@@ -300,16 +322,18 @@ unsafe fn fold_singles<const SUMS: usize>(registers: [Single512; SUMS]) -> [f32;
 unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORDS] {
     unsafe {
         let mut words = [_mm256_setzero_ps(); WORDS];
-        // Each index is read once.
-        let [a, b, c, d, e, f, g, h] = [0, 1, 2, 3, 4, 5, 6, 7].map(|row| records.add(part.index(row) * WORDS));
-        let (first, second) = ([a, b, c, d], [e, f, g, h]);
+        // Each index is read once; in a loop, because compilers do not inline `map` over arrays of this length.
+        let mut starts = [records; 8];
+        for row in 0..8 {
+            starts[row] = records.add(part.index(row) * WORDS);
+        }
         for half in 0..2 {
             let mut rows = [_mm256_setzero_pd(); 4];
             let mut read = [_mm256_setzero_ps(); 4];
             for row in 0..4 {
                 // Half a record of one in each half.
-                let low = _mm_loadu_ps(first[row].add(4 * half));
-                let high = _mm_loadu_ps(second[row].add(4 * half));
+                let low = _mm_loadu_ps(starts[row].add(4 * half));
+                let high = _mm_loadu_ps(starts[row + 4].add(4 * half));
                 read[row] = _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
             }
             rows[0] = _mm256_castps_pd(_mm256_unpacklo_ps(read[0], read[1]));
