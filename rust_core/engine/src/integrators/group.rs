@@ -1,13 +1,11 @@
 //! The components of one group of lanes, as kernels hold them in registers.
 
-use super::{Component, Integrator};
+use super::Component;
 use crate::math::Real;
-use crate::matter::REGISTERS;
-use crate::simd::{LANES, Lanes};
 
 /// The components of one group of lanes. Separate arrays, because an array of arrays would not stay in registers.
 #[derive(Debug, Clone, Copy)]
-pub struct ComponentGroup<T, const W: usize = LANES> {
+pub struct ComponentGroup<T, const W: usize> {
     /// Positions.
     pub x: [T; W],
     /// Velocities.
@@ -47,22 +45,6 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
         }
     }
 
-    /// Reads positions, velocities and the first `used` registers.
-    #[inline(always)]
-    pub fn load(x: &[T; W], v: &[T; W], registers: &[&mut [[T; W]]; REGISTERS], group: usize, used: usize) -> Self {
-        Self::new(*x, *v, |index| if index < used { registers[index][group] } else { [T::ZERO; W] })
-    }
-
-    /// Writes positions, velocities and the first `used` registers.
-    #[inline(always)]
-    pub fn store(&self, x: &mut [T; W], v: &mut [T; W], registers: &mut [&mut [[T; W]]; REGISTERS], group: usize, used: usize) {
-        *x = self.x;
-        *v = self.v;
-        for (index, values) in [&self.a, &self.b, &self.c, &self.d, &self.e, &self.f].into_iter().enumerate().take(used) {
-            registers[index][group] = *values;
-        }
-    }
-
     /// The component in a lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Component<T> {
@@ -76,24 +58,6 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
         self.x[lane] = component.x;
         self.v[lane] = component.v;
         [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]] = component.registers;
-    }
-
-    /// Converts positions relative to `x` to rounded positions and residuals (two-sum). Their sum is exact (D. E. Knuth,
-    /// The Art of Computer Programming 2, 4.2.2, theorem B).
-    #[inline(always)]
-    pub fn settle<I: Integrator>(&mut self, x: &Lanes<T>, residual: &mut Lanes<T>) {
-        for lane in 0..LANES {
-            let mut component = self.lane(lane);
-            let (from, by) = (x[lane], component.x);
-            let sum = from + by;
-            let moved = sum - from;
-            residual[lane] = (from - (sum - moved)) + (by - moved);
-            component.x = sum;
-            if let Some(register) = I::POSITION_REGISTER {
-                component.registers[register] -= by - residual[lane];
-            }
-            self.set(lane, &component);
-        }
     }
 
     /// Applies `change` to every lane's component.

@@ -139,7 +139,7 @@ pub trait Integrator: Sized + Send + Sync + 'static {
     fn correct_velocity<T: Real>(_component: &mut Component<T>, _h: T) {}
 
     /// Sets the persistent register from the acceleration `a` at the initial state.
-    fn begin<T: Real>(_component: &mut Component<T>, _a: T) {}
+    fn begin<T: Number>(_component: &mut Component<T>, _a: T) {}
 
     /// Moves to where stage `stage` asks for the forces.
     fn stage_state<T: Number>(stage: usize, component: &mut Component<T>, h: T);

@@ -10,7 +10,6 @@
 //! splitting above order 2 has negative substeps (Sheng 1989, Suzuki 1991), in which dissipation would run backwards.
 
 use super::{Component, DriftKick, Integrator, amplification};
-use crate::math::Real;
 use crate::simd::Number;
 
 /// The coefficients of a symmetric splitting.
@@ -109,7 +108,7 @@ impl<S: Splitting> Integrator for S {
     }
 
     #[inline(always)]
-    fn begin<T: Real>(component: &mut Component<T>, a: T) {
+    fn begin<T: Number>(component: &mut Component<T>, a: T) {
         component.registers[ACCELERATION] = a;
     }
 

@@ -20,7 +20,6 @@
 use std::marker::PhantomData;
 
 use super::{Component, Integrator, amplification};
-use crate::math::Real;
 use crate::matter::REGISTERS;
 use crate::simd::Number;
 
@@ -242,7 +241,7 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
     }
 
     #[inline(always)]
-    fn begin<T: Real>(component: &mut Component<T>, a: T) {
+    fn begin<T: Number>(component: &mut Component<T>, a: T) {
         if S::REUSES {
             component.registers[FIRST] = a;
         }

@@ -68,7 +68,7 @@ impl Integrator for VelocityVerlet {
     }
 
     #[inline(always)]
-    fn begin<T: Real>(component: &mut Component<T>, a: T) {
+    fn begin<T: Number>(component: &mut Component<T>, a: T) {
         component.registers[ACCELERATION] = a;
     }
 

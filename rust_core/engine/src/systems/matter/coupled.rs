@@ -167,8 +167,10 @@ pub fn sweep<V: Vector, I: Integrator>(
     executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
         let BlocksWithForces { mut blocks, mut force, mut damping } = work;
         let range = blocks.range();
-        blocks.position.copy_from(&at.position, range.start);
-        blocks.velocity.copy_from(&at.velocity, range.start);
+        if matches!(action, Action::Begin) {
+            // From here it is kicked, if a magnetic field turns it.
+            blocks.velocity.copy_from(&at.velocity, range.start);
+        }
         let mut power = [[0.0; LANES]; SINKS];
         if evaluates {
             let damping = damping.as_mut().map(Span::reborrow);
@@ -178,7 +180,7 @@ pub fn sweep<V: Vector, I: Integrator>(
             }
         }
         let evaluation = Evaluation { force, power, damping };
-        activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &evaluation, interval.h, action);
+        activity.items[0] = kernels::stage::<V, I>(dynamics, Some(&at), &mut blocks, &evaluation, interval.h, action);
         if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, before) {
             contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &dynamics.properties, interval.h);
         }

@@ -215,5 +215,12 @@ fn run_stage<V: Vector, I: Integrator>(
             kernels::gyrate(dynamics, &range, &at, before, interval.h, force);
         }
     }
-    kernels::stage::<V, I>(dynamics, block, &Evaluation { force: force.reborrow(), power, damping: None }, interval.h, action)
+    kernels::stage::<V, I>(
+        dynamics,
+        None,
+        block,
+        &Evaluation { force: force.reborrow(), power, damping: None },
+        interval.h,
+        action,
+    )
 }

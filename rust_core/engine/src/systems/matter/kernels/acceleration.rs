@@ -2,11 +2,11 @@
 
 use super::activity::kinetic;
 use super::axis_force::{AxisForce, Uniform};
-use super::power::add_power;
+use super::power::{add_power, lanes};
 use crate::forces::linear::AxisLaw;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{EnergySink, Power, Span, View};
-use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::simd::{Isa, LANES, Lanes, LevelKernel, Pack, dispatch_level};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// One axis of a block.
@@ -44,22 +44,24 @@ pub fn accelerations<V: Vector>(
     });
     let inverse_mass = dynamics.properties.inverse_mass[range.clone()].as_chunks().0;
     let inertia = dynamics.properties.inertia[range].as_chunks().0;
-    dispatch(Accelerations { axes, inverse_mass, inertia, power, dissipates: dynamics.linear.dissipates })
+    dispatch_level(Accelerations { axes, inverse_mass, inertia, power, dissipates: dynamics.linear.dissipates })
 }
 
-impl<T: Real> Kernel for Accelerations<'_, T> {
+impl<T: Real> LevelKernel for Accelerations<'_, T> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run<S: Isa>(self, _isa: S) -> f64 {
         let Self { axes, inverse_mass, inertia, power, dissipates } = self;
         let mut squares = [T::ZERO; LANES];
         for axis in axes.into_iter().flatten() {
-            let weights = (inverse_mass, inertia);
+            let weights = [inverse_mass, inertia];
             match axis.law {
-                AxisLaw::Uniform(same) if dissipates => along(Uniform::<_, true>(same), axis, weights, power, &mut squares),
-                AxisLaw::Uniform(same) => along(Uniform::<_, false>(same), axis, weights, power, &mut squares),
-                AxisLaw::Varying(varying) => along(varying, axis, weights, power, &mut squares),
+                AxisLaw::Uniform(same) if dissipates => {
+                    along::<S::Group<T>, _>(Uniform::<_, true>(same), axis, weights, power, &mut squares);
+                }
+                AxisLaw::Uniform(same) => along::<S::Group<T>, _>(Uniform::<_, false>(same), axis, weights, power, &mut squares),
+                AxisLaw::Varying(varying) => along::<S::Group<T>, _>(varying, axis, weights, power, &mut squares),
             }
         }
         kinetic(&squares)
@@ -68,30 +70,28 @@ impl<T: Real> Kernel for Accelerations<'_, T> {
 
 /// The accelerations along one axis. Adds to the powers, and Σ m v² to `squares`.
 #[inline(always)]
-fn along<T: Real, L: AxisForce<T>>(
+fn along<G: Pack<Scalar: Real>, L: AxisForce<G::Scalar>>(
     law: L,
-    Axis { x, v, force, .. }: Axis<'_, T>,
-    (inverse_mass, inertia): (&[Lanes<T>], &[Lanes<T>]),
+    Axis { x, v, force, .. }: Axis<'_, G::Scalar>,
+    [inverse_mass, inertia]: [&[Lanes<G::Scalar>]; 2],
     power: &mut Power,
-    squares: &mut Lanes<T>,
+    squares: &mut Lanes<G::Scalar>,
 ) {
-    let (mut drag, mut work, mut moved) = ([T::ZERO; LANES], [T::ZERO; LANES], *squares);
+    let zero = G::constant(0.0);
+    let (mut drag, mut work, mut moved) = (zero, zero, G::load(&*squares));
     for (group, force) in force.iter_mut().enumerate() {
-        let coefficients = law.coefficients(|column| column[group]);
-        let (x, v, inverse_mass, inertia, mut a) = (x[group], v[group], inverse_mass[group], inertia[group], *force);
-        for lane in 0..LANES {
-            let own = law.of_lane(&coefficients, lane);
-            let [dissipated, supplied] = law.power(&own, v[lane]);
-            drag[lane] += dissipated;
-            work[lane] += supplied;
-            moved[lane] += inertia[lane] * (v[lane] * v[lane]);
-            a[lane] = a[lane] * inverse_mass[lane] + law.acceleration(&own, x[lane], v[lane]);
-        }
-        *force = a;
+        let coefficients = law.coefficients(|column| G::load(&column[group]));
+        let (x, v) = (G::load(&x[group]), G::load(&v[group]));
+        let [dissipated, supplied] = law.power(&coefficients, v);
+        drag += dissipated;
+        work += supplied;
+        moved += G::load(&inertia[group]) * (v * v);
+        let a = G::load(&*force) * G::load(&inverse_mass[group]) + law.acceleration(&coefficients, x, v);
+        a.store(force);
     }
-    *squares = moved;
-    add_power(&mut power[EnergySink::Drag as usize], &drag, law.unit());
+    moved.store(squares);
+    add_power(&mut power[EnergySink::Drag as usize], &lanes(drag), law.unit());
     if L::SUPPLIES {
-        add_power(&mut power[EnergySink::Work as usize], &work, law.unit());
+        add_power(&mut power[EnergySink::Work as usize], &lanes(work), law.unit());
     }
 }

@@ -8,13 +8,10 @@ use crate::simd::{Lanes, Number};
 pub(super) trait AxisForce<T: Real>: Copy {
     /// Whether power is supplied from outside, by wind.
     const SUPPLIES: bool;
-    /// The coefficients, each a `C`: of one particle, of a register of them or of a group of lanes.
+    /// The coefficients, each a `C`: of one particle, or of several in lanes.
     type Coefficients<C: Copy>: Copy;
     /// The coefficients that `read` takes from each of their columns.
     fn coefficients<C: Copy>(&self, read: impl Fn(&[Lanes<T>]) -> C) -> Self::Coefficients<C>;
-    /// Those of one lane of a group. Loops over lanes copy all input of a group to local arrays first: only then can the compiler
-    /// exclude aliasing, and vectorize them.
-    fn of_lane(&self, group: &Self::Coefficients<Lanes<T>>, lane: usize) -> Self::Coefficients<T>;
     /// The acceleration.
     fn acceleration<N: Number<Scalar = T>>(&self, coefficients: &Self::Coefficients<N>, x: N, v: N) -> N;
     /// The power that drag dissipates and the power of the wind, in units of [`AxisForce::unit`].
@@ -33,9 +30,6 @@ impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
 
     #[inline(always)]
     fn coefficients<C: Copy>(&self, _read: impl Fn(&[Lanes<T>]) -> C) {}
-
-    #[inline(always)]
-    fn of_lane(&self, _group: &(), _lane: usize) {}
 
     #[inline(always)]
     fn acceleration<N: Number<Scalar = T>>(&self, _coefficients: &(), _x: N, v: N) -> N {
@@ -62,11 +56,6 @@ impl<T: Real> AxisForce<T> for Varying<'_, T> {
     #[inline(always)]
     fn coefficients<C: Copy>(&self, read: impl Fn(&[Lanes<T>]) -> C) -> [C; 4] {
         [read(self.a0), read(self.b), read(self.c), read(self.drag)]
-    }
-
-    #[inline(always)]
-    fn of_lane(&self, group: &[Lanes<T>; 4], lane: usize) -> [T; 4] {
-        [group[0][lane], group[1][lane], group[2][lane], group[3][lane]]
     }
 
     #[inline(always)]

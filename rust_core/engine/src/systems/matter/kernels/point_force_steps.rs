@@ -73,16 +73,16 @@ impl<V: Vector, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
         }
     }
 
-    /// Takes all steps with `N` registers of particles, from the register `first` on; past the last one it is that one again,
+    /// Takes all steps with `TURNS` registers of particles, from the register `first` on; past the last one it is that one again,
     /// which reads and writes the same.
     #[inline(always)]
-    fn advance<const N: usize>(&mut self, first: usize, number: u64) {
+    fn advance<const TURNS: usize>(&mut self, first: usize, number: u64) {
         let last = self.members.len() / P::WIDTH - 1;
         let at = |turn: usize| (first + turn).min(last) * P::WIDTH;
         let zero = P::constant(0.0);
-        let mut components = [[Component { x: zero, v: zero, registers: [zero; REGISTERS] }; AXES]; N];
-        let mut weights = [zero; N];
-        for turn in 0..N {
+        let mut components = [[Component { x: zero, v: zero, registers: [zero; REGISTERS] }; AXES]; TURNS];
+        let mut weights = [zero; TURNS];
+        for turn in 0..TURNS {
             // A force times an inverse mass is an acceleration.
             weights[turn] = P::load(&self.members[at(turn)..]) * P::load(&self.inverse_mass[at(turn)..]);
             for axis in 0..V::DIMENSION {
@@ -96,24 +96,24 @@ impl<V: Vector, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
         }
         for _ in 0..number {
             for_each_stage!(I, stage => {
-                for turn in 0..N {
+                for turn in 0..TURNS {
                     for axis in 0..V::DIMENSION {
                         I::stage_state(stage, &mut components[turn][axis], self.step);
                     }
                 }
-                let mut accelerations = [[zero; AXES]; N];
-                for turn in 0..N {
+                let mut accelerations = [[zero; AXES]; TURNS];
+                for turn in 0..TURNS {
                     let place = components[turn].each_ref().map(|component| component.x);
                     accelerations[turn] = self.law.force::<V, P>(weights[turn], place);
                 }
-                for turn in 0..N {
+                for turn in 0..TURNS {
                     for axis in 0..V::DIMENSION {
                         I::stage_update(stage, &mut components[turn][axis], accelerations[turn][axis], self.step);
                     }
                 }
             });
         }
-        for turn in 0..N {
+        for turn in 0..TURNS {
             for axis in 0..V::DIMENSION {
                 let (to, component) = (&mut self.axes[axis], &components[turn][axis]);
                 component.x.store(&mut to.x.as_flattened_mut()[at(turn)..]);

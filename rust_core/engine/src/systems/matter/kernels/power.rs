@@ -3,7 +3,7 @@
 use crate::integrators::Integrator;
 use crate::math::Real;
 use crate::matter::{EnergySink, EnergyTally, Power};
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, Pack};
 
 /// The powers through all sinks.
 pub fn through_all(power: &Power) -> impl Iterator<Item = (EnergySink, &Lanes<f64>)> {
@@ -40,6 +40,15 @@ pub(super) const fn reuses_one_of_many<I: Integrator>() -> bool {
     I::LAST_WEIGHT != 0.0 && I::NODES.len() > 1
 }
 
+/// The numbers of a group of lanes.
+#[inline(always)]
+pub(super) fn lanes<G: Pack<Scalar: Real>>(group: G) -> Lanes<G::Scalar> {
+    let mut lanes = [G::Scalar::ZERO; LANES];
+    group.store(&mut lanes);
+    lanes
+}
+
+/// Adds the sums of a group of lanes to a power, in this unit [W].
 #[inline(always)]
 pub(super) fn add_power<T: Real>(power: &mut Lanes<f64>, sums: &Lanes<T>, unit: f64) {
     for lane in 0..LANES {

@@ -5,12 +5,13 @@ use std::marker::PhantomData;
 use super::activity::kinetic;
 use super::axis_force::{AxisForce, Uniform};
 use super::components::{Axes, Axis, split};
-use super::power::{add_power, integrate, through_all};
+use super::power::{add_power, integrate, lanes, through_all};
+use crate::forces::StateView;
 use crate::forces::linear::AxisLaw;
-use crate::integrators::{ComponentGroup, Integrator, for_each_stage};
+use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::{Blocks, EnergySink, EnergyTally, Power, Span};
-use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::matter::{Blocks, EnergySink, EnergyTally, Power, REGISTERS, Span};
+use crate::simd::{Isa, LANES, Lanes, LevelKernel, Pack, dispatch_level};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// The operation of a stage on the state.
@@ -46,6 +47,7 @@ pub struct Evaluation<'a, V: Vector> {
 
 struct Stage<'a, T, I> {
     axes: Axes<'a, T>,
+    state: Option<[[&'a [Lanes<T>]; AXES]; 2]>,
     force: [&'a [Lanes<T>]; AXES],
     damping: [&'a [Lanes<T>]; AXES],
     inverse_mass: &'a [Lanes<T>],
@@ -59,25 +61,35 @@ struct Stage<'a, T, I> {
 }
 
 /// The columns of a span as groups of lanes.
-fn lanes<'a, V: Vector>(span: &'a Span<'_, V>) -> [&'a [Lanes<V::Scalar>]; AXES] {
+fn groups<'a, V: Vector>(span: &'a Span<'_, V>) -> [&'a [Lanes<V::Scalar>]; AXES] {
     span.axes.each_ref().map(|axis| axis.as_chunks().0)
 }
 
-/// Runs one stage of one block; returns the activity at the stage.
+/// Runs one stage of one block, from the state `at` or else from that in the block; returns the activity at the stage.
 pub fn stage<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
+    at: Option<&StateView<'_, V>>,
     blocks: &mut Blocks<'_, V>,
     evaluation: &Evaluation<'_, V>,
     h: f64,
     action: Action,
 ) -> f64 {
-    let inverse_mass = dynamics.properties.inverse_mass[blocks.range()].as_chunks().0;
-    let inertia = dynamics.properties.inertia[blocks.range()].as_chunks().0;
-    let force = lanes(&evaluation.force);
-    let damping = evaluation.damping.as_ref().map_or([&[][..]; AXES], lanes);
+    let range = blocks.range();
+    let inverse_mass = dynamics.properties.inverse_mass[range.clone()].as_chunks().0;
+    let inertia = dynamics.properties.inertia[range.clone()].as_chunks().0;
+    let state = at.map(|at| {
+        [at.position, at.velocity].map(|columns| {
+            std::array::from_fn(
+                |axis| if axis < V::DIMENSION { columns.slice(axis, range.clone()).as_chunks().0 } else { &[][..] },
+            )
+        })
+    });
+    let force = groups(&evaluation.force);
+    let damping = evaluation.damping.as_ref().map_or([&[][..]; AXES], groups);
     let (axes, tally) = split(dynamics, blocks);
-    dispatch(Stage::<V::Scalar, I> {
+    dispatch_level(Stage::<V::Scalar, I> {
         axes,
+        state,
         force,
         damping,
         inverse_mass,
@@ -91,22 +103,25 @@ pub fn stage<V: Vector, I: Integrator>(
     })
 }
 
-impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
+impl<T: Real, I: Integrator> LevelKernel for Stage<'_, T, I> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { mut axes, force, damping, inverse_mass, inertia, mut power, tally, dissipates, h, action, .. } = self;
+    fn run<S: Isa>(self, _isa: S) -> f64 {
+        let Self { mut axes, state, force, damping, inverse_mass, inertia, mut power, tally, dissipates, h, action, .. } = self;
         let mut squares = [T::ZERO; LANES];
-        for ((axis, law), (force, damping)) in axes.iter_mut().flatten().zip(force.into_iter().zip(damping)) {
-            let input = AxisInput { force, damping, inverse_mass, inertia };
+        for (axis, (columns, law)) in axes.iter_mut().flatten().enumerate() {
+            let state = state.map(|columns| columns.map(|columns| columns[axis]));
+            let input = AxisInput { state, force: force[axis], damping: damping[axis], inverse_mass, inertia };
             let sums = (&mut power, &mut squares);
             match *law {
                 AxisLaw::Uniform(same) if dissipates => {
-                    one_stage::<_, I, _>(Uniform::<_, true>(same), input, axis, h, action, sums);
+                    one_stage::<S::Group<T>, I, _>(Uniform::<_, true>(same), input, columns, h, action, sums);
                 }
-                AxisLaw::Uniform(same) => one_stage::<_, I, _>(Uniform::<_, false>(same), input, axis, h, action, sums),
-                AxisLaw::Varying(varying) => one_stage::<_, I, _>(varying, input, axis, h, action, sums),
+                AxisLaw::Uniform(same) => {
+                    one_stage::<S::Group<T>, I, _>(Uniform::<_, false>(same), input, columns, h, action, sums);
+                }
+                AxisLaw::Varying(varying) => one_stage::<S::Group<T>, I, _>(varying, input, columns, h, action, sums),
             }
         }
         match action {
@@ -121,118 +136,117 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
     }
 }
 
-/// Forces along one axis [N], maybe with their part by damping, inverse masses [1/kg] and masses [kg].
+/// Positions [m] and velocities [m/s] along one axis, unless they stand in the block; forces [N], maybe with their part by
+/// damping; inverse masses [1/kg] and masses [kg].
 #[derive(Clone, Copy)]
 struct AxisInput<'a, T> {
+    state: Option<[&'a [Lanes<T>]; 2]>,
     force: &'a [Lanes<T>],
     damping: &'a [Lanes<T>],
     inverse_mass: &'a [Lanes<T>],
     inertia: &'a [Lanes<T>],
 }
 
-/// One stage of every lane along one axis. Adds to the powers, and Σ m v² at the stage to `squares`.
+/// One stage of every particle along one axis. Adds to the powers, and Σ m v² at the stage to `squares`.
 #[inline(always)]
-fn one_stage<T: Real, I: Integrator, L: AxisForce<T>>(
+fn one_stage<G: Pack<Scalar: Real>, I: Integrator, L: AxisForce<G::Scalar>>(
     law: L,
-    input: AxisInput<'_, T>,
-    axis: &mut Axis<'_, T>,
+    input: AxisInput<'_, G::Scalar>,
+    axis: &mut Axis<'_, G::Scalar>,
     h: f64,
     action: Action,
-    (power, squares): (&mut Power, &mut Lanes<T>),
+    (power, squares): (&mut Power, &mut Lanes<G::Scalar>),
 ) {
-    let step = T::from_f64(h);
+    let (step, zero) = (G::constant(h), G::constant(0.0));
     let Axis { x, v, registers, residual } = axis;
-    let mut drag = [T::ZERO; LANES];
-    let mut work = [T::ZERO; LANES];
-    let mut corrected = [T::ZERO; LANES];
-    let mut moved = *squares;
+    // Copied, because writes to columns might change what is read through a reference.
+    let registers = registers.each_mut().map(|column| &mut **column);
+    let (mut drag, mut work, mut corrected, mut moved) = (zero, zero, zero, G::load(&*squares));
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
-        let coefficients = law.coefficients(|column| column[group]);
-        let (force, inverse_mass, inertia) = (input.force[group], input.inverse_mass[group], input.inertia[group]);
-        let mut components = ComponentGroup::<T>::load(x, v, registers, group, I::REGISTERS);
-        let mut a = [T::ZERO; LANES];
-        for lane in 0..LANES {
-            let component = components.lane(lane);
-            let own = law.of_lane(&coefficients, lane);
-            let [dissipated, supplied] = law.power(&own, component.v);
-            drag[lane] += dissipated;
-            work[lane] += supplied;
-            moved[lane] += inertia[lane] * (component.v * component.v);
-            a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&own, component.x, component.v);
+        let coefficients = law.coefficients(|column| G::load(&column[group]));
+        let (own_x, own_v) = if let Some([x, v]) = input.state { (&x[group], &v[group]) } else { (&*x, &*v) };
+        let mut component = Component { x: G::load(own_x), v: G::load(own_v), registers: [zero; REGISTERS] };
+        for register in 0..I::REGISTERS {
+            component.registers[register] = G::load(&registers[register][group]);
         }
+        let [dissipated, supplied] = law.power(&coefficients, component.v);
+        drag += dissipated;
+        work += supplied;
+        moved += G::load(&input.inertia[group]) * (component.v * component.v);
+        let linear = law.acceleration(&coefficients, component.x, component.v);
+        let a = G::load(&input.force[group]) * G::load(&input.inverse_mass[group]) + linear;
         // Integrators only add increments to a position, so they can be added to the residual instead.
+        let mut from = component.x;
         if let Some(residual) = residual.get(group) {
-            components.x = *residual;
+            component.x = G::load(residual);
         }
         match action {
-            Action::Begin => begin::<T, I>(&mut components, &a),
-            Action::StageState => stage_state::<T, I>(0, &mut components, step),
+            Action::Begin => I::begin(&mut component, a),
+            Action::StageState => stage_state::<G, I>(0, &mut component, step),
             Action::StageUpdate(stage, next) => {
-                let predicted = components.v;
-                stage_update::<T, I>(stage, &mut components, &a, step);
+                let predicted = component.v;
+                stage_update::<G, I>(stage, &mut component, a, step);
                 if let (true, Some(damping)) = (I::CORRECTED_WEIGHT != 0.0, input.damping.get(group)) {
-                    for lane in 0..LANES {
-                        corrected[lane] += damping[lane] * (predicted[lane] - components.v[lane]);
-                    }
+                    corrected += G::load(damping) * (predicted - component.v);
                 }
                 if let Some(next) = next {
                     // The end of a step has the same bits, whether the next one follows in this sweep or in another batch.
-                    if let (0, Some(residual)) = (next, residual.get_mut(group)) {
-                        components.settle::<I>(x, residual);
-                        (*x, components.x) = (components.x, *residual);
+                    if next == 0 && group < residual.len() {
+                        let rest = settle::<G, I>(&mut component, from);
+                        (from, component.x) = (component.x, rest);
                     }
-                    stage_state::<T, I>(next, &mut components, step);
+                    stage_state::<G, I>(next, &mut component, step);
                 }
             }
         }
         if let Some(residual) = residual.get_mut(group) {
-            components.settle::<I>(x, residual);
+            settle::<G, I>(&mut component, from).store(residual);
         }
-        components.store(x, v, registers, group, I::REGISTERS);
+        component.x.store(x);
+        component.v.store(v);
+        for register in 0..I::REGISTERS {
+            component.registers[register].store(&mut registers[register][group]);
+        }
     }
-    *squares = moved;
-    add_power(&mut power[EnergySink::Damping as usize], &corrected, I::CORRECTED_WEIGHT);
-    add_power(&mut power[EnergySink::Drag as usize], &drag, law.unit());
+    moved.store(squares);
+    add_power(&mut power[EnergySink::Damping as usize], &lanes(corrected), I::CORRECTED_WEIGHT);
+    add_power(&mut power[EnergySink::Drag as usize], &lanes(drag), law.unit());
     if L::SUPPLIES {
-        add_power(&mut power[EnergySink::Work as usize], &work, law.unit());
+        add_power(&mut power[EnergySink::Work as usize], &lanes(work), law.unit());
     }
 }
 
-/// Sets the persistent register of a group.
+/// Converts a position relative to `from` to a rounded position, and returns the residual (two-sum). Their sum is exact (D. E.
+/// Knuth, The Art of Computer Programming 2, 4.2.2, theorem B).
 #[inline(always)]
-fn begin<T: Real, I: Integrator>(components: &mut ComponentGroup<T>, a: &Lanes<T>) {
-    for lane in 0..LANES {
-        let mut component = components.lane(lane);
-        I::begin(&mut component, a[lane]);
-        components.set(lane, &component);
+fn settle<G: Pack, I: Integrator>(component: &mut Component<G>, from: G) -> G {
+    let by = component.x;
+    let sum = from + by;
+    let moved = sum - from;
+    let residual = (from - (sum - moved)) + (by - moved);
+    component.x = sum;
+    if let Some(register) = I::POSITION_REGISTER {
+        component.registers[register] = component.registers[register] - (by - residual);
     }
+    residual
 }
 
-/// Computes the state of a stage of a group. The stage is a constant in each loop, and no loop calls a closure, which might
-/// not be inlined: only then can it be vectorized.
+/// Computes the state of a stage. The stage is a constant in each branch.
 #[inline(always)]
-fn stage_state<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, h: T) {
+fn stage_state<G: Pack, I: Integrator>(stage: usize, component: &mut Component<G>, h: G) {
     for_each_stage!(I, constant => {
         if stage == constant {
-            for lane in 0..LANES {
-                let mut component = components.lane(lane);
-                I::stage_state(constant, &mut component, h);
-                components.set(lane, &component);
-            }
+            I::stage_state(constant, component, h);
         }
     });
 }
 
-/// Updates a group by the accelerations of a stage.
+/// Updates the state by the acceleration of a stage.
 #[inline(always)]
-fn stage_update<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, a: &Lanes<T>, h: T) {
+fn stage_update<G: Pack, I: Integrator>(stage: usize, component: &mut Component<G>, a: G, h: G) {
     for_each_stage!(I, constant => {
         if stage == constant {
-            for lane in 0..LANES {
-                let mut component = components.lane(lane);
-                I::stage_update(constant, &mut component, a[lane], h);
-                components.set(lane, &component);
-            }
+            I::stage_update(constant, component, a, h);
         }
     });
 }
