@@ -3,7 +3,7 @@
 use aligned_vec::{AVec, ConstAlign};
 
 /// The size of a cache line [bytes].
-pub const CACHE_LINE: usize = 64;
+const CACHE_LINE: usize = 64;
 
 /// An array at the beginning of a cache line.
 pub type Aligned<T> = AVec<T, ConstAlign<CACHE_LINE>>;

@@ -9,7 +9,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use crate::aligned::CACHE_LINE;
+use crate::aligned::{Aligned, filled};
 
 mod coordinate;
 
@@ -59,15 +59,14 @@ pub trait Real:
     fn tagged(self, tag: u8) -> Self;
     /// Its tag.
     fn tag(self) -> u8;
-    /// Lends the calling thread's scratch buffer of `length` numbers, uninitialized, to `work`. It begins at a cache line,
-    /// because a vector that straddles two costs twice.
+    /// Lends the calling thread's scratch buffer of `length` numbers, uninitialized, to `work`. It begins with a cache line.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
 }
 
 macro_rules! real {
     ($number:ident, $bits:ident, $scratch:ident) => {
         thread_local! {
-            static $scratch: RefCell<Vec<$number>> = const { RefCell::new(Vec::new()) };
+            static $scratch: RefCell<Option<Aligned<$number>>> = const { RefCell::new(None) };
         }
 
         impl Real for $number {
@@ -108,13 +107,12 @@ macro_rules! real {
 
             fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {
                 // Taken out while lent, so that a nested loan allocates instead of panicking.
-                let mut memory = $scratch.with(RefCell::take);
-                if memory.len() < length + CACHE_LINE {
-                    memory.resize(length + CACHE_LINE, 0.0);
+                let mut memory = $scratch.take().unwrap_or_else(|| filled(0.0, 0));
+                if memory.len() < length {
+                    memory.resize(length, 0.0);
                 }
-                let start = memory.as_ptr().align_offset(CACHE_LINE).min(CACHE_LINE);
-                let result = work(&mut memory[start..start + length]);
-                $scratch.with(|slot| *slot.borrow_mut() = memory);
+                let result = work(&mut memory[..length]);
+                $scratch.set(Some(memory));
                 result
             }
         }
