@@ -82,7 +82,7 @@ impl Material {
     pub fn enthalpy(&self, density: f64) -> f64 {
         let ratio = density / self.density;
         let cube = ratio * ratio * ratio;
-        self.density / f64::from(GAMMA - 1) * (cube * cube - 1.0)
+        self.density * (1.0 / f64::from(GAMMA - 1)) * (cube * cube - 1.0)
     }
 
     /// The speed of sound at a density [m/s].
@@ -103,7 +103,7 @@ impl Material {
     /// Coefficient c²ρ₀/γ of the equation of state [Pa].
     #[inline(always)]
     fn stiffness(&self) -> f64 {
-        self.sound_speed * self.sound_speed * self.density / f64::from(GAMMA)
+        self.sound_speed * self.sound_speed * self.density * (1.0 / f64::from(GAMMA))
     }
 }
 
