@@ -22,7 +22,7 @@ mod registers;
 mod selection;
 
 pub use gather::Gather;
-pub use packs::{Number, Pack, Packed, fold};
+pub use packs::{Number, Pack, Packed};
 pub use records::{Record, Table, WORDS};
 pub use selection::{Group, Selection, at_most};
 

@@ -81,7 +81,7 @@ pub trait Pack: Number {
 
 /// The sum of lanes, by a tree.
 #[inline(always)]
-pub fn fold<T: Packed>(lanes: &mut [T]) -> T {
+fn fold<T: Packed>(lanes: &mut [T]) -> T {
     let mut half = lanes.len() / 2;
     while half > 0 {
         for lane in 0..half {
