@@ -2,7 +2,7 @@
 //!
 //! A pair that is not listed was farther apart than cutoff + skin. It comes within the cutoff only if the displacements of
 //! its particles differ by more than the skin, which in a flow takes far longer than for one of them to exceed half of it.
-//! Displacements are bounded in boxes and in length, over runs of slots in the same cell of a coarse grid; the boxes of each cell are
+//! Displacements are bounded in boxes and in length, over runs of slots in the same cell of a coarse grid; the boxes of each run are
 //! compared with those of the cells around it. Particles in other cells are too far from each other, up to a
 //! displacement of half of the difference of cell size and cutoff.
 //!

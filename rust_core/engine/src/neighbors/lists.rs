@@ -149,7 +149,7 @@ impl Lists {
             segment.far.spare();
         });
         self.whole.fill(false);
-        if self.segments.iter().any(|segment| segment.lists.has_overflowed() || segment.far.has_overflowed()) {
+        if self.segments.iter().any(|segment| segment.lists.has_overflowed()) {
             // The estimate was too low, or the memory was taken by another process.
             let held = self.bytes();
             *self = Self::new(self.ends.len());

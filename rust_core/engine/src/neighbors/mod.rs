@@ -155,6 +155,7 @@ impl Neighbors {
         let Self { grid, sort, sorted, metric, excluded, lists, .. } = self;
         lists.build(candidates(grid, (sort, sorted), metric, excluded), self.dimension, executor)?;
         self.displacements.begin(&self.sorted, self.dimension, &self.domain, &self.bounds, executor);
+        self.lists.serve(&self.displacements, executor);
         // After an interrupt the lists are invalid.
         self.built = !executor.stopped();
         Ok(true)

@@ -225,7 +225,7 @@ where
     L: PairLaw<V, SUMS>,
     P: Pack<Scalar = V::Scalar>,
 {
-    const { assert!(P::WIDTH == LANES, "a register for each group") };
+    const { assert!(P::WIDTH == LANES, "registers of whole groups") };
     let own = records.words[slot];
     let law = law.for_particle(&own);
     let own = splat::<P>(&own);

@@ -1,4 +1,4 @@
-//! Packs: numbers in lanes, for the terms of several pairs at once.
+//! Packs: numbers in lanes, for the terms of several pairs, or the stages of several particles, at once.
 //!
 //! A law is written over [`Number`], which is one number or a vector register of them. Registers instead of loops over
 //! arrays, because interleaved records then stay in registers, where compilers that vectorize a loop go through memory.
@@ -45,7 +45,7 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn coordinate_difference(self, other: Self) -> Self;
 }
 
-/// A register of a level: its width divides [`LANES`].
+/// A register of a level, or several: its width divides [`LANES`].
 pub trait Pack: Number {
     /// The number of lanes.
     const WIDTH: usize;

@@ -2,8 +2,8 @@
 
 use super::{Isa, LANES, Lanes};
 
-/// Indices below a bound, in groups. The storage is longer than the selection by a group of lanes, so that groups are read
-/// whole.
+/// Indices below a bound, in groups. After [`Selection::spare`] the storage is longer than the selection by a group of lanes, so
+/// that groups are read whole.
 #[derive(Debug)]
 pub struct Selection {
     /// All of these are below the bound, those past the end too.
@@ -85,7 +85,7 @@ impl Selection {
     /// Reserves an eighth more than the present length, so that the next selection of similar length needs no allocation.
     pub fn spare(&mut self) {
         if self.entries.len() < self.length + self.length / 8 + LANES {
-            self.grow();
+            self.grow(0);
         }
     }
 
@@ -103,9 +103,10 @@ impl Selection {
         whole.iter().map(move |indices| Group { indices, bound })
     }
 
+    /// Makes room for this many more indices, and some.
     #[cold]
-    fn grow(&mut self) {
-        let length = self.length + self.length / 8 + 4 * LANES;
+    fn grow(&mut self, more: usize) {
+        let length = self.length + self.length / 8 + more + 4 * LANES;
         if self.entries.try_reserve_exact(length - self.entries.len()).is_ok() {
             self.entries.resize(length, 0);
         } else {
@@ -122,7 +123,7 @@ impl Selection {
     pub fn push(&mut self, index: u32, counts: bool) {
         assert!((index as usize) < self.bound, "an index past the bound");
         if self.entries.len() < self.length + LANES + 1 {
-            self.grow();
+            self.grow(0);
         }
         // Written in any case, because the branch is hard to predict.
         self.entries[self.length] = index;
@@ -137,30 +138,27 @@ impl Selection {
     pub fn add<I: Isa>(&mut self, isa: I, first: usize, mask: u16) {
         assert!(first <= self.bound - LANES, "indices past the bound");
         if self.entries.len() < self.length + LANES {
-            self.grow();
+            self.grow(0);
         }
         if let Some(out) = self.entries[self.length..].first_chunk_mut() {
             self.length += compress(isa, first as u32, mask, out);
         }
     }
 
-    /// Adds all indices of another selection.
+    /// Adds all indices of another selection; if that has overflowed, so has this.
     ///
     /// # Panics
     /// If its bound is greater.
     #[inline(always)]
     pub fn append(&mut self, other: &Self) {
         assert!(other.bound <= self.bound, "indices past the bound");
-        for start in (0..other.length).step_by(LANES) {
-            if self.entries.len() < self.length + LANES {
-                self.grow();
-            }
-            // Whole groups, of which what is past the end is below the bound too.
-            let (to, from) = (self.entries[self.length..].first_chunk_mut(), other.entries[start..].first_chunk::<LANES>());
-            if let (Some(to), Some(from)) = (to, from) {
-                *to = *from;
-                self.length += LANES.min(other.length - start);
-            }
+        self.overflowed |= other.overflowed;
+        if self.entries.len() < self.length + other.length {
+            self.grow(other.length);
+        }
+        if let Some(end) = self.entries.get_mut(self.length..self.length + other.length) {
+            end.copy_from_slice(&other.entries[..other.length]);
+            self.length += other.length;
         }
     }
 }

@@ -53,6 +53,18 @@ fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
     assert!(shortened > 10_000, "{shortened} of {} lists were shortened for sums", 200 * 300);
 }
 
+/// Of any number, whatever the room was that the lists before it left.
+#[test]
+fn lists_hold_near_and_far_neighbors() {
+    for (seed, count) in [(31, 40), (32, 300), (33, 700), (34, 1500)] {
+        for dimension in [2, 3] {
+            let points = cloud(count, [4.0; AXES], seed);
+            let neighbors = search(&points, dimension, &Domain::default(), 1.0, 0.8).unwrap();
+            assert_eq!(by_particle(&neighbors), brute(count, dimension, &Domain::default(), 1.8, view(&points)));
+        }
+    }
+}
+
 #[test]
 fn lists_are_made_when_neighbors_have_moved_relative_to_each_other_by_more_than_the_skin() {
     let mut points = cloud(5000, [20.0; AXES], 2);

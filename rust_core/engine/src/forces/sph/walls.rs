@@ -236,12 +236,18 @@ impl BlockImages {
     fn update(&mut self, block: std::ops::Range<usize>, sides: &[Side], neighbor_list: &NeighborList) {
         self.lists.clear();
         self.originals.clear();
-        let support = neighbor_list.neighbors().support();
+        let (support, nearby) = (neighbor_list.neighbors().support(), neighbor_list.neighbors().near());
         for slot in block {
             let x = neighbor_list.anchor(slot);
-            // The mirrors of a particle near a curved wall rotate as it moves.
-            let turn = |side: &Side| 2.0 * support * neighbor_list.skin() * side.wall.curvature(x, DVec3::ZERO).abs();
-            let near = (0..).zip(sides).map(|(number, side)| (number, side.mirror(x, false), turn(side)));
+            // The mirrors of a particle near a curved wall rotate as it moves, at an edge by much: all of their images are near.
+            let margins = |side: &Side| {
+                if let Wall::Plane { .. } = side.wall {
+                    return [0.0; 2];
+                }
+                let turn = 2.0 * support * neighbor_list.skin() * side.wall.curvature(x, DVec3::ZERO).abs();
+                [turn + support - nearby, turn]
+            };
+            let near = (0..).zip(sides).map(|(number, side)| (number, side.mirror(x, false), margins(side)));
             let mut near = near.filter(|(_, mirror, _)| mirror.distance < support);
             let mirrors: [_; CORNER] = std::array::from_fn(|_| near.next());
             let mirrors = || mirrors.iter().flatten().enumerate();
@@ -264,12 +270,13 @@ impl BlockImages {
     }
 
     /// Lists the images of the particle at a slot by successive reflections in these mirrors.
-    fn list_images(&mut self, slot: usize, mirrors: &[&(u32, Mirror, f64)], neighbor_list: &NeighborList) {
+    fn list_images(&mut self, slot: usize, mirrors: &[&(u32, Mirror, [f64; 2])], neighbor_list: &NeighborList) {
         let neighbors = neighbor_list.neighbors();
         let mut image = Image::ITSELF;
         mirrors.iter().for_each(|(_, mirror, _)| image.reflect(mirror));
-        let turn = mirrors.iter().map(|(.., turn)| turn).sum::<f64>();
-        let [near, reach] = [neighbors.near(), neighbors.support()].map(|reach| (reach + turn) * (reach + turn));
+        let margin = |of: usize| mirrors.iter().map(|(.., margins)| margins[of]).sum::<f64>();
+        let reach = (neighbors.support() + margin(1)).powi(2);
+        let near = (neighbors.near() + margin(0)).powi(2).min(reach);
         let itself = [slot as u32];
         let others = || neighbors.of(slot).iter().chain(&itself).zip(&self.others);
         let before = self.originals.len();
