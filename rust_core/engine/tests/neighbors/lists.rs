@@ -3,6 +3,7 @@
 use physcore_engine::math::AXES;
 use physcore_engine::neighbors::{Domain, Neighbors, Reflections, brute};
 use physcore_engine::parallel::Executor;
+use physcore_engine::simd::{Isa, LevelKernel, Selection, dispatch_level};
 
 use crate::laboratory::{by_particle, cloud, disorder, raw, search, summed_by_particle, view, with_threads};
 
@@ -51,6 +52,30 @@ fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
     }
     assert!(made > 20 && kept > 20, "made {made} times, kept {kept} times");
     assert!(shortened > 10_000, "{shortened} of {} lists were shortened for sums", 200 * 300);
+}
+
+struct Appending;
+
+impl LevelKernel for Appending {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) -> Vec<u32> {
+        let (mut all, mut some) = (Selection::new(1000), Selection::new(1000));
+        // The memory of these ends less than a group behind their last one.
+        for (first, mask) in [(0, 0x3fff), (16, u16::MAX), (32, u16::MAX), (48, u16::MAX), (64, 7)] {
+            some.add(isa, first, mask);
+        }
+        all.add(isa, 500, 1);
+        all.append(&some);
+        all.list(0, all.len()).to_vec()
+    }
+}
+
+#[test]
+fn a_selection_is_appended_whole() {
+    let expected: Vec<u32> = [500].into_iter().chain(0..14).chain(16..67).collect();
+    assert_eq!(dispatch_level(Appending), expected);
 }
 
 /// Of any number, whatever the room was that the lists before it left.
