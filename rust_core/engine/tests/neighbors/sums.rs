@@ -146,8 +146,8 @@ fn later_sums_allocate_nothing() {
     assert_eq!(allocated.count_total, 0, "{allocated:?}");
 }
 
-/// What is left out is beyond the cutoff, where terms are 0: the lists are complete after a move of one particle by more than
-/// the near ones allow, which is far from all others.
+/// Far neighbors are beyond the cutoff, where terms are 0. The displacement of one particle exceeds what near neighbors serve
+/// for, so that sums around it take whole lists: those of particles that it does not reach keep their bits.
 #[test]
 fn sums_over_near_neighbors_have_the_bits_of_those_over_all() {
     let mut points = cloud(2500, [5.0; AXES], 22);
