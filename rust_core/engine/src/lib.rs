@@ -34,3 +34,7 @@ pub mod sparse;
 pub mod stability;
 pub mod systems;
 pub mod tally;
+
+// The scenes of the integration tests serve unit tests too.
+#[cfg(test)]
+extern crate self as physcore_engine;

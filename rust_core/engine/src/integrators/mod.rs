@@ -177,6 +177,7 @@ pub(crate) use for_each_stage;
 
 /// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none; or
 /// evaluates `$body` for each.
+#[macro_export]
 macro_rules! with_integrator {
     (@registered $($then:tt)*) => {
         $crate::integrators::with_integrator!($($then)*;
@@ -205,4 +206,4 @@ macro_rules! with_integrator {
         $crate::integrators::with_integrator!(@registered @named $name, $I, $body, $otherwise)
     };
 }
-pub(crate) use with_integrator;
+pub use with_integrator;

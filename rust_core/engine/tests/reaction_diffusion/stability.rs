@@ -1,11 +1,11 @@
 //! The limit of the step, and divergence.
 
 use super::scene::*;
-use crate::error::Error;
-use crate::integrators::first_order::NAMES;
-use crate::parallel::SERIAL;
-use crate::scene::{Item, Value};
-use crate::stability::Horizon;
+use physcore_engine::error::Error;
+use physcore_engine::integrators::first_order::NAMES;
+use physcore_engine::parallel::SERIAL;
+use physcore_engine::scene::{Item, Value};
+use physcore_engine::stability::Horizon;
 
 /// A checkerboard without reactions, the fastest mode of two fixed edges.
 fn checkerboard() -> Item {
@@ -14,7 +14,7 @@ fn checkerboard() -> Item {
     dish(&cells, &["fixed"; 4], inert(), [("u", 0.3, field(&cells, sign)), ("v", 0.1, Value::Number(0.0))])
 }
 
-fn limit(item: &Item, method: &str) -> crate::stability::Limit {
+fn limit(item: &Item, method: &str) -> physcore_engine::stability::Limit {
     simulation(item, method, "f64", 1).unwrap().limit(Horizon::Sharp, &SERIAL).unwrap()
 }
 

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::scene::*;
-use crate::ledger::Class;
-use crate::parallel::SERIAL;
-use crate::scene::{Item, Value};
+use physcore_engine::ledger::Class;
+use physcore_engine::parallel::SERIAL;
+use physcore_engine::scene::{Item, Value};
 
 const CELLS: [usize; 2] = [24, 18];
 

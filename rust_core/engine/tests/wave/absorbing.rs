@@ -3,11 +3,11 @@
 use glam::DVec3;
 
 use super::scene::*;
-use crate::integrators::{Integrator, with_integrator};
-use crate::ledger::Class;
-use crate::parallel::SERIAL;
-use crate::scene::{Item, Value};
-use crate::stability::Horizon;
+use physcore_engine::integrators::{Integrator, with_integrator};
+use physcore_engine::ledger::Class;
+use physcore_engine::parallel::SERIAL;
+use physcore_engine::scene::{Item, Value};
+use physcore_engine::stability::Horizon;
 
 const OPEN: [&str; 6] = ["absorbing"; 6];
 

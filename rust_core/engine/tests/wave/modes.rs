@@ -4,8 +4,8 @@
 use std::f64::consts::PI;
 
 use super::scene::*;
-use crate::integrators::{Integrator, with_integrator};
-use crate::scene::{Item, Value};
+use physcore_engine::integrators::{Integrator, with_integrator};
+use physcore_engine::scene::{Item, Value};
 
 const CELLS: [usize; 2] = [25, 15];
 const SPACING: f64 = 0.1;

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use crate::error::Result;
-use crate::ledger::Ledger;
-use crate::math::noise;
-use crate::parallel::SERIAL;
-use crate::scene::{Array, Item, Scene, Value};
-use crate::simulation::{Numerics, Simulation, Vigilance};
+use physcore_engine::error::Result;
+use physcore_engine::ledger::Ledger;
+use physcore_engine::math::noise;
+use physcore_engine::parallel::SERIAL;
+use physcore_engine::scene::{Array, Item, Scene, Value};
+use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
 /// All edges of a plane.
 pub const FIXED: [&str; 4] = ["fixed"; 4];
@@ -30,7 +30,7 @@ pub fn wave(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
     );
     let numbers = [("speed", 1.0), ("damping", 0.0), ("displacement", 0.0), ("rate", 0.0), ("density", 1.0), ("order", 2.0)];
     let mut item = Item::new("Wave", numbers.map(|(name, number)| (name, Value::Number(number))));
-    item.path = "systems[0]".to_owned();
+    "systems[0]".clone_into(&mut item.path);
     item.values.insert("grid".to_owned(), Value::Record(Box::new(grid)));
     item.values.insert("edges".to_owned(), Value::Texts(edges.iter().map(|&word| word.to_owned()).collect()));
     item
@@ -75,7 +75,7 @@ pub fn random([x, y, z]: [usize; 3]) -> f64 {
 pub fn source(place: Value, amplitude: f64, frequency: f64) -> Item {
     let numbers = [("amplitude", amplitude), ("frequency", frequency), ("phase", 0.0), ("start", 0.0), ("stop", f64::INFINITY)];
     let mut item = Item::new("Source", numbers.map(|(name, number)| (name, Value::Number(number))));
-    item.path = "systems[0].sources[0]".to_owned();
+    "systems[0].sources[0]".clone_into(&mut item.path);
     with(item, "where", place)
 }
 
@@ -116,4 +116,26 @@ pub fn energy(simulation: &Simulation) -> Ledger {
 /// The largest |a − b|.
 pub fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+}
+
+pub const N: usize = 21;
+pub const PLANE: [usize; 2] = [N, N];
+
+/// A function that mirroring and exchanging the axes leaves as it is.
+pub fn symmetric([i, j, _]: [usize; 3]) -> f64 {
+    let [x, y] = [i, j].map(|index| index.min(N - 1 - index));
+    random([x.min(y), x.max(y), 0])
+}
+
+pub fn speed([i, j, k]: [usize; 3]) -> f64 {
+    1.0 + 0.5 * symmetric([i, j, k])
+}
+
+/// Waves with uniform and variable speed, with walls, of both orders.
+pub fn variants(cells: [usize; 2], edges: &[&str], displacement: impl Fn([usize; 3]) -> f64 + Copy) -> Vec<Item> {
+    let plain = with(wave(&cells, 0.1, edges), "displacement", field(&cells, displacement));
+    let varying = with(plain.clone(), "speed", field(&cells, speed));
+    let walled = with(varying.clone(), "walls", mask(&cells, |at| symmetric(at) > 0.8));
+    let fourth = |item: &Item| with(item.clone(), "order", Value::Number(4.0));
+    vec![fourth(&plain), fourth(&walled), plain, varying, walled]
 }

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::scene::*;
-use crate::error::{Divergence, Error};
-use crate::integrators::{Integrator, with_integrator};
-use crate::parallel::SERIAL;
-use crate::scene::{Argument, Array, Callback, Failure, Item, Value};
-use crate::simulation::Simulation;
-use crate::stability::Horizon;
+use physcore_engine::error::{Divergence, Error};
+use physcore_engine::integrators::{Integrator, with_integrator};
+use physcore_engine::parallel::SERIAL;
+use physcore_engine::scene::{Argument, Array, Callback, Failure, Item, Value};
+use physcore_engine::simulation::Simulation;
+use physcore_engine::stability::Horizon;
 
 fn limit(simulation: &Simulation) -> f64 {
     simulation.limit(Horizon::Sharp, &SERIAL).unwrap().stability

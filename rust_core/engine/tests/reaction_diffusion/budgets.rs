@@ -1,9 +1,9 @@
 //! The budgets of species.
 
 use super::scene::*;
-use crate::integrators::first_order::NAMES;
-use crate::parallel::SERIAL;
-use crate::scene::Value;
+use physcore_engine::integrators::first_order::NAMES;
+use physcore_engine::parallel::SERIAL;
+use physcore_engine::scene::Value;
 
 /// stored + removed − supplied is constant: up to roundings of the sums in double precision, and of values in single precision.
 #[test]
@@ -58,13 +58,13 @@ fn what_is_set_counts_as_supplied() {
 #[test]
 fn what_does_not_fit_is_refused_with_its_path() {
     let item = noisy(&[8, 8], &["free"; 4], gray_scott());
-    let refused = |change: &dyn Fn(&mut crate::scene::Item), integrator: &str| {
+    let refused = |change: &dyn Fn(&mut physcore_engine::scene::Item), integrator: &str| {
         let mut item = item.clone();
         change(&mut item);
         simulation(&item, integrator, "f32", 1).err().unwrap().to_string()
     };
     let in_record = |record: &'static str, name: &'static str, value: Value| {
-        move |item: &mut crate::scene::Item| {
+        move |item: &mut physcore_engine::scene::Item| {
             let Some(Value::Record(inner)) = item.values.get_mut(record) else { panic!("{record}") };
             inner.path = format!("systems[0].{record}");
             inner.values.insert(name.to_owned(), value.clone());

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::scene::*;
-use crate::integrators::first_order::NAMES;
-use crate::scene::Value;
+use physcore_engine::integrators::first_order::NAMES;
+use physcore_engine::scene::Value;
 
 /// A mode decays by the factor R(−λh) in each step, with λ that of the discrete operator: for Euler's method 1 − λh, for the
 /// classical Runge–Kutta method 1 − z + z²/2 − z³/6 + z⁴/24. Some hundred roundings of numbers up to 1.

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::error::Result;
-use crate::ledger::Budget;
-use crate::math::noise;
-use crate::parallel::SERIAL;
-use crate::scene::{Argument, Array, Callback, Failure, Item, Scene, Value};
-use crate::simulation::{Numerics, Simulation, Vigilance};
+use physcore_engine::error::Result;
+use physcore_engine::ledger::Budget;
+use physcore_engine::math::noise;
+use physcore_engine::parallel::SERIAL;
+use physcore_engine::scene::{Argument, Array, Callback, Failure, Item, Scene, Value};
+use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
 /// A value between 0 and 1 for each cell.
 pub fn random(index: usize) -> f64 {
@@ -56,7 +56,7 @@ pub fn dish(cells: &[usize], edges: &[&str], reaction: Item, species: [(&'static
     let initial = Item::new("", species.map(|(name, _, value)| (name, value)));
     let values = [("grid", grid), ("reaction", reaction), ("diffusion", diffusion), ("initial", initial)];
     let mut item = Item::new("ReactionDiffusion", values.map(|(name, inner)| (name, Value::Record(Box::new(inner)))));
-    item.path = "systems[0]".to_owned();
+    "systems[0]".clone_into(&mut item.path);
     item.values.insert("edges".to_owned(), Value::Texts(edges.iter().map(|&word| word.to_owned()).collect()));
     item
 }

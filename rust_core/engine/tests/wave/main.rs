@@ -1,0 +1,9 @@
+//! Waves: discrete modes, orders, symmetries, budgets, bits and limits.
+
+mod absorbing;
+mod bits;
+mod budgets;
+mod modes;
+mod scene;
+mod stability;
+mod symmetries;
