@@ -23,7 +23,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     path = config.getoption("--report")
-    if path is not None:
+    is_worker = hasattr(config, "workerinput")
+    if path is not None and not is_worker:
         config.pluginmanager.register(Report(path), "physcore-report")
 
 
@@ -56,4 +57,4 @@ class Report:
             "|---|---|---|---|",
         ]
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        self.path.write_text("\n".join([*head, *self.rows]) + "\n", encoding="utf-8")
+        self.path.write_text("\n".join([*head, *sorted(self.rows)]) + "\n", encoding="utf-8")
