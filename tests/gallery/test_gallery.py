@@ -10,25 +10,13 @@ import pytest
 
 import physcore as pc
 from physcore.checks import FloatArray
-from physcore.gallery import DEMOS, demo
+from physcore.gallery import DEMOS, costs, demo
 from physcore.gallery.crystal import lattice_energy
 from physcore.gallery.figure import Figure
 from physcore.gallery.hourglass import GRAINS
 
-LONG = (
-    "flag",
-    "torn_flag",
-    "drape",
-    "bowl",
-    "landslide",
-    "labyrinth",
-    "spirals",
-    "butterfly",
-    "vortex_street",
-    "folds",
-    "two_dams",
-)
-"""Demos that take more than five seconds, of those that have no test of their own."""
+QUICK = 5.0
+"""Seconds that a demo may take to be run whole in `make test`."""
 FRAMES = 2
 """How many steps of a film the quick test simulates."""
 FEWER: dict[str, dict[str, int]] = {
@@ -80,42 +68,58 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
     return run
 
 
+NO_MORE_TO_ASSERT = (
+    "cloth",
+    "rope",
+    "jelly",
+    "orbits",
+    "pendulums",
+    "galaxy",
+    "ripples",
+    "double_slit",
+    "string",
+    "lens",
+    "whispering_gallery",
+    "tunnelling",
+    "electron_slits",
+    "harmonic_trap",
+    "scattering",
+    "turing",
+    "figure_eight",
+    "solar_system",
+    "trojans",
+    "collision",
+    "penning_trap",
+    "magnetic_bottle",
+    "dipole",
+    "double_pendulum",
+    "sixfold_pendulum",
+    "chain",
+    "falling_chain",
+    "knot",
+    "flag",
+    "torn_flag",
+    "drape",
+    "bowl",
+    "landslide",
+    "labyrinth",
+    "spirals",
+    "butterfly",
+    "vortex_street",
+    "folds",
+    "two_dams",
+)
+"""Demos of which there is no more to assert than their figures; the tests below run the others whole."""
+
+
 @pytest.mark.parametrize(
     "name",
     [
-        "cloth",
-        "rope",
-        "jelly",
-        "orbits",
-        "pendulums",
-        "galaxy",
-        "ripples",
-        "double_slit",
-        "string",
-        "lens",
-        "whispering_gallery",
-        "tunnelling",
-        "electron_slits",
-        "harmonic_trap",
-        "scattering",
-        "turing",
-        "figure_eight",
-        "solar_system",
-        "trojans",
-        "collision",
-        "penning_trap",
-        "magnetic_bottle",
-        "dipole",
-        "double_pendulum",
-        "sixfold_pendulum",
-        "chain",
-        "falling_chain",
-        "knot",
-        *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
+        pytest.param(name, marks=pytest.mark.long) if costs()[name]["seconds"] > QUICK else name
+        for name in NO_MORE_TO_ASSERT
     ],
 )
 def test_a_figure_holds_and_the_budget_closes(name: str, shown: Callable[[str], pc.Recording]) -> None:
-    """The demos of which there is no more to assert; the tests below run the others whole."""
     recording = shown(name)
     for budget in (recording.energy, *recording.budgets.values()):
         assert abs(budget.drift).max() < 0.02
