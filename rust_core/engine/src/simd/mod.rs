@@ -40,7 +40,7 @@ pub const fn padded(count: usize) -> usize {
 /// A set of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// The base level of the target.
+    /// The base level of the target: of x86-64, registers of four f32 or two f64.
     Scalar,
     /// AVX2, and the bit operations that come with it.
     Avx2,
@@ -150,7 +150,7 @@ macro_rules! level {
     };
 }
 
-level!(Scalar, Scalar, packs::Four<T>, packs::Twice<packs::Twice<packs::Four<T>>>);
+level!(Scalar, Scalar, T::Base, packs::Twice<packs::Twice<T::Base>>);
 #[cfg(target_arch = "x86_64")]
 level!(Avx2, Avx2, T::Avx2, T::Avx2Group);
 #[cfg(target_arch = "x86_64")]

@@ -6,6 +6,11 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
+use wide::bytemuck::cast;
+use wide::{f32x4, f64x4, i32x4, i64x4};
+
+#[cfg(target_arch = "x86_64")]
+use super::registers::{Double256, Double512, Single256, Single512};
 use super::{Group, LANES, Record, WORDS};
 
 /// A number, or one in each lane.
@@ -96,6 +101,8 @@ fn fold<T: Packed>(lanes: &mut [T]) -> T {
 /// A number type with packs. A pack must be accessed through an [`super::Isa`], which exists only where the CPU has the
 /// registers: code over these types alone would run anywhere.
 pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
+    /// The pack of every CPU.
+    type Base: Pack<Scalar = Self>;
     /// The pack of AVX-512.
     #[cfg(target_arch = "x86_64")]
     type Avx512: Pack<Scalar = Self>;
@@ -200,146 +207,104 @@ macro_rules! scalar {
 scalar!(f32, |one, other| one.to_bits().wrapping_sub(other.to_bits()).cast_signed() as f32);
 scalar!(f64, |one, other| one - other);
 
-/// Four numbers in an array: the pack of every CPU, for compilers to make registers of.
-#[derive(Debug, Clone, Copy)]
-pub struct Four<T>([T; 4]);
-
-/// Written out: `std::array::from_fn` is several functions deep, which compilers have to inline at each of a law's operations.
-impl<T: Copy> Four<T> {
-    #[inline(always)]
-    fn each<R>(self, other: Self, of: impl Fn(T, T) -> R) -> [R; 4] {
-        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
-        [of(a, e), of(b, f), of(c, g), of(d, h)]
-    }
-
-    #[inline(always)]
-    fn map<R>(self, of: impl Fn(T) -> R) -> [R; 4] {
-        let [a, b, c, d] = self.0;
-        [of(a), of(b), of(c), of(d)]
-    }
-}
-
-macro_rules! operator {
-    ($trait:ident, $name:ident) => {
-        impl<T: Packed> $trait for Four<T> {
-            type Output = Self;
+/// Four numbers: the pack of every CPU, by the registers that each has of its base level.
+macro_rules! four {
+    ($pack:ident, $number:ident, $bits:ident, |$one:ident, $other:ident| $difference:expr) => {
+        impl Number for $pack {
+            type Scalar = $number;
+            /// All bits of the lanes of a subset, and none of the others.
+            type Mask = Self;
 
             #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                Self(self.each(other, T::$name))
+            fn of(number: $number) -> Self {
+                Self::splat(number)
+            }
+
+            #[inline(always)]
+            #[allow(clippy::cast_lossless)]
+            fn constant(value: f64) -> Self {
+                Self::splat(value as $number)
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $pack::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self::select(self.less(other), self, other)
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self::select(other.less(self), self, other)
+            }
+
+            #[inline(always)]
+            fn less(self, other: Self) -> Self {
+                self.simd_lt(other)
+            }
+
+            #[inline(always)]
+            fn both(one: Self, other: Self) -> Self {
+                one & other
+            }
+
+            #[inline(always)]
+            fn select(mask: Self, one: Self, other: Self) -> Self {
+                mask.bitselect(one, other)
+            }
+
+            #[inline(always)]
+            fn masked(self, mask: Self) -> Self {
+                self & mask
+            }
+
+            #[inline(always)]
+            fn has_bit(self, bit: u32) -> Self {
+                let flag = $bits::splat(1 << bit);
+                cast((cast::<_, $bits>(self) & flag).simd_eq(flag))
+            }
+
+            #[inline(always)]
+            fn coordinate_difference(self, other: Self) -> Self {
+                let ($one, $other) = (self, other);
+                $difference
+            }
+        }
+
+        impl Pack for $pack {
+            const WIDTH: usize = 4;
+            const OVERLAPS: bool = false;
+
+            #[inline(always)]
+            fn load(numbers: &[$number]) -> Self {
+                Self::new([numbers[0], numbers[1], numbers[2], numbers[3]])
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut [$number]) {
+                to[..4].copy_from_slice(self.as_array());
+            }
+
+            #[inline(always)]
+            fn transpose(records: &[Record<$number>], group: Group<'_>, first: usize) -> Record<Self> {
+                let part = Part::<4>::new(records, group, first);
+                let (mut low, mut high) = ([Self::splat(0.0); 4], [Self::splat(0.0); 4]);
+                for lane in 0..4 {
+                    let record = &records[part.index(lane)];
+                    (low[lane], high[lane]) = (Self::load(record), Self::load(&record[4..]));
+                }
+                let ([a, b, c, d], [e, f, g, h]) = (Self::transpose(low), Self::transpose(high));
+                [a, b, c, d, e, f, g, h]
             }
         }
     };
 }
 
-operator!(Add, add);
-operator!(Sub, sub);
-operator!(Mul, mul);
-operator!(Div, div);
-
-impl<T: Packed> AddAssign for Four<T> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-/// The mask of these lanes, a bit for each.
-#[inline(always)]
-fn bits([a, b, c, d]: [bool; 4]) -> u8 {
-    u8::from(a) | u8::from(b) << 1 | u8::from(c) << 2 | u8::from(d) << 3
-}
-
-/// The lanes of a mask.
-#[inline(always)]
-fn lanes(mask: u8) -> [bool; 4] {
-    [mask & 1 != 0, mask & 2 != 0, mask & 4 != 0, mask & 8 != 0]
-}
-
-impl<T: Packed> Number for Four<T> {
-    type Scalar = T;
-    /// A bit for each lane. LLVM 22 vectorizes arrays of `bool` wrongly where four of these packs are computed in turn.
-    type Mask = u8;
-
-    #[inline(always)]
-    fn of(number: T) -> Self {
-        Self([number; 4])
-    }
-
-    #[inline(always)]
-    fn constant(value: f64) -> Self {
-        Self::of(T::constant(value))
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.map(T::sqrt))
-    }
-
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self(self.each(other, T::min))
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        Self(self.each(other, T::max))
-    }
-
-    #[inline(always)]
-    fn less(self, other: Self) -> u8 {
-        bits(self.each(other, T::less))
-    }
-
-    #[inline(always)]
-    fn both(one: u8, other: u8) -> u8 {
-        one & other
-    }
-
-    #[inline(always)]
-    fn select(mask: u8, one: Self, other: Self) -> Self {
-        let ([a, b, c, d], [e, f, g, h], [i, j, k, l]) = (lanes(mask), one.0, other.0);
-        Self([T::select(a, e, i), T::select(b, f, j), T::select(c, g, k), T::select(d, h, l)])
-    }
-
-    #[inline(always)]
-    fn masked(self, mask: u8) -> Self {
-        let ([a, b, c, d], [e, f, g, h]) = (self.0, lanes(mask));
-        Self([a.masked(e), b.masked(f), c.masked(g), d.masked(h)])
-    }
-
-    #[inline(always)]
-    fn has_bit(self, bit: u32) -> u8 {
-        bits(self.map(|number| number.has_bit(bit)))
-    }
-
-    #[inline(always)]
-    fn coordinate_difference(self, other: Self) -> Self {
-        Self(self.each(other, T::coordinate_difference))
-    }
-}
-
-impl<T: Packed> Pack for Four<T> {
-    const WIDTH: usize = 4;
-    const OVERLAPS: bool = false;
-
-    #[inline(always)]
-    fn load(numbers: &[T]) -> Self {
-        Self([numbers[0], numbers[1], numbers[2], numbers[3]])
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut [T]) {
-        to[..4].copy_from_slice(&self.0);
-    }
-
-    #[inline(always)]
-    fn transpose(records: &[Record<T>], group: Group<'_>, first: usize) -> Record<Self> {
-        let part = Part::<4>::new(records, group, first);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|lane| records[part.index(lane)]);
-        [0, 1, 2, 3, 4, 5, 6, 7].map(|word| Self([a[word], b[word], c[word], d[word]]))
-    }
-}
+four!(f32x4, f32, i32x4, |one, other| f32x4::from_i32x4(cast::<_, i32x4>(one) - cast::<_, i32x4>(other)));
+four!(f64x4, f64, i64x4, |one, other| one - other);
 
 /// Two packs as one: their operations alternate, so that each hides the latency of the other.
 #[derive(Debug, Clone, Copy)]
@@ -466,6 +431,30 @@ impl<P: Pack<Scalar: Copy>> Pack for Twice<P> {
         }
         P::fold(sums)
     }
+}
+
+impl Packed for f32 {
+    type Base = f32x4;
+    #[cfg(target_arch = "x86_64")]
+    type Avx512 = Single512;
+    #[cfg(target_arch = "x86_64")]
+    type Avx2 = Single256;
+    #[cfg(target_arch = "x86_64")]
+    type Avx512Group = Single512;
+    #[cfg(target_arch = "x86_64")]
+    type Avx2Group = Twice<Single256>;
+}
+
+impl Packed for f64 {
+    type Base = f64x4;
+    #[cfg(target_arch = "x86_64")]
+    type Avx512 = Double512;
+    #[cfg(target_arch = "x86_64")]
+    type Avx2 = Double256;
+    #[cfg(target_arch = "x86_64")]
+    type Avx512Group = Twice<Double512>;
+    #[cfg(target_arch = "x86_64")]
+    type Avx2Group = Twice<Twice<Double256>>;
 }
 
 const _: () = assert!(WORDS == 8 && LANES == 16, "the registers are written for these");

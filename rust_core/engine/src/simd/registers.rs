@@ -4,22 +4,8 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
-use super::packs::{Number, Pack, Packed, Part, Twice};
+use super::packs::{Number, Pack, Part};
 use super::{Group, Record, WORDS};
-
-impl Packed for f32 {
-    type Avx512 = Single512;
-    type Avx2 = Single256;
-    type Avx512Group = Single512;
-    type Avx2Group = Twice<Single256>;
-}
-
-impl Packed for f64 {
-    type Avx512 = Double512;
-    type Avx2 = Double256;
-    type Avx512Group = Twice<Double512>;
-    type Avx2Group = Twice<Twice<Double256>>;
-}
 
 /// A register as a [`Number`]; operations that differ by name are listed, those that differ in kind are closures.
 macro_rules! register {
