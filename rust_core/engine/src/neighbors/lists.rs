@@ -148,7 +148,6 @@ impl Lists {
             segment.lists.spare();
             segment.far.spare();
         });
-        self.whole.fill(false);
         if self.segments.iter().any(|segment| segment.lists.has_overflowed()) {
             // The estimate was too low, or the memory was taken by another process.
             let held = self.bytes();
