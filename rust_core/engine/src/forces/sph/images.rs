@@ -29,47 +29,79 @@ pub struct WallCondition {
 /// The image of a neighbor: an affine map y ← Ay + b of positions y relative to the particle.
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
+    turn: Turn,
+    offset: Offset,
+}
+
+/// Linear part of an image: the same for all particles if the mirrors are planes.
+#[derive(Debug, Clone, Copy)]
+pub struct Turn {
     /// Orthogonal matrix A.
-    turn: DMat3,
-    /// Translation b [m].
-    shift: DVec3,
+    position: DMat3,
     /// Orthogonal matrix of the velocities.
     velocity: DMat3,
-    /// Distances n·y + d of the original, and of its successive images, from the mirrors: n and d for each. The image
-    /// exists if all are positive.
-    depths: [(DVec3, f64); AXES],
+    /// The normals n of the mirrors as the original sees them, in units of its distances n·y + d.
+    along: [DVec3; AXES],
+    /// The number of reflections.
+    mirrors: usize,
+}
+
+/// Translation of an image.
+#[derive(Debug, Clone, Copy)]
+pub struct Offset {
+    /// Translation b [m].
+    shift: DVec3,
+    /// Distances d of the particle, and of its successive images, from the mirrors [m]. The image of a neighbor exists if all
+    /// of its n·y + d are positive.
+    depths: [f64; AXES],
     /// The number of reflections.
     mirrors: usize,
 }
 
 impl Image {
     /// The identity.
-    pub const ITSELF: Self = Self {
-        turn: DMat3::IDENTITY,
-        shift: DVec3::ZERO,
-        velocity: DMat3::IDENTITY,
-        depths: [(DVec3::ZERO, 1.0); AXES],
-        mirrors: 0,
-    };
+    pub const ITSELF: Self = Self { turn: Turn::NONE, offset: Offset::NONE };
 
     /// One more reflection: y ← y − 2 (d + n·y) n. In place, because it is large.
-    pub fn reflect(&mut self, &Mirror { normal, distance, no_slip }: &Mirror) {
-        let along = self.turn.transpose() * normal;
-        let depth = distance + normal.dot(self.shift);
-        self.depths[self.mirrors] = (along, depth);
+    pub fn reflect(&mut self, mirror: &Mirror) {
+        self.turn.reflect(mirror);
+        self.offset.reflect(mirror);
+    }
+
+    /// The squared distance from the image of a neighbor at `separation` [m²].
+    pub fn square(&self, separation: DVec3) -> f64 {
+        (self.turn.position * separation - self.offset.shift).length_squared()
+    }
+}
+
+impl Turn {
+    /// The identity.
+    pub const NONE: Self = Self { position: DMat3::IDENTITY, velocity: DMat3::IDENTITY, along: [DVec3::ZERO; AXES], mirrors: 0 };
+
+    /// One more reflection.
+    pub fn reflect(&mut self, &Mirror { normal, no_slip, .. }: &Mirror) {
+        let along = self.position.transpose() * normal;
+        self.along[self.mirrors] = along;
         self.mirrors += 1;
-        self.turn -= outer(2.0 * normal, along);
-        self.shift -= 2.0 * depth * normal;
+        self.position -= outer(2.0 * normal, along);
         if no_slip {
             self.velocity *= -1.0;
         } else {
             self.velocity -= outer(2.0 * normal, self.velocity.transpose() * normal);
         }
     }
+}
 
-    /// The squared distance from the image of a neighbor at `separation` [m²].
-    pub fn square(&self, separation: DVec3) -> f64 {
-        (self.turn * separation - self.shift).length_squared()
+impl Offset {
+    /// No translation.
+    pub const NONE: Self = Self { shift: DVec3::ZERO, depths: [1.0; AXES], mirrors: 0 };
+
+    /// One more reflection.
+    pub fn reflect(&mut self, &Mirror { normal, distance, .. }: &Mirror) {
+        let depth = distance + normal.dot(self.shift);
+        self.depths[self.mirrors] = depth;
+        self.mirrors += 1;
+        self.shift -= 2.0 * depth * normal;
     }
 }
 
@@ -94,21 +126,32 @@ pub struct Reflection<T> {
 }
 
 impl<T: Real> Reflection<T> {
-    /// The reflection by an image.
-    pub fn new(image: &Image, condition: &WallCondition) -> Self {
-        let triple = |vector: DVec3| vector.to_array().map(T::from_f64);
+    /// The reflection by a linear part, without translation.
+    pub fn new(turn: &Turn, condition: &WallCondition) -> Self {
         let rows = |matrix: DMat3| [matrix.row(0), matrix.row(1), matrix.row(2)].map(triple);
         Self {
-            turn: rows(image.turn),
-            shift: triple(-image.shift),
-            velocity: rows(image.velocity),
-            rise: (
-                triple(condition.weight - image.turn.transpose() * condition.weight),
-                T::from_f64(condition.weight.dot(image.shift)),
-            ),
-            depths: image.depths.map(|(normal, distance)| (triple(-normal), T::from_f64(distance))),
+            turn: rows(turn.position),
+            shift: [T::ZERO; AXES],
+            velocity: rows(turn.velocity),
+            rise: (triple(condition.weight - turn.position.transpose() * condition.weight), T::ZERO),
+            depths: turn.along.map(|normal| (triple(-normal), T::from_f64(1.0))),
         }
     }
+
+    /// The same with a translation.
+    pub fn with(mut self, offset: &Offset, condition: &WallCondition) -> Self {
+        self.shift = triple(-offset.shift);
+        self.rise.1 = T::from_f64(condition.weight.dot(offset.shift));
+        for (depth, &distance) in self.depths.iter_mut().zip(&offset.depths) {
+            depth.1 = T::from_f64(distance);
+        }
+        self
+    }
+}
+
+/// A vector in the precision of the run.
+fn triple<T: Real>(vector: DVec3) -> Triple<T> {
+    vector.to_array().map(T::from_f64)
 }
 
 /// n·d.

@@ -10,10 +10,10 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::{Image, ImagePressure, Mirror, Mirrored, Reflection, WallCondition};
+use super::images::{Image, ImagePressure, Mirror, Mirrored, Offset, Reflection, Turn, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
-use crate::math::{AXES, Vector};
+use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{PairLaw, Records};
 use crate::neighbors::{List, Reflections};
 use crate::parallel::{BlockedSlice, Executor};
@@ -77,8 +77,7 @@ struct BlockImages {
 #[derive(Debug, Clone, Copy)]
 struct ImageList {
     slot: u32,
-    /// The walls of the successive reflections.
-    sides: [Option<u32>; AXES],
+    sides: Corner,
     /// Ends of its list of originals: of those with near images, and of all.
     near: usize,
     end: usize,
@@ -182,24 +181,25 @@ impl Walls {
         executor.for_each_block((BlockedSlice::new(sums, BLOCK), notes), &|(mine, notes)| {
             let BlockImages { lists, originals, .. } = &self.images[mine.start / BLOCK];
             let (mut start, current) = (0, Cell::new(Mirrors::NONE));
+            let mut turns = Turns::<V::Scalar>::default();
             let terms = lists.iter().filter_map(|&ImageList { slot, sides, near, end }| {
                 let slot = slot as usize;
                 let nearest = if neighbor_list.neighbors().needs_far(slot) { end } else { near };
                 let list = List { segment: originals, range: start..nearest };
                 start = end;
                 let x = neighbor_list.at(slot);
-                let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
+                let (mut offset, mut farthest) = (Offset::NONE, 0.0_f64);
                 let mut mirrors = Mirrors { slot, x, ..Mirrors::NONE };
                 for &side in sides.iter().flatten() {
                     let mirror = self.sides[side as usize].mirror(x, condition.no_slip);
                     farthest = farthest.max(mirror.distance);
                     mirrors.walls[mirrors.count] = (side, mirror.normal);
                     mirrors.count += 1;
-                    image.reflect(&mirror);
+                    offset.reflect(&mirror);
                 }
                 current.set(mirrors);
                 // An image is no nearer than its mirror.
-                (farthest < self.reach).then(|| (slot, list, Reflection::new(&image, condition)))
+                (farthest < self.reach).then(|| (slot, list, turns.of(&self.sides, sides, x, condition).with(&offset, condition)))
             });
             // Each list is summed before the next one is looked at.
             let mirrored = |reflection: &Reflection<V::Scalar>| Mirrored::new(law, reflection);
@@ -208,6 +208,38 @@ impl Walls {
                 mine.items[slot - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             });
         });
+    }
+}
+
+/// Walls of the successive reflections of a list of images.
+type Corner = [Option<u32>; AXES];
+
+/// The reflections by planes, which are the same for all particles, as they are met in a block.
+struct Turns<T>(Vec<(Corner, Reflection<T>)>);
+
+impl<T> Default for Turns<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<T: Real> Turns<T> {
+    /// The reflection of a particle at `x`, without translation.
+    fn of(&mut self, sides: &[Side], corner: Corner, x: DVec3, condition: &WallCondition) -> Reflection<T> {
+        if let Some((_, reflection)) = self.0.iter().find(|(known, _)| *known == corner) {
+            return *reflection;
+        }
+        let (mut turn, mut are_planes) = (Turn::NONE, true);
+        for &side in corner.iter().flatten() {
+            let side = &sides[side as usize];
+            turn.reflect(&side.mirror(x, condition.no_slip));
+            are_planes &= matches!(side.wall, Wall::Plane { .. });
+        }
+        let reflection = Reflection::new(&turn, condition);
+        if are_planes {
+            self.0.push((corner, reflection));
+        }
+        reflection
     }
 }
 
