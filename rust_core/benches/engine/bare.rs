@@ -17,7 +17,7 @@ use physcore_engine::forces::springs::Spring;
 use physcore_engine::math::Real;
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Item, PARTICLES, Scene, Value};
-use physcore_engine::simd::{Kernel, LANES, Lanes, Level, dispatch};
+use physcore_engine::simd::{Isa, Kernel, LANES, Lanes, Level, dispatch};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
 /// The time step [s].
@@ -63,7 +63,7 @@ impl<T: Real> Kernel for Fall<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let (h, half, b) = (T::from_f64(STEP), T::from_f64(0.5 * STEP), T::from_f64(-DRAG));
         for _ in 0..self.steps / 2 {
             for Axis { x, v, a, gravity } in self.axes.iter_mut() {
@@ -102,7 +102,7 @@ impl<T: Real> Kernel for Sheet<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run<S: Isa>(mut self, _isa: S) {
         let [half, w] = [0.5 * STEP, 1.0 / CLOTH[3]].map(T::from_f64);
         let gravity = [0.0, GRAVITY].map(T::from_f64);
         for _ in 0..self.steps {

@@ -9,7 +9,7 @@ use std::ops::{Div, Mul, SubAssign};
 
 use glam::{DVec3, DVec4};
 
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 
 /// A factorization of matrices with one pattern of entries.
 #[derive(Debug, Clone)]
@@ -219,7 +219,7 @@ impl<W: Copy + SubAssign + Mul<f64, Output = W> + Div<f64, Output = W>> Kernel f
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let Self { factorization: Factorization { start, rows, values, pivots, .. }, y } = self;
         let end = |column: usize| start.get(column + 1).copied().unwrap_or(values.len());
         for column in 0..pivots.len() {

@@ -7,7 +7,7 @@ use super::{Before, Contacts};
 use crate::boundaries::Wall;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, Properties};
-use crate::simd::{Kernel, LANES, Lanes};
+use crate::simd::{Isa, Kernel, LANES, Lanes};
 
 /// A wall, or two parallel ones, in the form of the test. `set` is the column of radii that it uses.
 #[derive(Debug, Clone)]
@@ -97,7 +97,7 @@ impl<V: Vector> Kernel for Sweep<'_, '_, '_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let contacts = self.contacts;
         for group in 0..self.block.position.len() / LANES {
             let base = group * LANES;

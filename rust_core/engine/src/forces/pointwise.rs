@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{EnergySink, Power, Span};
-use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
 /// A pointwise force: a function of a particle's position and velocity.
 pub trait ForceField<V: Vector>: Copy {
@@ -49,7 +49,7 @@ impl<V: Vector, L: ForceField<V>> Kernel for Loop<'_, V, L> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let Self { law, members, block, at, mut force, power } = self;
         let x: [&[Lanes<V::Scalar>]; AXES] = std::array::from_fn(|axis| lanes(at.position.slice(axis, block.clone())));
         let v: [&[Lanes<V::Scalar>]; AXES] = std::array::from_fn(|axis| lanes(at.velocity.slice(axis, block.clone())));

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::Laplacian;
 use crate::math::Real;
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 
 /// Rows of a field that follow each other: all, or some of them.
 #[derive(Debug, Clone, Copy)]
@@ -299,7 +299,7 @@ impl<T: Real, L: Law<T>, const P: usize> Kernel for Dimension<Stencil<'_, T, L>,
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let Stencil { law, center, neighbors, ends, range, out } = self.0;
         let (first, last) = (range.start, center.len() - 1);
         let (from, to) = (first.max(1), range.end.min(last));

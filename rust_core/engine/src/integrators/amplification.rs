@@ -10,7 +10,7 @@
 use std::marker::PhantomData;
 
 use super::{Component, ComponentGroup, Integrator, for_each_stage};
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 
 /// The largest ratio of a damping, or of a decay, to a frequency that is told from an infinite one.
 pub const STEEPEST: f64 = 1e6;
@@ -31,7 +31,7 @@ impl<I: Integrator, const W: usize> Kernel for Amplification<I, W> {
     type Output = [[f64; W]; 4];
 
     #[inline(always)]
-    fn run(self) -> [[f64; W]; 4] {
+    fn run<S: Isa>(self, _isa: S) -> [[f64; W]; 4] {
         const { assert!(I::PERSISTENT <= 1, "the matrix has one row for a register") };
         let drifts = const { if let Some(drift_kick) = I::DRIFT_KICK { drift_kick.drifts } else { &[] } };
         let part = |drift: usize| drifts.get(drift).copied().unwrap_or_default();

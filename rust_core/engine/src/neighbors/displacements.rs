@@ -15,7 +15,7 @@ use super::lists::NEAR;
 use super::{BLOCK, LANES, Positions};
 use crate::math::AXES;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 
 /// Smallest size of a coarse cell, in units of the support.
 const CELL: f64 = 1.5;
@@ -314,7 +314,7 @@ impl Kernel for Measure<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         if self.positions.dimension == 2 { self.measure::<2>() } else { self.measure::<3>() }
     }
 }

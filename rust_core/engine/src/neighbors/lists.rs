@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::math::{AXES, Coordinate};
 use crate::memory;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, LANES, LevelKernel, Selection, at_most, dispatch_level};
+use crate::simd::{Isa, Kernel, LANES, Selection, at_most, dispatch};
 
 /// Difference of displacements up to which pair sums take the near neighbors alone, in units of the skin.
 pub const NEAR: f64 = 0.2;
@@ -212,10 +212,10 @@ pub fn list(
 ) {
     let search = Search { candidates, start, ends, segment, executor };
     match (dimension, candidates.metric.periodic) {
-        (2, false) => dispatch_level(Flat::<2, false>(search)),
-        (2, true) => dispatch_level(Flat::<2, true>(search)),
-        (_, false) => dispatch_level(Flat::<3, false>(search)),
-        (_, true) => dispatch_level(Flat::<3, true>(search)),
+        (2, false) => dispatch(Flat::<2, false>(search)),
+        (2, true) => dispatch(Flat::<2, true>(search)),
+        (_, false) => dispatch(Flat::<3, false>(search)),
+        (_, true) => dispatch(Flat::<3, true>(search)),
     }
 }
 
@@ -231,7 +231,7 @@ struct Search<'a> {
 /// The search, specialized to the number of dimensions and to periodicity.
 struct Flat<'a, const DIMENSION: usize, const PERIODIC: bool>(Search<'a>);
 
-impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIMENSION, PERIODIC> {
+impl<const DIMENSION: usize, const PERIODIC: bool> Kernel for Flat<'_, DIMENSION, PERIODIC> {
     type Output = ();
 
     #[inline(always)]

@@ -9,7 +9,7 @@ use super::{BLOCK, List, Neighbors};
 use crate::aligned::filled;
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Group, Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level};
+use crate::simd::{Group, Isa, Kernel, LANES, Lanes, Number, Pack, Record, Table, WORDS, dispatch};
 
 /// A particle and its neighbor; or several neighbors, one in each lane.
 #[derive(Debug, Clone, Copy)]
@@ -110,9 +110,9 @@ impl<V: Vector> Records<V> {
         executor.for_each_block(BlockedSlice::new(sums, BLOCK), &|mine| {
             let for_each_block = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items, executor };
             if V::Scalar::WRAPS || !self.periodic {
-                dispatch_level(Wrapped::<V, L, SUMS, false>(for_each_block));
+                dispatch(Wrapped::<V, L, SUMS, false>(for_each_block));
             } else {
-                dispatch_level(Wrapped::<V, L, SUMS, true>(for_each_block));
+                dispatch(Wrapped::<V, L, SUMS, true>(for_each_block));
             }
         });
     }
@@ -127,9 +127,9 @@ impl<V: Vector> Records<V> {
     ) {
         let records = self;
         if V::Scalar::WRAPS || !self.periodic {
-            dispatch_level(Few::<V, _, _, _, SUMS, false> { records, each: few, law, take });
+            dispatch(Few::<V, _, _, _, SUMS, false> { records, each: few, law, take });
         } else {
-            dispatch_level(Few::<V, _, _, _, SUMS, true> { records, each: few, law, take });
+            dispatch(Few::<V, _, _, _, SUMS, true> { records, each: few, law, take });
         }
     }
 }
@@ -147,7 +147,7 @@ impl<V: Vector, F: Fn(usize, &mut Record<V::Scalar>)> Kernel for Fill<'_, V, F> 
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         for (particle, words) in (self.start..).zip(self.records) {
             *words = [V::Scalar::ZERO; WORDS];
             (self.each)(particle, words);
@@ -171,7 +171,7 @@ struct Sweep<'a, V: Vector, L, const SUMS: usize> {
 /// The sums of one block, specialized to periodicity.
 struct Wrapped<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool>(Sweep<'a, V, L, SUMS>);
 
-impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> LevelKernel for Wrapped<'_, V, L, SUMS, PERIODIC> {
+impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Kernel for Wrapped<'_, V, L, SUMS, PERIODIC> {
     type Output = ();
 
     #[inline(always)]
@@ -191,7 +191,7 @@ struct Few<'r, V: Vector, S, F, T, const SUMS: usize, const PERIODIC: bool> {
     take: T,
 }
 
-impl<'a, V, D, L, S, F, T, const SUMS: usize, const PERIODIC: bool> LevelKernel for Few<'_, V, S, F, T, SUMS, PERIODIC>
+impl<'a, V, D, L, S, F, T, const SUMS: usize, const PERIODIC: bool> Kernel for Few<'_, V, S, F, T, SUMS, PERIODIC>
 where
     V: Vector,
     L: PairLaw<V, SUMS>,

@@ -5,7 +5,7 @@
 //! compilers vectorize badly, are written over registers instead: the [`Pack`] of a level. No level changes the bits:
 //! nothing here reassociates, contracts or estimates. This folder is the only place where `unsafe` is allowed: for calls of
 //! such functions after detection of the CPU, for gathers with indices that were checked once, and for the level's own
-//! instructions. Code with those takes an [`Isa`], which a [`LevelKernel`] receives.
+//! instructions. Code with those takes an [`Isa`], which a [`Kernel`] receives.
 #![allow(unsafe_code)]
 
 use std::sync::OnceLock;
@@ -109,14 +109,6 @@ impl Level {
     }
 }
 
-/// A computation to run at the best level. `run` and all that it calls must be `#[inline(always)]`.
-pub trait Kernel {
-    /// Its result.
-    type Output;
-    /// Computes it.
-    fn run(self) -> Self::Output;
-}
-
 /// A level as a type, whose values exist only where the CPU has it.
 pub trait Isa: Copy {
     /// Its name as a value.
@@ -127,13 +119,44 @@ pub trait Isa: Copy {
     type Group<T: Packed>: Pack<Scalar = T>;
 }
 
-/// A computation to run at the best level, with the level as a type. `run` and all that it calls must be
-/// `#[inline(always)]`.
-pub trait LevelKernel {
+/// A computation to run at the best level. `run` and all that it calls must be `#[inline(always)]`.
+///
+/// The code of each level is a method: compilers then put it beside the other code of the kernel's module, and compile modules
+/// side by side. Functions here would all be compiled as one unit.
+pub trait Kernel: Sized {
     /// Its result.
     type Output;
-    /// Computes it.
+
+    /// Computes it, with the level as a type.
     fn run<I: Isa>(self, isa: I) -> Self::Output;
+
+    /// [`Kernel::run`] at the base level.
+    #[inline(never)]
+    fn run_scalar(self) -> Self::Output {
+        self.run(Scalar(()))
+    }
+
+    /// [`Kernel::run`] at that level.
+    ///
+    /// # Safety
+    /// The CPU has it.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+    unsafe fn run_avx2(self) -> Self::Output {
+        CacheLine::align_frame();
+        self.run(Avx2(()))
+    }
+
+    /// [`Kernel::run`] at that level.
+    ///
+    /// # Safety
+    /// The CPU has it.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,popcnt,bmi1,bmi2")]
+    unsafe fn run_avx512(self) -> Self::Output {
+        CacheLine::align_frame();
+        self.run(Avx512(()))
+    }
 }
 
 macro_rules! level {
@@ -156,33 +179,16 @@ level!(Avx2, Avx2, T::Avx2, T::Avx2Group);
 #[cfg(target_arch = "x86_64")]
 level!(Avx512, Avx512, T::Avx512, T::Avx512Group);
 
-/// A kernel without its level as a type.
-struct Any<K>(K);
-
-impl<K: Kernel> LevelKernel for Any<K> {
-    type Output = K::Output;
-
-    #[inline(always)]
-    fn run<I: Isa>(self, _isa: I) -> K::Output {
-        self.0.run()
-    }
-}
-
 /// Runs `kernel` at the current level.
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
-    dispatch_level(Any(kernel))
-}
-
-/// Runs `kernel` at the current level, with the level as a type.
-pub fn dispatch_level<K: LevelKernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: `Level::current` is never above the detected level.
     match Level::current() {
-        Level::Avx512 => return unsafe { avx512(kernel) },
-        Level::Avx2 => return unsafe { avx2(kernel) },
+        Level::Avx512 => return unsafe { kernel.run_avx512() },
+        Level::Avx2 => return unsafe { kernel.run_avx2() },
         Level::Scalar => {}
     }
-    kernel.run(Scalar(()))
+    kernel.run_scalar()
 }
 
 /// A cache line on the stack. A function that has one aligns its frame, and with it the registers that it spills: compilers do
@@ -198,18 +204,4 @@ impl CacheLine {
     fn align_frame() {
         black_box(&MaybeUninit::<Self>::uninit());
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,popcnt,bmi1,bmi2")]
-fn avx512<K: LevelKernel>(kernel: K) -> K::Output {
-    CacheLine::align_frame();
-    kernel.run(Avx512(()))
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
-fn avx2<K: LevelKernel>(kernel: K) -> K::Output {
-    CacheLine::align_frame();
-    kernel.run(Avx2(()))
 }

@@ -3,7 +3,7 @@
 use physcore_engine::math::AXES;
 use physcore_engine::neighbors::{Domain, Neighbors, Reflections, brute};
 use physcore_engine::parallel::Executor;
-use physcore_engine::simd::{Isa, LevelKernel, Selection, dispatch_level};
+use physcore_engine::simd::{Isa, Kernel, Selection, dispatch};
 
 use crate::laboratory::{by_particle, cloud, disorder, raw, search, summed_by_particle, view, with_threads};
 
@@ -56,7 +56,7 @@ fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
 
 struct Appending;
 
-impl LevelKernel for Appending {
+impl Kernel for Appending {
     type Output = Vec<u32>;
 
     #[inline(always)]
@@ -75,7 +75,7 @@ impl LevelKernel for Appending {
 #[test]
 fn a_selection_is_appended_whole() {
     let expected: Vec<u32> = [500].into_iter().chain(0..14).chain(16..67).collect();
-    assert_eq!(dispatch_level(Appending), expected);
+    assert_eq!(dispatch(Appending), expected);
 }
 
 /// Of any number, whatever the room was that the lists before it left.

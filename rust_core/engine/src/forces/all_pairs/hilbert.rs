@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::math::AXES;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
 /// Points per block of work: whole groups of lanes.
 const BLOCK: usize = 4096;
@@ -136,7 +136,7 @@ impl<const DIMENSION: usize> Kernel for Keys<DIMENSION> {
     type Output = Lanes<u64>;
 
     #[inline(always)]
-    fn run(self) -> Lanes<u64> {
+    fn run<S: Isa>(self, _isa: S) -> Lanes<u64> {
         let Self(mut x) = self;
         // The frame of each level turned and mirrored as the curve enters its cell.
         for level in (1..levels(DIMENSION)).rev() {

@@ -9,7 +9,7 @@ use std::ops::Index;
 
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, LANES, LevelKernel, Number, Pack, dispatch_level};
+use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch};
 
 /// Targets per block: a whole number of tiles at every level.
 pub const BLOCK: usize = 64;
@@ -76,9 +76,9 @@ pub fn add<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS
     sums: &mut [[f64; SUMS]],
 ) {
     if dimension == 2 {
-        dispatch_level(Block::<T, L, 2, WORDS, SUMS> { law, targets, sources, sums });
+        dispatch(Block::<T, L, 2, WORDS, SUMS> { law, targets, sources, sums });
     } else {
-        dispatch_level(Block::<T, L, 3, WORDS, SUMS> { law, targets, sources, sums });
+        dispatch(Block::<T, L, 3, WORDS, SUMS> { law, targets, sources, sums });
     }
 }
 
@@ -90,7 +90,7 @@ struct Block<'a, T, L, const DIMENSION: usize, const WORDS: usize, const SUMS: u
     sums: &'a mut [[f64; SUMS]],
 }
 
-impl<T: Real, L: SourceLaw<T, WORDS, SUMS>, const DIMENSION: usize, const WORDS: usize, const SUMS: usize> LevelKernel
+impl<T: Real, L: SourceLaw<T, WORDS, SUMS>, const DIMENSION: usize, const WORDS: usize, const SUMS: usize> Kernel
     for Block<'_, T, L, DIMENSION, WORDS, SUMS>
 {
     type Output = ();

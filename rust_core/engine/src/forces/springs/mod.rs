@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::{Real, Vector};
 use crate::scene::{Array, Body, Item, Scene, Value};
-use crate::simd::{Kernel, LANES, dispatch, padded};
+use crate::simd::{Isa, Kernel, LANES, dispatch, padded};
 use crate::stability::{Horizon, Link, SpectralBound};
 
 mod law;
@@ -249,7 +249,7 @@ impl<V: Vector> Kernel for Accumulation<'_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         if self.springs.damped { self.add::<true>() } else { self.add::<false>() }
     }
 }
@@ -289,7 +289,7 @@ impl<V: Vector> Kernel for Surveying<'_, V> {
     type Output = SpringStatistics;
 
     #[inline(always)]
-    fn run(self) -> SpringStatistics {
+    fn run<S: Isa>(self, _isa: S) -> SpringStatistics {
         let mut statistics = SpringStatistics::EMPTY;
         for stencil in &self.springs.stencils {
             stencil.measure::<V>(&self.block, self.at, &mut statistics);

@@ -72,7 +72,7 @@ impl Network {
                 if simd {
                     dispatch(kernel);
                 } else {
-                    kernel.run();
+                    kernel.run_scalar();
                 }
                 rest = (others, other_damping);
             }

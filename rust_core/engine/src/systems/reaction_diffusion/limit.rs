@@ -9,7 +9,7 @@ use super::kinetics::{Law, with_law};
 use crate::error::Result;
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 use crate::stability::{Kind, Limit};
 
 /// The difference over which derivatives of a user's function are taken, as a fraction of the largest value of a species.
@@ -25,7 +25,7 @@ impl<T: Real, L: Law<T>> Kernel for Fastest<'_, T, L> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run<S: Isa>(self, _isa: S) -> f64 {
         let size = |value: T| if value < T::ZERO { -value } else { value };
         let larger = |one: T, other: T| if other > one { other } else { one };
         let mut most = T::ZERO;

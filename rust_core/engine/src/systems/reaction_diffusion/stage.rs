@@ -4,7 +4,7 @@ use super::kinetics::Law;
 use crate::grid::{COLUMNS, load};
 use crate::integrators::first_order::{Base, Combination, SLOPES};
 use crate::math::Real;
-use crate::simd::{Kernel, LANES, dispatch};
+use crate::simd::{Isa, Kernel, LANES, dispatch};
 
 /// A stage of a step of h seconds, in the precision of the state.
 #[derive(Debug, Clone, Copy)]
@@ -167,7 +167,7 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Kernel for Update<'_, '_, T, R, N>
     type Output = [Sums; N];
 
     #[inline(always)]
-    fn run(mut self) -> [Sums; N] {
+    fn run<S: Isa>(mut self, _isa: S) -> [Sums; N] {
         if self.stage.is_plain() { self.all::<true>() } else { self.all::<false>() }
     }
 }

@@ -6,7 +6,7 @@ use super::points::{BLOCK, Block, Points};
 use crate::integrators::explicit::{self, Explicit, SLOPES, Slope};
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, LANES, LevelKernel, Number, Pack, dispatch_level};
+use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch};
 
 /// A velocity field v(x) [m/s], known at each stage of an interval, by the number of the stage. All of its code is
 /// `#[inline(always)]`, or it does not stay in registers.
@@ -45,7 +45,7 @@ pub fn advance<T: Real, L: Law<T, D>, S: Explicit, const D: usize>(
     let mut outcomes = vec![Outcome::default(); points.block_count()];
     let work = (points.blocks(), BlockedSlice::new(&mut outcomes, 1));
     executor.for_each_block(work, &|(Block { axes, .. }, outcomes): (Block<'_, T, D>, BlockedSlice<'_, Outcome>)| {
-        outcomes.items[0] = dispatch_level(Steps::<T, L, S, D> { law, axes, h, count: steps, method: PhantomData });
+        outcomes.items[0] = dispatch(Steps::<T, L, S, D> { law, axes, h, count: steps, method: PhantomData });
     });
     outcomes.into_iter().fold(Outcome::default(), Outcome::and)
 }
@@ -72,7 +72,7 @@ impl<N: Number, L: Law<N::Scalar, D>, const D: usize> Slope<N, D> for Slopes<'_,
     }
 }
 
-impl<T: Real, L: Law<T, D>, S: Explicit, const D: usize> LevelKernel for Steps<'_, T, L, S, D> {
+impl<T: Real, L: Law<T, D>, S: Explicit, const D: usize> Kernel for Steps<'_, T, L, S, D> {
     type Output = Outcome;
 
     #[inline(always)]
@@ -125,7 +125,7 @@ pub fn velocities<T: Real, L: Law<T, D>, const D: usize>(
 ) {
     executor.for_each_block(out.blocks(), &|Block { start, axes }: Block<'_, T, D>| {
         let points = points.axes.each_ref().map(|axis| &axis[start..start + axes[0].len()]);
-        dispatch_level(Velocities { law, stage, points, out: axes });
+        dispatch(Velocities { law, stage, points, out: axes });
     });
 }
 
@@ -136,7 +136,7 @@ struct Velocities<'a, T, L, const D: usize> {
     out: [&'a mut [T]; D],
 }
 
-impl<T: Real, L: Law<T, D>, const D: usize> LevelKernel for Velocities<'_, T, L, D> {
+impl<T: Real, L: Law<T, D>, const D: usize> Kernel for Velocities<'_, T, L, D> {
     type Output = ();
 
     #[inline(always)]
@@ -161,7 +161,7 @@ pub fn steepest<T: Real, L: Law<T, D>, const D: usize>(law: L, stage: usize, poi
     executor.for_each_block(BlockedSlice::new(&mut squares, 1), &|block: BlockedSlice<'_, f64>| {
         let range = block.start * BLOCK..((block.start + 1) * BLOCK).min(points.axes[0].len());
         let points = points.axes.each_ref().map(|axis| &axis[range.clone()]);
-        block.items[0] = dispatch_level(Steepest { law, stage, points });
+        block.items[0] = dispatch(Steepest { law, stage, points });
     });
     squares.into_iter().fold(0.0, f64::max).sqrt()
 }
@@ -172,7 +172,7 @@ struct Steepest<'a, T, L, const D: usize> {
     points: [&'a [T]; D],
 }
 
-impl<T: Real, L: Law<T, D>, const D: usize> LevelKernel for Steepest<'_, T, L, D> {
+impl<T: Real, L: Law<T, D>, const D: usize> Kernel for Steepest<'_, T, L, D> {
     type Output = f64;
 
     #[inline(always)]

@@ -5,7 +5,7 @@ use super::points::Points;
 use crate::error::Result;
 use crate::integrators::explicit::{Coefficients, SLOPES, combine};
 use crate::math::Real;
-use crate::simd::{Isa, LevelKernel, Number, Pack, dispatch_level};
+use crate::simd::{Isa, Kernel, Number, Pack, dispatch};
 
 /// The slopes of a step, and the state at a stage.
 pub struct Staged<T, const D: usize> {
@@ -75,7 +75,7 @@ fn sum<T: Real, const D: usize>(
     for axis in 0..D {
         let start = start.map(|points| points.axes[axis].as_slice());
         let slopes = slopes.each_ref().map(|points| points.axes[axis].as_slice());
-        dispatch_level(Sum { weights, start, slopes, out: &mut out.axes[axis], h });
+        dispatch(Sum { weights, start, slopes, out: &mut out.axes[axis], h });
     }
 }
 
@@ -87,7 +87,7 @@ struct Sum<'a, T> {
     h: f64,
 }
 
-impl<T: Real> LevelKernel for Sum<'_, T> {
+impl<T: Real> Kernel for Sum<'_, T> {
     type Output = ();
 
     #[inline(always)]

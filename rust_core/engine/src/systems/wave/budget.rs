@@ -6,7 +6,7 @@ use super::sweep::Dynamics;
 use crate::grid::Window;
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Kernel, LANES, dispatch};
+use crate::simd::{Isa, Kernel, LANES, dispatch};
 
 /// Sums over a row, without the factor of the mass.
 #[derive(Debug, Clone, Copy, Default)]
@@ -28,7 +28,7 @@ impl<T: Real> Kernel for Differences<'_, T> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run<S: Isa>(self, _isa: S) -> f64 {
         let count = self.factors.len();
         let (factors, one, other) = (self.factors, &self.one[..count], &self.other[..count]);
         let mut sums = [0.0; LANES];

@@ -7,7 +7,7 @@ use crate::grid::{Groups, load};
 use crate::integrators::{Component, ComponentGroup, Integrator};
 use crate::math::Real;
 use crate::matter::REGISTERS;
-use crate::simd::{Kernel, LANES, dispatch};
+use crate::simd::{Isa, Kernel, LANES, dispatch};
 
 /// The operation of a stage on the state.
 #[derive(Debug, Clone, Copy)]
@@ -132,7 +132,7 @@ impl<T: Real, I: Integrator, A: Groups<T>> Kernel for Stage<'_, T, I, A> {
     type Output = Sums;
 
     #[inline(always)]
-    fn run(mut self) -> Sums {
+    fn run<S: Isa>(mut self, _isa: S) -> Sums {
         match self.action {
             Action::Begin => self.begin(),
             Action::Start => {

@@ -6,7 +6,7 @@ use super::power::{add_power, lanes};
 use crate::forces::linear::AxisLaw;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{EnergySink, Power, Span, View};
-use crate::simd::{Isa, LANES, Lanes, LevelKernel, Pack, dispatch_level};
+use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// One axis of a block.
@@ -44,10 +44,10 @@ pub fn accelerations<V: Vector>(
     });
     let inverse_mass = dynamics.properties.inverse_mass[range.clone()].as_chunks().0;
     let inertia = dynamics.properties.inertia[range].as_chunks().0;
-    dispatch_level(Accelerations { axes, inverse_mass, inertia, power, dissipates: dynamics.linear.dissipates })
+    dispatch(Accelerations { axes, inverse_mass, inertia, power, dissipates: dynamics.linear.dissipates })
 }
 
-impl<T: Real> LevelKernel for Accelerations<'_, T> {
+impl<T: Real> Kernel for Accelerations<'_, T> {
     type Output = f64;
 
     #[inline(always)]

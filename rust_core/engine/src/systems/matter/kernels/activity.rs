@@ -2,7 +2,7 @@
 
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Span};
-use crate::simd::{Kernel, LANES, dispatch};
+use crate::simd::{Isa, Kernel, LANES, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Half of the sum over the lanes of m v² [J].
@@ -26,7 +26,7 @@ impl<V: Vector> Kernel for Activity<'_, '_, V> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run<S: Isa>(self, _isa: S) -> f64 {
         let weights = self.weights.as_chunks::<LANES>().0;
         let mut squares = [V::Scalar::ZERO; LANES];
         for axis in 0..V::DIMENSION {
@@ -54,7 +54,7 @@ impl<V: Vector> Kernel for OutOfRange<'_, '_, V> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run<S: Isa>(self, _isa: S) -> f64 {
         let weights = self.weights.as_chunks::<LANES>().0;
         let mut sums = [V::Scalar::ZERO; LANES];
         for axis in 0..V::DIMENSION {

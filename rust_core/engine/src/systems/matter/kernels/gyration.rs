@@ -11,7 +11,7 @@ use std::ops::Range;
 use crate::forces::{PART, StateView, Strength};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Span;
-use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 use crate::systems::matter::dynamics::{Angle, Dynamics};
 
 /// Some particles of a block, with the accelerations by the linear force [m/s²].
@@ -83,7 +83,7 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let Self { range, strength, linear, inverse_mass, inertia, before, force, h } = self;
         let (half_step, step) = (V::Scalar::from_f64(0.5 * h), V::Scalar::from_f64(h));
         let zero = [V::Scalar::ZERO; LANES];

@@ -5,7 +5,7 @@ use super::gyration::kick;
 use crate::forces::{Affine, FieldLaw, Use, times};
 use crate::math::{Real, Vector};
 use crate::matter::Blocks;
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 use crate::systems::matter::dynamics::{Dynamics, LoneFields};
 
 /// A block of charges, to be advanced by whole steps once its fields are known.
@@ -49,7 +49,7 @@ impl<V: Vector, B: FieldLaw<V::Scalar>> Kernel for Steps<Part<'_, '_, V>, B> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         // The widest vector, as in `point_force_steps`.
         if size_of::<V::Scalar>() == size_of::<f32>() { self.steps::<16>() } else { self.steps::<8>() }
     }

@@ -7,7 +7,7 @@ use crate::forces::{InverseSquare, InverseSquareLaw};
 use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{AXES, Vector};
 use crate::matter::{Blocks, REGISTERS};
-use crate::simd::{Isa, LANES, LevelKernel, Number, Pack, dispatch_level};
+use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Whole steps of a block.
@@ -31,10 +31,10 @@ pub fn point_force_steps<V: Vector, I: Integrator>(
 ) {
     let members = &members[block.range()];
     let inverse_mass = &dynamics.properties.inverse_mass[block.range()];
-    dispatch_level(PointForceSteps::<V, I> { law, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
+    dispatch(PointForceSteps::<V, I> { law, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
-impl<V: Vector, I: Integrator> LevelKernel for PointForceSteps<'_, '_, V, I> {
+impl<V: Vector, I: Integrator> Kernel for PointForceSteps<'_, '_, V, I> {
     type Output = ();
 
     #[inline(always)]

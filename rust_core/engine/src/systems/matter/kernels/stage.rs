@@ -11,7 +11,7 @@ use crate::forces::linear::AxisLaw;
 use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, EnergySink, EnergyTally, Power, REGISTERS, Span};
-use crate::simd::{Isa, LANES, Lanes, LevelKernel, Pack, dispatch_level};
+use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// The operation of a stage on the state.
@@ -87,7 +87,7 @@ pub fn stage<V: Vector, I: Integrator>(
     let force = groups(&evaluation.force);
     let damping = evaluation.damping.as_ref().map_or([&[][..]; AXES], groups);
     let (axes, tally) = split(dynamics, blocks);
-    dispatch_level(Stage::<V::Scalar, I> {
+    dispatch(Stage::<V::Scalar, I> {
         axes,
         state,
         force,
@@ -103,7 +103,7 @@ pub fn stage<V: Vector, I: Integrator>(
     })
 }
 
-impl<T: Real, I: Integrator> LevelKernel for Stage<'_, T, I> {
+impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
     type Output = f64;
 
     #[inline(always)]

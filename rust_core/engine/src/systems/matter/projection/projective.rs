@@ -20,7 +20,7 @@ use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter};
 use crate::scene::Item;
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 use crate::sparse::Factorization;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::method::About;
@@ -220,7 +220,7 @@ impl<T: Real> Kernel for Pulls<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let Self { links, from, displacements, forces } = self;
         for link in links {
             let (direction, pull) = link.pull(from, displacements);

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter};
 use crate::scene::Item;
-use crate::simd::{Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::method::About;
 
@@ -100,7 +100,7 @@ impl<T: Real> Kernel for Sweep<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let Self { links, multipliers, from, displacements } = self;
         for (link, multiplier) in links.iter().zip(multipliers) {
             let (direction, pull) = link.pull(from, displacements);

@@ -3,7 +3,7 @@
 use crate::integrators::gauss_radau_15::{self, COEFFICIENTS, Node, STAGES, Series};
 use crate::math::Vector;
 use crate::matter::{Span, View};
-use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
 /// The data that persist, of a group of lanes along one axis.
 pub type Memory = gauss_radau_15::Memory<LANES>;
@@ -86,7 +86,7 @@ impl<V: Vector<Scalar = f64>> Kernel for Block<'_, '_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Isa>(self, _isa: S) {
         let Self { start, state: [positions, velocities], origin: [x0, v0], acceleration, series, memory, largest, h, task } =
             self;
         let nodes: [Node; STAGES] = std::array::from_fn(|node| Node::new(node, h));
