@@ -58,7 +58,7 @@ asan: ## run the tests of the engine and the canvas under AddressSanitizer, wher
 	scripts/address-sanitizer
 
 validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md
-	$(BIN)/python -m pytest -m validation --numprocesses auto --report=docs/reports/validation.md
+	$(BIN)/python -m pytest -m validation --numprocesses auto --dist loadfile --report=docs/reports/validation.md
 
 tradeoff: $(VENV)/tools.stamp ## measure error against time and the extremes, and write docs/tradeoff.md, in ten minutes
 	$(BIN)/python benches/tradeoff.py

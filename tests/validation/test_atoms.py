@@ -125,8 +125,8 @@ def test_a_liquid_has_the_pressure_and_the_energy_of_the_literature(record_prope
 
     The motion chooses its own temperature: Johnson's equation says what that changes, block by block, since at constant
     energy what is hotter is bound more: the difference fluctuates by (1.5 + du/dT)/1.5 times as much as u. Tolerances:
-    three standard errors of 20 blocks of 2 τ, which must be small enough to tell something: 0.02 and 0.004. The shift of the
-    force by 24/4⁷ = 1.5e-3 pushes alike from all sides.
+    three standard errors of 20 blocks of 2 τ, which must be small enough to tell something, 0.02 of the pressure and
+    0.004 of the energy. The shift of the force by 24/4⁷ = 1.5e-3 pushes alike from all sides.
 
     The first peak of g(r) lies between σ and the well's 2^(1/6) σ, where the fluid's pressure presses it.
     """

@@ -177,6 +177,7 @@ pub(crate) use for_each_stage;
 
 /// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none; or
 /// evaluates `$body` for each.
+#[doc(hidden)]
 #[macro_export]
 macro_rules! with_integrator {
     (@registered $($then:tt)*) => {

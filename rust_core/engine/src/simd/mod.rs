@@ -119,7 +119,8 @@ pub trait Isa: Copy {
     type Group<T: Packed>: Pack<Scalar = T>;
 }
 
-/// A computation to run at the best level. `run` and all that it calls must be `#[inline(always)]`.
+/// A computation to run at the best level. `run` and all that it calls must be `#[inline(always)]`, but for what only the base
+/// level calls.
 ///
 /// The code of each level is a method: compilers then put it beside the other code of the kernel's module, and compile modules
 /// side by side. Functions here would all be compiled as one unit.
@@ -130,7 +131,7 @@ pub trait Kernel: Sized {
     /// Computes it, with the level as a type.
     fn run<I: Isa>(self, isa: I) -> Self::Output;
 
-    /// [`Kernel::run`] at the base level.
+    /// [`Kernel::run`] at the base level. Not inlined into [`dispatch`], as those of the other levels.
     #[inline(never)]
     fn run_scalar(self) -> Self::Output {
         self.run(Scalar(()))

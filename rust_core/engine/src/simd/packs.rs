@@ -101,7 +101,7 @@ fn fold<T: Packed>(lanes: &mut [T]) -> T {
 /// A number type with packs. A pack must be accessed through an [`super::Isa`], which exists only where the CPU has the
 /// registers: code over these types alone would run anywhere.
 pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
-    /// The pack of every CPU.
+    /// The pack of the base level.
     type Base: Pack<Scalar = Self>;
     /// The pack of AVX-512.
     #[cfg(target_arch = "x86_64")]
@@ -207,7 +207,7 @@ macro_rules! scalar {
 scalar!(f32, |one, other| one.to_bits().wrapping_sub(other.to_bits()).cast_signed() as f32);
 scalar!(f64, |one, other| one - other);
 
-/// Four numbers: the pack of every CPU, by the registers that each has of its base level.
+/// Pack of four numbers, by the crate `wide`: registers of the base level of the target.
 macro_rules! four {
     ($pack:ident, $number:ident, $bits:ident, |$one:ident, $other:ident| $difference:expr) => {
         impl Number for $pack {

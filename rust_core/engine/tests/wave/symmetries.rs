@@ -1,4 +1,4 @@
-//! Symmetries to the last bit, and the force as the gradient of the energy.
+//! Symmetries to the last bit, walls as edges, and reversal in time.
 
 use super::scene::*;
 use physcore_engine::parallel::SERIAL;

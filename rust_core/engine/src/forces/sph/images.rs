@@ -17,6 +17,11 @@ pub struct Mirror {
     pub no_slip: bool,
 }
 
+impl Mirror {
+    /// A mirror that is not there.
+    pub const NONE: Self = Self { normal: DVec3::ZERO, distance: f64::INFINITY, no_slip: false };
+}
+
 /// The boundary condition of a pair law at a wall.
 #[derive(Debug, Clone, Copy)]
 pub struct WallCondition {
@@ -29,30 +34,30 @@ pub struct WallCondition {
 /// The image of a neighbor: an affine map y ← Ay + b of positions y relative to the particle.
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
-    turn: Turn,
-    offset: Offset,
+    linear: LinearPart,
+    translation: Translation,
 }
 
 /// Linear part of an image: the same for all particles if the mirrors are planes.
 #[derive(Debug, Clone, Copy)]
-pub struct Turn {
+pub struct LinearPart {
     /// Orthogonal matrix A.
     position: DMat3,
     /// Orthogonal matrix of the velocities.
     velocity: DMat3,
-    /// The normals n of the mirrors as the original sees them, in units of its distances n·y + d.
-    along: [DVec3; AXES],
+    /// Normals n of the mirrors, mapped back by the reflections before: n·y + d is the distance of a neighbor at y, or of its
+    /// image, from each. The next image exists if it is positive.
+    normals: [DVec3; AXES],
     /// The number of reflections.
     mirrors: usize,
 }
 
 /// Translation of an image.
 #[derive(Debug, Clone, Copy)]
-pub struct Offset {
+pub struct Translation {
     /// Translation b [m].
     shift: DVec3,
-    /// Distances d of the particle, and of its successive images, from the mirrors [m]. The image of a neighbor exists if all
-    /// of its n·y + d are positive.
+    /// Distances d of the particle, and of its successive images, from the mirrors [m].
     depths: [f64; AXES],
     /// The number of reflections.
     mirrors: usize,
@@ -60,30 +65,31 @@ pub struct Offset {
 
 impl Image {
     /// The identity.
-    pub const ITSELF: Self = Self { turn: Turn::NONE, offset: Offset::NONE };
+    pub const ITSELF: Self = Self { linear: LinearPart::IDENTITY, translation: Translation::NONE };
 
     /// One more reflection: y ← y − 2 (d + n·y) n. In place, because it is large.
     pub fn reflect(&mut self, mirror: &Mirror) {
-        self.turn.reflect(mirror);
-        self.offset.reflect(mirror);
+        self.linear.reflect(mirror);
+        self.translation.reflect(mirror);
     }
 
     /// The squared distance from the image of a neighbor at `separation` [m²].
     pub fn square(&self, separation: DVec3) -> f64 {
-        (self.turn.position * separation - self.offset.shift).length_squared()
+        (self.linear.position * separation - self.translation.shift).length_squared()
     }
 }
 
-impl Turn {
+impl LinearPart {
     /// The identity.
-    pub const NONE: Self = Self { position: DMat3::IDENTITY, velocity: DMat3::IDENTITY, along: [DVec3::ZERO; AXES], mirrors: 0 };
+    pub const IDENTITY: Self =
+        Self { position: DMat3::IDENTITY, velocity: DMat3::IDENTITY, normals: [DVec3::ZERO; AXES], mirrors: 0 };
 
     /// One more reflection.
     pub fn reflect(&mut self, &Mirror { normal, no_slip, .. }: &Mirror) {
-        let along = self.position.transpose() * normal;
-        self.along[self.mirrors] = along;
+        let mapped_back = self.position.transpose() * normal;
+        self.normals[self.mirrors] = mapped_back;
         self.mirrors += 1;
-        self.position -= outer(2.0 * normal, along);
+        self.position -= outer(2.0 * normal, mapped_back);
         if no_slip {
             self.velocity *= -1.0;
         } else {
@@ -92,7 +98,7 @@ impl Turn {
     }
 }
 
-impl Offset {
+impl Translation {
     /// No translation.
     pub const NONE: Self = Self { shift: DVec3::ZERO, depths: [1.0; AXES], mirrors: 0 };
 
@@ -126,23 +132,23 @@ pub struct Reflection<T> {
 }
 
 impl<T: Real> Reflection<T> {
-    /// The reflection by a linear part, without translation.
-    pub fn new(turn: &Turn, condition: &WallCondition) -> Self {
+    /// The reflection by the linear part of an image.
+    pub fn new(linear: &LinearPart, condition: &WallCondition) -> Self {
         let rows = |matrix: DMat3| [matrix.row(0), matrix.row(1), matrix.row(2)].map(triple);
         Self {
-            turn: rows(turn.position),
+            turn: rows(linear.position),
             shift: [T::ZERO; AXES],
-            velocity: rows(turn.velocity),
-            rise: (triple(condition.weight - turn.position.transpose() * condition.weight), T::ZERO),
-            depths: turn.along.map(|normal| (triple(-normal), T::from_f64(1.0))),
+            velocity: rows(linear.velocity),
+            rise: (triple(condition.weight - linear.position.transpose() * condition.weight), T::ZERO),
+            depths: linear.normals.map(|normal| (triple(-normal), T::from_f64(1.0))),
         }
     }
 
     /// The same with a translation.
-    pub fn with(mut self, offset: &Offset, condition: &WallCondition) -> Self {
-        self.shift = triple(-offset.shift);
-        self.rise.1 = T::from_f64(condition.weight.dot(offset.shift));
-        for (depth, &distance) in self.depths.iter_mut().zip(&offset.depths) {
+    pub fn translated(mut self, translation: &Translation, condition: &WallCondition) -> Self {
+        self.shift = triple(-translation.shift);
+        self.rise.1 = T::from_f64(condition.weight.dot(translation.shift));
+        for (depth, &distance) in self.depths.iter_mut().zip(&translation.depths) {
             depth.1 = T::from_f64(distance);
         }
         self

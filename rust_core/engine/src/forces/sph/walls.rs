@@ -7,10 +7,11 @@
 
 use std::cell::Cell;
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::{Image, ImagePressure, Mirror, Mirrored, Offset, Reflection, Turn, WallCondition};
+use super::images::{Image, ImagePressure, LinearPart, Mirror, Mirrored, Reflection, Translation, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Real, Vector};
@@ -77,7 +78,7 @@ struct BlockImages {
 #[derive(Debug, Clone, Copy)]
 struct ImageList {
     slot: u32,
-    sides: Corner,
+    sides: Sides,
     /// Ends of its list of originals: of those with near images, and of all.
     near: usize,
     end: usize,
@@ -152,6 +153,27 @@ impl Walls {
         std::mem::size_of_val(self.sides.as_slice()) + self.images.iter().map(bytes).sum::<usize>()
     }
 
+    /// The reflection by these mirrors, which those sides are, without translation.
+    fn linear_part<T: Real>(
+        &self,
+        sides: Sides,
+        mirrors: &[Mirror],
+        condition: &WallCondition,
+        planes: &mut ByPlanes<T>,
+    ) -> Reflection<T> {
+        if let Some((_, reflection)) = planes.iter().find(|(known, _)| *known == sides) {
+            return *reflection;
+        }
+        let mut linear = LinearPart::IDENTITY;
+        mirrors.iter().for_each(|mirror| linear.reflect(mirror));
+        let reflection = Reflection::new(&linear, condition);
+        if sides.iter().flatten().all(|&side| matches!(self.sides[side as usize].wall, Wall::Plane { .. })) {
+            // Without room for it, it is computed again.
+            let _ = planes.try_push((sides, reflection));
+        }
+        reflection
+    }
+
     /// Adds the sums of a pair law over the images.
     pub fn add<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize>(
         &self,
@@ -181,25 +203,29 @@ impl Walls {
         executor.for_each_block((BlockedSlice::new(sums, BLOCK), notes), &|(mine, notes)| {
             let BlockImages { lists, originals, .. } = &self.images[mine.start / BLOCK];
             let (mut start, current) = (0, Cell::new(Mirrors::NONE));
-            let mut turns = Turns::<V::Scalar>::default();
+            let mut planes = ByPlanes::<V::Scalar>::new();
             let terms = lists.iter().filter_map(|&ImageList { slot, sides, near, end }| {
                 let slot = slot as usize;
                 let nearest = if neighbor_list.neighbors().needs_far(slot) { end } else { near };
                 let list = List { segment: originals, range: start..nearest };
                 start = end;
                 let x = neighbor_list.at(slot);
-                let (mut offset, mut farthest) = (Offset::NONE, 0.0_f64);
-                let mut mirrors = Mirrors { slot, x, ..Mirrors::NONE };
+                let (mut translation, mut farthest) = (Translation::NONE, 0.0_f64);
+                let (mut reflectors, mut mirrors) = ([Mirror::NONE; AXES], Mirrors { slot, x, ..Mirrors::NONE });
                 for &side in sides.iter().flatten() {
                     let mirror = self.sides[side as usize].mirror(x, condition.no_slip);
                     farthest = farthest.max(mirror.distance);
+                    translation.reflect(&mirror);
+                    reflectors[mirrors.count] = mirror;
                     mirrors.walls[mirrors.count] = (side, mirror.normal);
                     mirrors.count += 1;
-                    offset.reflect(&mirror);
                 }
                 current.set(mirrors);
                 // An image is no nearer than its mirror.
-                (farthest < self.reach).then(|| (slot, list, turns.of(&self.sides, sides, x, condition).with(&offset, condition)))
+                (farthest < self.reach).then(|| {
+                    let linear = self.linear_part(sides, &reflectors[..mirrors.count], condition, &mut planes);
+                    (slot, list, linear.translated(&translation, condition))
+                })
             });
             // Each list is summed before the next one is looked at.
             let mirrored = |reflection: &Reflection<V::Scalar>| Mirrored::new(law, reflection);
@@ -211,37 +237,12 @@ impl Walls {
     }
 }
 
-/// Walls of the successive reflections of a list of images.
-type Corner = [Option<u32>; AXES];
+/// Numbers of the walls of successive reflections.
+type Sides = [Option<u32>; AXES];
 
-/// The reflections by planes, which are the same for all particles, as they are met in a block.
-struct Turns<T>(Vec<(Corner, Reflection<T>)>);
-
-impl<T> Default for Turns<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<T: Real> Turns<T> {
-    /// The reflection of a particle at `x`, without translation.
-    fn of(&mut self, sides: &[Side], corner: Corner, x: DVec3, condition: &WallCondition) -> Reflection<T> {
-        if let Some((_, reflection)) = self.0.iter().find(|(known, _)| *known == corner) {
-            return *reflection;
-        }
-        let (mut turn, mut are_planes) = (Turn::NONE, true);
-        for &side in corner.iter().flatten() {
-            let side = &sides[side as usize];
-            turn.reflect(&side.mirror(x, condition.no_slip));
-            are_planes &= matches!(side.wall, Wall::Plane { .. });
-        }
-        let reflection = Reflection::new(&turn, condition);
-        if are_planes {
-            self.0.push((corner, reflection));
-        }
-        reflection
-    }
-}
+/// Linear parts of the images by some planes, which are the same for all particles of a block; as many as there are at the corner
+/// of a box.
+type ByPlanes<T> = ArrayVec<(Sides, Reflection<T>), 7>;
 
 /// The mirrors of a list of images.
 #[derive(Debug, Clone, Copy)]
