@@ -17,11 +17,6 @@ pub struct Mirror {
     pub no_slip: bool,
 }
 
-impl Mirror {
-    /// A mirror that is not there.
-    pub const NONE: Self = Self { normal: DVec3::ZERO, distance: f64::INFINITY, no_slip: false };
-}
-
 /// The boundary condition of a pair law at a wall.
 #[derive(Debug, Clone, Copy)]
 pub struct WallCondition {
@@ -34,80 +29,47 @@ pub struct WallCondition {
 /// The image of a neighbor: an affine map y ← Ay + b of positions y relative to the particle.
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
-    linear: LinearPart,
-    translation: Translation,
-}
-
-/// Linear part of an image: the same for all particles if the mirrors are planes.
-#[derive(Debug, Clone, Copy)]
-pub struct LinearPart {
     /// Orthogonal matrix A.
-    position: DMat3,
-    /// Orthogonal matrix of the velocities.
-    velocity: DMat3,
-    /// Normals n of the mirrors, mapped back by the reflections before: n·y + d is the distance of a neighbor at y, or of its
-    /// image, from each. The next image exists if it is positive.
-    normals: [DVec3; AXES],
-    /// The number of reflections.
-    mirrors: usize,
-}
-
-/// Translation of an image.
-#[derive(Debug, Clone, Copy)]
-pub struct Translation {
+    turn: DMat3,
     /// Translation b [m].
     shift: DVec3,
-    /// Distances d of the particle, and of its successive images, from the mirrors [m].
-    depths: [f64; AXES],
+    /// Orthogonal matrix of the velocities.
+    velocity: DMat3,
+    /// Distances n·y + d of the original, and of its successive images, from the mirrors: n and d for each. The image
+    /// exists if all are positive.
+    depths: [(DVec3, f64); AXES],
     /// The number of reflections.
     mirrors: usize,
 }
 
 impl Image {
     /// The identity.
-    pub const ITSELF: Self = Self { linear: LinearPart::IDENTITY, translation: Translation::NONE };
+    pub const ITSELF: Self = Self {
+        turn: DMat3::IDENTITY,
+        shift: DVec3::ZERO,
+        velocity: DMat3::IDENTITY,
+        depths: [(DVec3::ZERO, 1.0); AXES],
+        mirrors: 0,
+    };
 
     /// One more reflection: y ← y − 2 (d + n·y) n. In place, because it is large.
-    pub fn reflect(&mut self, mirror: &Mirror) {
-        self.linear.reflect(mirror);
-        self.translation.reflect(mirror);
-    }
-
-    /// The squared distance from the image of a neighbor at `separation` [m²].
-    pub fn square(&self, separation: DVec3) -> f64 {
-        (self.linear.position * separation - self.translation.shift).length_squared()
-    }
-}
-
-impl LinearPart {
-    /// The identity.
-    pub const IDENTITY: Self =
-        Self { position: DMat3::IDENTITY, velocity: DMat3::IDENTITY, normals: [DVec3::ZERO; AXES], mirrors: 0 };
-
-    /// One more reflection.
-    pub fn reflect(&mut self, &Mirror { normal, no_slip, .. }: &Mirror) {
-        let mapped_back = self.position.transpose() * normal;
-        self.normals[self.mirrors] = mapped_back;
+    pub fn reflect(&mut self, &Mirror { normal, distance, no_slip }: &Mirror) {
+        let along = self.turn.transpose() * normal;
+        let depth = distance + normal.dot(self.shift);
+        self.depths[self.mirrors] = (along, depth);
         self.mirrors += 1;
-        self.position -= outer(2.0 * normal, mapped_back);
+        self.turn -= outer(2.0 * normal, along);
+        self.shift -= 2.0 * depth * normal;
         if no_slip {
             self.velocity *= -1.0;
         } else {
             self.velocity -= outer(2.0 * normal, self.velocity.transpose() * normal);
         }
     }
-}
 
-impl Translation {
-    /// No translation.
-    pub const NONE: Self = Self { shift: DVec3::ZERO, depths: [1.0; AXES], mirrors: 0 };
-
-    /// One more reflection.
-    pub fn reflect(&mut self, &Mirror { normal, distance, .. }: &Mirror) {
-        let depth = distance + normal.dot(self.shift);
-        self.depths[self.mirrors] = depth;
-        self.mirrors += 1;
-        self.shift -= 2.0 * depth * normal;
+    /// The squared distance from the image of a neighbor at `separation` [m²].
+    pub fn square(&self, separation: DVec3) -> f64 {
+        (self.turn * separation - self.shift).length_squared()
     }
 }
 
@@ -132,32 +94,21 @@ pub struct Reflection<T> {
 }
 
 impl<T: Real> Reflection<T> {
-    /// The reflection by the linear part of an image.
-    pub fn new(linear: &LinearPart, condition: &WallCondition) -> Self {
+    /// The reflection by an image.
+    pub fn new(image: &Image, condition: &WallCondition) -> Self {
+        let triple = |vector: DVec3| vector.to_array().map(T::from_f64);
         let rows = |matrix: DMat3| [matrix.row(0), matrix.row(1), matrix.row(2)].map(triple);
         Self {
-            turn: rows(linear.position),
-            shift: [T::ZERO; AXES],
-            velocity: rows(linear.velocity),
-            rise: (triple(condition.weight - linear.position.transpose() * condition.weight), T::ZERO),
-            depths: linear.normals.map(|normal| (triple(-normal), T::from_f64(1.0))),
+            turn: rows(image.turn),
+            shift: triple(-image.shift),
+            velocity: rows(image.velocity),
+            rise: (
+                triple(condition.weight - image.turn.transpose() * condition.weight),
+                T::from_f64(condition.weight.dot(image.shift)),
+            ),
+            depths: image.depths.map(|(normal, distance)| (triple(-normal), T::from_f64(distance))),
         }
     }
-
-    /// The same with a translation.
-    pub fn translated(mut self, translation: &Translation, condition: &WallCondition) -> Self {
-        self.shift = triple(-translation.shift);
-        self.rise.1 = T::from_f64(condition.weight.dot(translation.shift));
-        for (depth, &distance) in self.depths.iter_mut().zip(&translation.depths) {
-            depth.1 = T::from_f64(distance);
-        }
-        self
-    }
-}
-
-/// A vector in the precision of the run.
-fn triple<T: Real>(vector: DVec3) -> Triple<T> {
-    vector.to_array().map(T::from_f64)
 }
 
 /// n·d.

@@ -7,14 +7,13 @@
 
 use std::cell::Cell;
 
-use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::{Image, ImagePressure, LinearPart, Mirror, Mirrored, Reflection, Translation, WallCondition};
+use super::images::{Image, ImagePressure, Mirror, Mirrored, Reflection, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
-use crate::math::{AXES, Real, Vector};
+use crate::math::{AXES, Vector};
 use crate::neighbors::sums::{PairLaw, Records};
 use crate::neighbors::{List, Reflections};
 use crate::parallel::{BlockedSlice, Executor};
@@ -78,7 +77,8 @@ struct BlockImages {
 #[derive(Debug, Clone, Copy)]
 struct ImageList {
     slot: u32,
-    sides: Sides,
+    /// The walls of the successive reflections.
+    sides: [Option<u32>; AXES],
     /// Ends of its list of originals: of those with near images, and of all.
     near: usize,
     end: usize,
@@ -153,27 +153,6 @@ impl Walls {
         std::mem::size_of_val(self.sides.as_slice()) + self.images.iter().map(bytes).sum::<usize>()
     }
 
-    /// The reflection by these mirrors, which those sides are, without translation.
-    fn linear_part<T: Real>(
-        &self,
-        sides: Sides,
-        mirrors: &[Mirror],
-        condition: &WallCondition,
-        planes: &mut ByPlanes<T>,
-    ) -> Reflection<T> {
-        if let Some((_, reflection)) = planes.iter().find(|(known, _)| *known == sides) {
-            return *reflection;
-        }
-        let mut linear = LinearPart::IDENTITY;
-        mirrors.iter().for_each(|mirror| linear.reflect(mirror));
-        let reflection = Reflection::new(&linear, condition);
-        if sides.iter().flatten().all(|&side| matches!(self.sides[side as usize].wall, Wall::Plane { .. })) {
-            // Without room for it, it is computed again.
-            let _ = planes.try_push((sides, reflection));
-        }
-        reflection
-    }
-
     /// Adds the sums of a pair law over the images.
     pub fn add<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize>(
         &self,
@@ -203,29 +182,24 @@ impl Walls {
         executor.for_each_block((BlockedSlice::new(sums, BLOCK), notes), &|(mine, notes)| {
             let BlockImages { lists, originals, .. } = &self.images[mine.start / BLOCK];
             let (mut start, current) = (0, Cell::new(Mirrors::NONE));
-            let mut planes = ByPlanes::<V::Scalar>::new();
             let terms = lists.iter().filter_map(|&ImageList { slot, sides, near, end }| {
                 let slot = slot as usize;
                 let nearest = if neighbor_list.neighbors().needs_far(slot) { end } else { near };
                 let list = List { segment: originals, range: start..nearest };
                 start = end;
                 let x = neighbor_list.at(slot);
-                let (mut translation, mut farthest) = (Translation::NONE, 0.0_f64);
-                let (mut reflectors, mut mirrors) = ([Mirror::NONE; AXES], Mirrors { slot, x, ..Mirrors::NONE });
+                let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
+                let mut mirrors = Mirrors { slot, x, ..Mirrors::NONE };
                 for &side in sides.iter().flatten() {
                     let mirror = self.sides[side as usize].mirror(x, condition.no_slip);
                     farthest = farthest.max(mirror.distance);
-                    translation.reflect(&mirror);
-                    reflectors[mirrors.count] = mirror;
                     mirrors.walls[mirrors.count] = (side, mirror.normal);
                     mirrors.count += 1;
+                    image.reflect(&mirror);
                 }
                 current.set(mirrors);
                 // An image is no nearer than its mirror.
-                (farthest < self.reach).then(|| {
-                    let linear = self.linear_part(sides, &reflectors[..mirrors.count], condition, &mut planes);
-                    (slot, list, linear.translated(&translation, condition))
-                })
+                (farthest < self.reach).then(|| (slot, list, Reflection::new(&image, condition)))
             });
             // Each list is summed before the next one is looked at.
             let mirrored = |reflection: &Reflection<V::Scalar>| Mirrored::new(law, reflection);
@@ -236,13 +210,6 @@ impl Walls {
         });
     }
 }
-
-/// Numbers of the walls of successive reflections.
-type Sides = [Option<u32>; AXES];
-
-/// Linear parts of the images by some planes, which are the same for all particles of a block; as many as there are at the corner
-/// of a box.
-type ByPlanes<T> = ArrayVec<(Sides, Reflection<T>), 7>;
 
 /// The mirrors of a list of images.
 #[derive(Debug, Clone, Copy)]
