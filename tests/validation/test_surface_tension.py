@@ -122,9 +122,28 @@ def test_a_drop_in_another_fluid_grows_round(ratio, record_property):
     assert mixed == 0
 
 
+def color(positions: Array, middle: float) -> Array:
+    """Σ W over its value in a lattice, without the particle itself, within `middle` of the center.
+
+    Wendland's C2 with h = 1.5.
+    """
+
+    def total(places: Array, points: Array) -> Array:
+        q = np.linalg.norm(places[:, None] - points, axis=-1) / 1.5
+        found: Array = (np.clip(1.0 - 0.5 * q, 0.0, None) ** 4 * (2.0 * q + 1.0)).sum(axis=1) - 1.0
+        return found
+
+    places = positions - positions.mean(axis=0)
+    dimension = places.shape[1]
+    lattice = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * dimension), axis=-1).reshape(-1, dimension)
+    inside = places[np.linalg.norm(places, axis=1) < middle]
+    found: Array = total(inside, places) / total(np.zeros((1, dimension)), lattice)
+    return found
+
+
 @pytest.mark.xfail(
-    reason="0.26 of it in 2D and 1.24 in 3D: within a drop particles do not stand on a lattice, so that neighbors are "
-    "missing or too many there too, and forces of the energy of tension carry a part of the stress that pressure should"
+    reason="the energy of tension presses too: a color of 1.1 % (2D) and 1.7 % (3D) above 1 does as much as Laplace's "
+    "law, and without a lattice it is off by as much; in the middle +0.4 % and −2.3 %"
 )
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_drop_has_laplace_s_pressure(dimension, record_property):
@@ -132,6 +151,12 @@ def test_a_drop_has_laplace_s_pressure(dimension, record_property):
 
     R is that of the volume of all particles. A surface two spacings thick acts at a radius that is less by up to one,
     8 %, and is within 3 % of σ once it has settled in 2D, in 3D within as much again.
+
+    Why it fails. The energy ½ A (1 − c)² for a volume, with a color c in proportion to the density of the particles
+    around, has the pressure A (c − 1) c. A is 7.3 σ/Δ in 2D and 15 σ/Δ in 3D (`moduli` in tension.rs, over `SETTLED`),
+    so that c − 1 = (D − 1) σ/(R A), 0.011 and 0.017 here, bears all of Laplace's pressure. c is exactly 1 in lattices
+    alone. In a drop they melt, and the equation of state, which sees the density that is carried along, bears what is
+    left.
     """
     cells = pc.ball((0.0,) * dimension, 12.0 if dimension == 2 else 8.0, 1.0)
     volume = len(cells)
@@ -140,7 +165,10 @@ def test_a_drop_has_laplace_s_pressure(dimension, record_property):
     run = start(drop(cells, viscosity=0.1), probe)
     period = 2.0 * math.pi / math.sqrt(6.0 / radius**3)
     run.run(2.0 * period)
-    pressure = float(run.record(2.0 * period, fps=20.0 / period)[probe].pressure[1:].mean())
-    found = pressure * radius / (dimension - 1)
+    recording = run.record(2.0 * period, fps=20.0 / period)
+    found = float(recording[probe].pressure[1:].mean()) * radius / (dimension - 1)
+    off = np.mean([color(positions, 0.5 * radius).mean() for positions in recording.positions[1::8]]) - 1.0
+    borne = off * (7.27 if dimension == 2 else 15.02) * radius / (dimension - 1)
     record_property("pressure over (D − 1) σ/R", f"{found:.3f}")
+    record_property("color in the middle", f"{off:+.2%}, whose pressure is {borne:+.2f} of it")
     assert found == pytest.approx(1.0, abs=0.15)

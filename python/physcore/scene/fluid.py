@@ -51,8 +51,8 @@ class Fluid(Body):
     same fluid, so that a surface meets them at an angle of 90°. The energy stands in the audit as "surface tension". σ
     is that of a surface that has settled, with the default kernel: particles find their places in the first moments. In
     2D drops then swing as they should to a few percent; narrower kernels and 3D make small drops stiff, so that they
-    grow round but hardly swing. Pressures within a drop are not Laplace's, because tension bears a part of the stress
-    there, 0.26 of it in 2D and 1.24 in 3D with 12 and 8 spacings in the radius.
+    grow round but hardly swing. Pressures within a drop are not Laplace's, because the energy of tension bears a part
+    of the stress there: they are 0.2 of it in 2D and 1.3 in 3D, with 12 and 8 spacings in the radius.
 
     Args:
         positions: [m], shape (N, D) with D = 2 or 3; `block`, `ball` and `cylinder` make them.
