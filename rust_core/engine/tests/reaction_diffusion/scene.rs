@@ -2,14 +2,17 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
-
-use physcore_engine::error::Result;
 use physcore_engine::ledger::Budget;
 use physcore_engine::math::noise;
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::{Argument, Array, Callback, Failure, Item, Scene, Value};
-use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
+use physcore_engine::scene::{Argument, Array, Callback, Failure, Item, Value};
+use physcore_engine::simulation::Simulation;
+
+#[path = "../shared/grids.rs"]
+#[allow(clippy::duplicate_mod, reason = "unit tests of two systems load it")]
+mod grids;
+
+pub use grids::*;
 
 /// A value between 0 and 1 for each cell.
 pub fn random(index: usize) -> f64 {
@@ -38,26 +41,12 @@ pub fn field(cells: &[usize], of: impl Fn(usize) -> f64) -> Value {
 
 /// Species that react on a grid of spacing 1.
 pub fn dish(cells: &[usize], edges: &[&str], reaction: Item, species: [(&'static str, f64, Value); 2]) -> Item {
-    let vector = |of: &dyn Fn(usize) -> f64| {
-        let mut entries = [0.0; 3];
-        (0..cells.len()).for_each(|axis| entries[axis] = of(axis));
-        Value::Vector(DVec3::from_array(entries))
-    };
-    let grid = Item::new(
-        "Grid",
-        [
-            ("cells", vector(&|axis| cells[axis] as f64)),
-            ("spacing", Value::Number(1.0)),
-            ("origin", vector(&|_| 0.0)),
-            ("periodic", vector(&|axis| f64::from(u8::from(edges[2 * axis] == "periodic")))),
-        ],
-    );
     let diffusion = numbers("", &species.each_ref().map(|(name, rate, _)| (*name, *rate)));
     let initial = Item::new("", species.map(|(name, _, value)| (name, value)));
-    let values = [("grid", grid), ("reaction", reaction), ("diffusion", diffusion), ("initial", initial)];
+    let values = [("grid", grid(cells, 1.0, edges)), ("reaction", reaction), ("diffusion", diffusion), ("initial", initial)];
     let mut item = Item::new("ReactionDiffusion", values.map(|(name, inner)| (name, Value::Record(Box::new(inner)))));
     "systems[0]".clone_into(&mut item.path);
-    item.values.insert("edges".to_owned(), Value::Texts(edges.iter().map(|&word| word.to_owned()).collect()));
+    item.values.insert("edges".to_owned(), on_edges(edges));
     item
 }
 
@@ -65,30 +54,6 @@ pub fn dish(cells: &[usize], edges: &[&str], reaction: Item, species: [(&'static
 pub fn noisy(cells: &[usize], edges: &[&str], reaction: Item) -> Item {
     let species = [("u", 0.2, field(cells, random)), ("v", 0.1, field(cells, |index| 0.5 * random(index + 1_000_000)))];
     dish(cells, edges, reaction, species)
-}
-
-/// A simulation of them.
-pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize) -> Result<Simulation> {
-    let dimension = match &item.values["edges"] {
-        Value::Texts(edges) => edges.len() / 2,
-        _ => 2,
-    };
-    let numerics = Numerics {
-        integrator: integrator.into(),
-        integrators: std::collections::BTreeMap::new(),
-        precision: precision.to_owned(),
-        threads: Some(threads),
-        max_energy_growth: 1e6,
-        vigilance: Vigilance::Active,
-    };
-    Simulation::new(&Scene { dimension, systems: vec![item.clone()], ..Scene::default() }, &numerics, &SERIAL)
-}
-
-/// That in double precision on one thread, after `steps` of `dt` seconds.
-pub fn after(item: &Item, integrator: &str, steps: u64, dt: f64) -> Simulation {
-    let mut simulation = simulation(item, integrator, "f64", 1).unwrap();
-    simulation.step(steps, dt, &|| false).unwrap();
-    simulation
 }
 
 /// The values of a species.
@@ -99,11 +64,6 @@ pub fn values(simulation: &Simulation, species: &str) -> Vec<f64> {
 /// The budgets of all species.
 pub fn budgets(simulation: &Simulation) -> Vec<Budget> {
     simulation.energy(&SERIAL).unwrap().budgets().to_vec()
-}
-
-/// The largest |a − b|.
-pub fn distance(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
 }
 
 /// A function of two species.

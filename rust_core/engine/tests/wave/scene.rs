@@ -1,38 +1,27 @@
 //! Scenes of one wave.
 
-use glam::DVec3;
-
-use physcore_engine::error::Result;
 use physcore_engine::ledger::Ledger;
 use physcore_engine::math::noise;
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::{Array, Item, Scene, Value};
-use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
+use physcore_engine::scene::{Array, Item, Value};
+use physcore_engine::simulation::Simulation;
+
+#[path = "../shared/grids.rs"]
+#[allow(clippy::duplicate_mod, reason = "unit tests of two systems load it")]
+mod grids;
+
+pub use grids::*;
 
 /// All edges of a plane.
 pub const FIXED: [&str; 4] = ["fixed"; 4];
 
 /// A wave on a grid of up to three axes, with speed 1, density 1 and nothing else.
 pub fn wave(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
-    let vector = |of: &dyn Fn(usize) -> f64| {
-        let mut entries = [0.0; 3];
-        (0..cells.len()).for_each(|axis| entries[axis] = of(axis));
-        Value::Vector(DVec3::from_array(entries))
-    };
-    let grid = Item::new(
-        "Grid",
-        [
-            ("cells", vector(&|axis| cells[axis] as f64)),
-            ("spacing", Value::Number(spacing)),
-            ("origin", vector(&|_| 0.0)),
-            ("periodic", vector(&|axis| f64::from(u8::from(edges[2 * axis] == "periodic")))),
-        ],
-    );
     let numbers = [("speed", 1.0), ("damping", 0.0), ("displacement", 0.0), ("rate", 0.0), ("density", 1.0), ("order", 2.0)];
     let mut item = Item::new("Wave", numbers.map(|(name, number)| (name, Value::Number(number))));
     "systems[0]".clone_into(&mut item.path);
-    item.values.insert("grid".to_owned(), Value::Record(Box::new(grid)));
-    item.values.insert("edges".to_owned(), Value::Texts(edges.iter().map(|&word| word.to_owned()).collect()));
+    item.values.insert("grid".to_owned(), Value::Record(Box::new(grid(cells, spacing, edges))));
+    item.values.insert("edges".to_owned(), on_edges(edges));
     item
 }
 
@@ -79,30 +68,6 @@ pub fn source(place: Value, amplitude: f64, frequency: f64) -> Item {
     with(item, "where", place)
 }
 
-/// A simulation of a wave alone.
-pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize) -> Result<Simulation> {
-    let dimension = match &item.values["edges"] {
-        Value::Texts(edges) => edges.len() / 2,
-        _ => 2,
-    };
-    let numerics = Numerics {
-        integrator: integrator.into(),
-        integrators: std::collections::BTreeMap::new(),
-        precision: precision.to_owned(),
-        threads: Some(threads),
-        max_energy_growth: 1e6,
-        vigilance: Vigilance::Active,
-    };
-    Simulation::new(&Scene { dimension, systems: vec![item.clone()], ..Scene::default() }, &numerics, &SERIAL)
-}
-
-/// That in double precision on one thread, after `steps` of `dt` seconds.
-pub fn after(item: &Item, integrator: &str, steps: u64, dt: f64) -> Simulation {
-    let mut simulation = simulation(item, integrator, "f64", 1).unwrap();
-    simulation.step(steps, dt, &|| false).unwrap();
-    simulation
-}
-
 /// Its displacement and its rate.
 pub fn fields(simulation: &Simulation) -> [Vec<f64>; 2] {
     ["displacement", "rate"].map(|name| simulation.read(&format!("systems[0].{name}")).unwrap().1)
@@ -111,11 +76,6 @@ pub fn fields(simulation: &Simulation) -> [Vec<f64>; 2] {
 /// Its energy budget.
 pub fn energy(simulation: &Simulation) -> Ledger {
     simulation.energy(&SERIAL).unwrap()
-}
-
-/// The largest |a − b|.
-pub fn distance(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
 }
 
 pub const N: usize = 21;
