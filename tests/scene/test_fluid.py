@@ -259,6 +259,13 @@ def test_fluids_are_computed_in_single_precision_unless_asked_otherwise():
             ),
             r"fluids\.shifting: expected 0 where there is surface tension",
         ),
+        (
+            lambda: pc.Simulation(
+                pc.Scene(pc.Fluid(WATER, 0.1, surface_tension=0.1)),
+                fluids=pc.WeaklyCompressible(kernel=pc.WendlandC2(0.7)),
+            ),
+            r"fluids\.kernel\.smoothing: expected at least 0.75 where there is surface tension, got 0.7",
+        ),
         (lambda: pc.Fluid(WATER, 0.21), "Fluid.positions: overlapping particles: 0 and 1 are 0.1 m apart"),
         (lambda: pc.Fluid([1.0, 2.0], 0.1), r"Fluid.positions: must have the shape \(N, 2\) or \(N, 3\)"),
         (lambda: pc.WendlandC2(0.5), "WendlandC2.smoothing: must be ≥ 0.6"),

@@ -53,12 +53,12 @@ def covered_area(positions: Array, spacing: float) -> float:
     return len(np.unique(cells.reshape(-1, 2), axis=0)) * cell**2
 
 
-def damped_wave(times: Array, values: Array, omega: float) -> tuple[float, float]:
-    """ω and γ of exp(−γt) cos(ωt + φ), by least squares over shifts of ω by 5 % and losses of up to 20 % a period."""
+def damped_wave(times: Array, values: Array, omega: float, loss: float = 0.22) -> tuple[float, float]:
+    """ω and γ of exp(−γt) cos(ωt + φ), by least squares over shifts of ω by 5 % and 2πγ/ω of up to `loss`."""
     best, found = np.inf, (0.0, 0.0)
     for frequency in omega * np.linspace(0.95, 1.05, 201):
         waves = np.stack([np.cos(frequency * times), np.sin(frequency * times)], axis=1)
-        for rate in omega / (2.0 * np.pi) * np.linspace(-0.02, 0.22, 121):
+        for rate in omega / (2.0 * np.pi) * np.linspace(-0.02, loss, 121):
             basis = np.exp(-rate * times)[:, None] * waves
             amplitudes = np.linalg.solve(basis.T @ basis, basis.T @ values)
             error = float(((basis @ amplitudes - values) ** 2).sum())

@@ -22,17 +22,23 @@ def drop(cells: Array, **changes: Any) -> pc.Fluid:
     return pc.Fluid(cells, 1.0, **{"density": 1.0, "surface_tension": 1.0, "viscosity": 0.0, **changes})
 
 
-def slowest(count: int) -> tuple[float, float]:
-    """The radius of a circle of so many cells, and ω of its slowest swing: ω² = n (n² − 1) σ/(ρR³), n = 2."""
-    radius = math.sqrt(count / math.pi)
-    return radius, math.sqrt(6.0 / radius**3)
+def slowest(count: int, dimension: int = 2) -> tuple[float, float]:
+    """The radius of a circle or a ball of so many cells, and ω of its slowest swing, n = 2.
+
+    ω² = n (n² − 1) σ/(ρR³) in 2D and n (n − 1) (n + 2) σ/(ρR³) in 3D.
+    """
+    if dimension == 2:
+        radius, factor = math.sqrt(count / math.pi), 6.0
+    else:
+        radius, factor = (0.75 * count / math.pi) ** (1.0 / 3.0), 8.0
+    return radius, math.sqrt(factor / radius**3)
 
 
 def ellipticity(positions: Array) -> Array:
-    """(⟨x²⟩ − ⟨y²⟩)/(⟨x²⟩ + ⟨y²⟩) about the center, (F)."""
+    """The mean square along the first axis less that along the others, over the sum of all, about the center, (F)."""
     places = positions - positions.mean(axis=1, keepdims=True)
-    x, y = np.moveaxis((places**2).mean(axis=1), 1, 0)
-    found: Array = (x - y) / (x + y)
+    squares = (places**2).mean(axis=1)
+    found: Array = (squares[:, 0] - squares[:, 1:].mean(axis=1)) / squares.sum(axis=1)
     return found
 
 
@@ -44,27 +50,36 @@ def rim(positions: Array) -> Array:
     return np.array([distances[sector == each].max() for each in range(-12, 12)])
 
 
-@pytest.mark.parametrize("spacings", [20.0, 30.0])
-def test_a_drop_swings_as_rayleigh_has_it(spacings, record_property):
-    """The period to 10 %, over two of them, with 20 and with 30 spacings in the radius; amplitude 8 %."""
-    cells = pc.ball((0.0, 0.0), spacings, 1.0) * np.array([1.08, 1.0 / 1.08])
-    radius, omega = slowest(len(cells))
+@pytest.mark.parametrize(("dimension", "spacings"), [(2, 20.0), (2, 30.0), (3, 8.0), (3, 10.0), (3, 12.0)])
+def test_a_drop_swings_as_rayleigh_has_it(dimension, spacings, record_property):
+    """The frequency to 15 % in 2D and 20 % in 3D, over two periods, with so many spacings in the radius; amplitude 8 %.
+
+    In 2D it is up to 10 % too low, by the grains of a lattice in which particles settle; in 3D some 10 % too high. The
+    energy of the surface is that of σ to 3 % in 2D, and to 6 % in 3D, where surfaces are more curved. Rearranging
+    particles dissipates: at most 30 % of the amplitude in a period in 2D, 60 % in 3D.
+    """
+    stretch = np.array([1.08, *[1.08 ** (-1.0 / (dimension - 1))] * (dimension - 1)])
+    cells = pc.ball((0.0,) * dimension, spacings, 1.0) * stretch
+    radius, omega = slowest(len(cells), dimension)
     period = 2.0 * math.pi / omega
     recording = start(drop(cells)).record(2.0 * period, fps=40.0 / period)
     found, rate = best_wave(recording.times, ellipticity(recording.positions), omega)
-    surface = recording.energy.by_term["surface tension"] / (2.0 * math.pi * radius)
+    area = 2.0 * math.pi * radius if dimension == 2 else 4.0 * math.pi * radius**2
+    surface = recording.energy.by_term["surface tension"] / area
     record_property("frequency", f"{found / omega - 1.0:+.1%}")
-    record_property("loss of amplitude per period", f"{1.0 - math.exp(-rate * 2.0 * math.pi / found):.0%}")
+    loss = 1.0 - math.exp(-rate * 2.0 * math.pi / found)
+    record_property("loss of amplitude per period", f"{loss:.0%}")
     record_property("energy of the surface over σ", f"{surface[0]:.2f} at first, {surface[-1]:.2f} settled")
     record_property("budget", f"{hole(recording.energy):.1e}")
-    assert found == pytest.approx(omega, rel=0.10)
-    assert surface[-1] == pytest.approx(1.0, abs=0.03)
+    assert found == pytest.approx(omega, rel=0.15 if dimension == 2 else 0.20)
+    assert loss < (0.3 if dimension == 2 else 0.6)
+    assert surface[-1] == pytest.approx(1.0, abs=0.03 if dimension == 2 else 0.06)
     assert hole(recording.energy) < 0.05
 
 
 def best_wave(times: Array, values: Array, omega: float) -> tuple[float, float]:
-    """The same as `damped_wave`, over ω within 40 %: the least of its misfits from several places."""
-    guesses = [damped_wave(times, values, omega * guess) for guess in np.linspace(0.65, 1.35, 8)]
+    """The same as `damped_wave`, over ω within 40 % and losses of up to 69 % a period: the least of several misfits."""
+    guesses = [damped_wave(times, values, omega * guess, loss=1.18) for guess in np.linspace(0.65, 1.35, 8)]
 
     def misfit(wave: tuple[float, float]) -> float:
         frequency, rate = wave
@@ -122,53 +137,21 @@ def test_a_drop_in_another_fluid_grows_round(ratio, record_property):
     assert mixed == 0
 
 
-def color(positions: Array, middle: float) -> Array:
-    """Σ W over its value in a lattice, without the particle itself, within `middle` of the center.
-
-    Wendland's C2 with h = 1.5.
-    """
-
-    def total(places: Array, points: Array) -> Array:
-        q = np.linalg.norm(places[:, None] - points, axis=-1) / 1.5
-        found: Array = (np.clip(1.0 - 0.5 * q, 0.0, None) ** 4 * (2.0 * q + 1.0)).sum(axis=1) - 1.0
-        return found
-
-    places = positions - positions.mean(axis=0)
-    dimension = places.shape[1]
-    lattice = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * dimension), axis=-1).reshape(-1, dimension)
-    inside = places[np.linalg.norm(places, axis=1) < middle]
-    found: Array = total(inside, places) / total(np.zeros((1, dimension)), lattice)
-    return found
-
-
-@pytest.mark.xfail(
-    reason="the energy of tension presses too: a color of 1.1 % (2D) and 1.7 % (3D) above 1 does as much as Laplace's "
-    "law, and without a lattice it is off by as much; in the middle +0.4 % and −2.3 %"
-)
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_a_drop_has_laplace_s_pressure(dimension, record_property):
-    """(D − 1) σ/R in the middle, as a mean over two periods of its ringing, with 12 spacings in the radius: 15 %.
+@pytest.mark.parametrize(("dimension", "spacings"), [(2, 12.0), (2, 20.0), (2, 30.0), (3, 8.0), (3, 10.0), (3, 12.0)])
+def test_a_drop_has_laplace_s_pressure(dimension, spacings, record_property):
+    """(D − 1) σ/R in the middle, as a mean over two periods of its ringing, with so many spacings in the radius: 20 %.
 
     R is that of the volume of all particles. A surface two spacings thick acts at a radius that is less by up to one,
-    8 %, and is within 3 % of σ once it has settled in 2D, in 3D within as much again.
-
-    Why it fails. The energy ½ A (1 − c)² for a volume, with a color c in proportion to the density of the particles
-    around, has the pressure A (c − 1) c. A is 7.3 σ/Δ in 2D and 15 σ/Δ in 3D (`moduli` in tension.rs, over `SETTLED`),
-    so that c − 1 = (D − 1) σ/(R A), 0.011 and 0.017 here, bears all of Laplace's pressure. c is exactly 1 in lattices
-    alone. In a drop they melt, and the equation of state, which sees the density that is carried along, bears what is
-    left.
+    8 to 12 % of the smallest. The color is off by 0.5e-3, and A (c − 1) is then 7 to 15 % of Laplace's pressure in 2D
+    and less in 3D.
     """
-    cells = pc.ball((0.0,) * dimension, 12.0 if dimension == 2 else 8.0, 1.0)
-    volume = len(cells)
-    radius = math.sqrt(volume / math.pi) if dimension == 2 else (0.75 * volume / math.pi) ** (1.0 / 3.0)
+    cells = pc.ball((0.0,) * dimension, spacings, 1.0)
+    radius, omega = slowest(len(cells), dimension)
     probe = pc.Probe((0.0,) * dimension, radius=0.5 * radius)
     run = start(drop(cells, viscosity=0.1), probe)
-    period = 2.0 * math.pi / math.sqrt(6.0 / radius**3)
+    period = 2.0 * math.pi / omega
     run.run(2.0 * period)
     recording = run.record(2.0 * period, fps=20.0 / period)
     found = float(recording[probe].pressure[1:].mean()) * radius / (dimension - 1)
-    off = np.mean([color(positions, 0.5 * radius).mean() for positions in recording.positions[1::8]]) - 1.0
-    borne = off * (7.27 if dimension == 2 else 15.02) * radius / (dimension - 1)
     record_property("pressure over (D − 1) σ/R", f"{found:.3f}")
-    record_property("color in the middle", f"{off:+.2%}, whose pressure is {borne:+.2f} of it")
-    assert found == pytest.approx(1.0, abs=0.15)
+    assert found == pytest.approx(1.0, abs=0.2)

@@ -87,10 +87,10 @@ where
     N::select(low, odd, even)
 }
 
-/// Where a volume has the tag of obstacles, which has both bits.
+/// Where a number has the tag of obstacles, which has both bits.
 #[inline(always)]
-fn is_obstacle<N: Number>(volume: N) -> N::Mask {
-    N::both(volume.has_bit(0), volume.has_bit(1))
+pub fn is_obstacle<N: Number>(tagged: N) -> N::Mask {
+    N::both(tagged.has_bit(0), tagged.has_bit(1))
 }
 
 /// Number of sums of [`Continuity`].

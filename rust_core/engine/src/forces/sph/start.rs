@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::laws::{KINDS, OBSTACLE};
+use super::tension::SHORT_RANGE;
 use super::walls::Side;
 use crate::boundaries::{self, Gap, Path, Wall};
 use crate::error::{Error, Result};
@@ -321,7 +322,15 @@ impl Material {
             Choice::Auto => enough_sound(scene, first, gravity)?,
             Choice::Given(speed) => speed,
         };
-        let smoothing_length = method.record("kernel")?.number("smoothing")? * spacing;
+        let (kernel, surface_tension) = (method.record("kernel")?, fluid.number("surface_tension")?);
+        let smoothing = kernel.number("smoothing")?;
+        if surface_tension > 0.0 && 2.0 * smoothing < SHORT_RANGE {
+            let expected = format!("at least {} where there is surface tension", 0.5 * SHORT_RANGE);
+            return Err(kernel
+                .wrong("smoothing", &expected, Some(&Value::Number(smoothing)))
+                .with_hint("surface tension keeps particles apart that are within 1.5 spacings, and they have to be neighbors"));
+        }
+        let smoothing_length = smoothing * spacing;
         let artificial_viscosity = match Choice::of(method, "artificial_viscosity")? {
             Choice::Auto => {
                 let own = viscosity / (density * smoothing_length * sound_speed * share(scene.dimension));
@@ -338,7 +347,7 @@ impl Material {
             viscosity,
             artificial_viscosity,
             density_diffusion: method.number("density_diffusion")?,
-            surface_tension: fluid.number("surface_tension")?,
+            surface_tension,
             gravity,
         })
     }

@@ -1,30 +1,38 @@
-//! Surface tension from an energy of the color field and its gradient.
+//! Surface tension from an energy of the color field, its gradient, and the density at short range.
 //!
 //! With the color c = Σ Vⱼ W / S, which is 1 inside a lattice at rest, and its gradient g = κ Σ Vⱼ ∇W, both over fluid of
-//! the same material, its images in walls, and obstacles, with rest volumes and r₀ less than the particle spacing:
+//! the same material, its images in walls, and obstacles, with rest volumes V, and the local density s = Σ (1 − r/r₀)₊² / S₀
+//! over the first two alone, which is 1 in a close packing of particles at rest:
 //!
 //! ```text
-//! E = Σ Vᵢ [½ A (1 − cᵢ)² + ½ B |gᵢ|²] + Σ ½ C (1 − r²/r₀²)₊²
-//! Fᵢ = −∂E/∂xᵢ = −Vᵢ Σ Vⱼ [(aᵢ + aⱼ) κ∇W + κ∇∇W (bᵢ − bⱼ)] + Σ 2 C (1 − r²/r₀²)₊ d/r₀²,  a = −A (1 − c)/κS,  b = B g
+//! E = Σ Vᵢ [½ A (1 − cᵢ)² + ½ B |gᵢ|² + ½ C (sᵢ − 1)₊²]
+//! Fᵢ = −∂E/∂xᵢ = −Vᵢ Σ Vⱼ [(aᵢ + aⱼ) κ∇W + κ∇∇W (bᵢ − bⱼ)] + Vᵢ Σ 2 (kᵢ + kⱼ) (1 − r/r₀)₊ d/r₀r
+//! a = −A (1 − c)/κS,  b = B g,  k = C (s − 1)₊/S₀
 //! ```
 //!
-//! The first two parts and their first derivatives vanish in every lattice of that density: the fluid gains neither
-//! pressure nor stiffness against shear. A and B give a relaxed surface the energy σ. The first part alone pulls the
-//! outermost layer inward and clusters particles; the second alone repels it: their ratio leaves this layer in equilibrium.
-//! Pairing of particles remains possible, because pressure depends on density alone; the third part, a repulsion below r₀,
-//! prevents it. At rest no pair is that close.
+//! The first two parts and their first derivatives vanish in a square or cubic lattice of that density, and almost in other
+//! ones: the fluid gains neither pressure nor stiffness against shear. A and B give a relaxed surface the energy σ. The first
+//! part alone pulls the outermost layer inward and clusters particles; the second alone repels it. Their ratio decides which
+//! part of Laplace's pressure they exert themselves, once particles have left the lattice: hardly any, so that the equation
+//! of state bears it.
+//!
+//! Pairing of particles remains possible, because pressure depends on density alone. The third part prevents it. It
+//! constrains each particle once, whereas a repulsion of pairs constrains each contact: drops in 3D then solidify as a glass.
 //!
 //! Energy, momentum and angular momentum are therefore functions of positions and velocities alone. The first part is
 //! cohesion as in S. Nugent and H. A. Posch, Phys. Rev. E 62 (2000) 4968, by the density around both; the second is the
 //! gradient energy of J. W. Cahn and J. E. Hilliard, J. Chem. Phys. 28 (1958) 258, whose simplified force is the area
-//! minimization of N. Akinci, G. Akinci and M. Teschner, ACM Trans. Graph. 32 (2013) 182. At the interface of two fluids
+//! minimization of N. Akinci, G. Akinci and M. Teschner, ACM Trans. Graph. 32 (2013) 182; the third is the repulsion by a
+//! local density of shorter range, with its weight, of P. B. Warren, Phys. Rev. E 68 (2003) 066702. At the interface of two fluids
 //! the tension is the sum of theirs.
+
+use std::f64::consts::FRAC_2_PI;
 
 use glam::DVec3;
 
 use super::images::{ImagePressure, WallCondition};
 use super::kernel::{self, Kernel, Shape, Wave};
-use super::laws::{KINDS, OBSTACLE, content, pick, volume};
+use super::laws::{KINDS, OBSTACLE, content, is_obstacle, pick, volume};
 use super::start::{Material, Materials};
 use super::walls::Walls;
 use crate::forces::neighbor_list::NeighborList;
@@ -33,30 +41,41 @@ use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::Executor;
 use crate::simd::{Number, Record};
 
-/// r₀ in units of the particle spacing at rest: spheres of this diameter fill a third of the space in 3D, and jam at two
-/// thirds.
-const CONTACT: f64 = 0.85;
+/// r₀ in units of the particle spacing at rest.
+pub const SHORT_RANGE: f64 = 1.5;
 
-/// C in units of σΔ^(D−1).
-const FIRMNESS: f64 = 8.0;
+/// C Δ/σ before the surface settles, as A and B are: from half to eight times of it, frequencies of drops differ by less than
+/// a tenth.
+const REPULSION: f64 = 3.0;
 
-/// Ratio of the energy of a relaxed surface to that of a flat lattice surface, in 2D and 3D: measured on drops of 20 to 30
-/// spacings in 2D (0.745) and of 10 to 16 in 3D (0.45 to 0.50), with Wendland's C2 and h = 1.5 Δ.
-const SETTLED: [f64; 2] = [0.75, 0.5];
+/// The local density s up to which the bound on the step holds. In drops that have settled it is 1.2 at most, in a disordered
+/// fluid some 1.4.
+const DENSEST: f64 = 1.5;
+
+/// Least divisor distance, in units of r₀.
+const TINY: f64 = 1e-6;
+
+/// A/B in units of its value with which the outermost layer of a flat lattice is in equilibrium, in 2D and 3D: that with which
+/// the equation of state bears Laplace's pressure in drops of 12 to 30 spacings in 2D and of 8 to 12 in 3D, with Wendland's C2
+/// and h = 1.5 Δ.
+const COHESION: [f64; 2] = [1.8, 1.65];
+
+/// Ratio of the energy of a relaxed surface to that of a flat lattice surface, in 2D and 3D: measured on these drops.
+const SETTLED: [f64; 2] = [0.75, 0.80];
 
 /// Images have the color of their originals: free slip, no hydrostatic difference.
 const FREE_SLIP: WallCondition = WallCondition { weight: DVec3::ZERO, no_slip: false };
 
-/// Number of sums of [`ColorField`]: g along each axis, c S, and the repulsion energy over ¼ V.
+/// Number of sums of [`ColorField`]: g along each axis, c S, and s S₀.
 const COLOR_SUMS: usize = AXES + 2;
 const COLOR: usize = AXES;
-const OVERLAP: usize = AXES + 1;
+const LOCAL_DENSITY: usize = AXES + 1;
 
-/// Cohesion coefficients of one material with each other one: 1 or 0 in the color, and C/V of the repulsion.
+/// Whether one material counts each other one, 1 or 0: in the color, and in the local density.
 #[derive(Debug, Clone, Copy)]
 struct Cohesion<T> {
     color: [T; KINDS],
-    repulsion: [T; KINDS],
+    local_density: [T; KINDS],
 }
 
 /// Common data of both laws: the coefficients of every material, and those of the particle's material.
@@ -65,31 +84,30 @@ struct Common<T, K, const MIXED: bool> {
     kernel: Kernel<T, K>,
     cohesion: [Cohesion<T>; KINDS],
     for_particle: Cohesion<T>,
-    /// 1/r₀² [1/m²].
-    contact: T,
+    /// 1/r₀ [1/m].
+    inverse_range: T,
 }
 
 impl<T: Real, K: Shape, const MIXED: bool> Common<T, K, MIXED> {
     #[inline(always)]
-    fn for_particle<V: Vector<Scalar = T>>(mut self, own: &Record<T>) -> Self {
+    fn for_particle(mut self, tagged: T) -> Self {
         if MIXED {
-            self.for_particle = self.cohesion[usize::from(volume::<V, _>(own).tag())];
+            self.for_particle = self.cohesion[usize::from(tagged.tag())];
         }
         self
     }
 
-    /// Volume of the other particle, 0 if it does not count in the color.
+    /// The volume, or 0 if a particle of this tag does not count in the color.
     #[inline(always)]
-    fn cohesive_volume<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
-        let volume = volume::<V, N>(&pair.other);
-        if MIXED { volume * pick::<N, MIXED>(volume, &self.for_particle.color) } else { volume }
+    fn cohesive<N: Number<Scalar = T>>(&self, tagged: N, volume: N) -> N {
+        if MIXED { volume * pick::<N, MIXED>(tagged, &self.for_particle.color) } else { volume }
     }
 
-    /// Overlap (1 − r²/r₀²)₊, and C/V times that.
+    /// 1 − r/r₀, or 0 beyond r₀ and for a particle of this tag that does not count in the local density.
     #[inline(always)]
-    fn overlap<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> [N; 2] {
-        let depth = (N::constant(1.0) - pair.square * N::of(self.contact)).max(N::constant(0.0));
-        [depth, depth * pick::<N, MIXED>(volume::<V, N>(&pair.other), &self.for_particle.repulsion)]
+    fn closeness<N: Number<Scalar = T>>(&self, tagged: N, distance: N) -> N {
+        let closeness = (N::constant(1.0) - distance * N::of(self.inverse_range)).max(N::constant(0.0));
+        if MIXED { closeness * pick::<N, MIXED>(tagged, &self.for_particle.local_density) } else { closeness }
     }
 }
 
@@ -100,49 +118,62 @@ struct ColorField<T, K, const MIXED: bool>(Common<T, K, MIXED>);
 impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn for_particle(self, own: &Record<V::Scalar>) -> Self {
-        Self(self.0.for_particle::<V>(own))
+        Self(self.0.for_particle(volume::<V, _>(own)))
     }
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; COLOR_SUMS] {
-        let (cohesive_volume, distance) = (self.0.cohesive_volume::<V, N>(pair), pair.distance);
+        let (volume, distance) = (volume::<V, N>(&pair.other), pair.distance);
+        let cohesive_volume = self.0.cohesive(volume, volume);
         let slope = self.0.kernel.slope(cohesive_volume, distance);
         let mut terms = [N::constant(0.0); COLOR_SUMS];
         for axis in 0..V::DIMENSION {
             terms[axis] = slope * pair.separation[axis];
         }
         terms[COLOR] = cohesive_volume * self.0.kernel.value(distance);
-        let [depth, force] = self.0.overlap::<V, N>(pair);
-        terms[OVERLAP] = depth * force;
+        let closeness = self.0.closeness(volume, distance);
+        terms[LOCAL_DENSITY] = closeness * closeness;
         terms
     }
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {}
 
-/// Force density [N/m^D], from records of b and a.
+/// Force density [N/m^D], from records of b, 2k/r₀ in the place of the volume, which obstacles keep, and a with the tag of
+/// the material.
 #[derive(Debug, Clone, Copy)]
-struct TensionForce<T, K, const MIXED: bool>(Common<T, K, MIXED>);
+struct TensionForce<T, K, const MIXED: bool> {
+    common: Common<T, K, MIXED>,
+    /// The volume of a particle of fluid at rest [m^D].
+    volume: T,
+    /// Least distance of a division [m].
+    tiny: T,
+}
 
 impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn for_particle(self, own: &Record<V::Scalar>) -> Self {
-        Self(self.0.for_particle::<V>(own))
+        Self { common: self.common.for_particle(content::<V, _>(own)), ..self }
     }
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; AXES] {
-        let Pair { own, other, separation, .. } = pair;
-        let (cohesive_volume, distance) = (self.0.cohesive_volume::<V, N>(pair), pair.distance);
-        let slope = self.0.kernel.slope(cohesive_volume, distance);
+        let Pair { own, other, separation, distance, .. } = pair;
+        let (tagged, distance, mut cohesive_volume) = (content::<V, N>(other), *distance, N::of(self.volume));
+        if MIXED {
+            let volume = N::select(is_obstacle(tagged), volume::<V, N>(other), cohesive_volume);
+            cohesive_volume = self.common.cohesive(tagged, volume);
+        }
+        let slope = self.common.kernel.slope(cohesive_volume, distance);
         let (mut terms, mut along) = ([N::constant(0.0); AXES], N::constant(0.0));
         for axis in 0..V::DIMENSION {
             terms[axis] = other[V::DIMENSION + axis] - own[V::DIMENSION + axis];
             along += terms[axis] * separation[axis];
         }
-        let [_, repulsion] = self.0.overlap::<V, N>(pair);
-        let push = self.0.kernel.bend(cohesive_volume, distance) * along + N::constant(2.0) * repulsion * N::of(self.0.contact)
-            - (content::<V, N>(own) + content::<V, N>(other)) * slope;
+        let along_pair = self.common.closeness(tagged, distance) / distance.max(N::of(self.tiny));
+        let repulsion = (volume::<V, N>(own) + volume::<V, N>(other)) * along_pair;
+        let push =
+            self.common.kernel.bend(cohesive_volume, distance) * along + repulsion - (content::<V, N>(own) + tagged) * slope;
         for axis in 0..V::DIMENSION {
             terms[axis] = slope * terms[axis] + push * separation[axis];
         }
@@ -160,8 +191,11 @@ pub struct Tension<V: Vector, K, const MIXED: bool> {
     rest: f64,
     /// κS.
     rest_scale: f64,
-    /// Moduli A [Pa] and B [N] of each material.
-    moduli: [[f64; 2]; KINDS],
+    /// Moduli A [Pa], B [N] and C [Pa] of each material.
+    moduli: [[f64; 3]; KINDS],
+    /// r₀ [m], and the sum S₀ in close packing.
+    short_range: f64,
+    packed: f64,
     /// [`Tension::stiffness`] of each material.
     stiffness: [f64; KINDS],
     /// Sums of [`ColorField`] and [`TensionForce`] by slot.
@@ -181,35 +215,44 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         let unit = moduli::<K>(ratio, V::DIMENSION);
         let h = common.smoothing_length;
         let tension = |fluid: &Material| fluid.surface_tension / SETTLED[V::DIMENSION - 2];
-        let of = |fluid: &Material| [unit[0] / h, unit[1] * h].map(|modulus| modulus * tension(fluid));
+        let of =
+            |fluid: &Material| [unit[0] / h, unit[1] * h, REPULSION / common.spacing].map(|modulus| modulus * tension(fluid));
         let color = materials.pairs(|one, other| if one == other { 1.0 } else { 0.0 });
-        let firm = |fluid: &Material| FIRMNESS * tension(fluid) / fluid.spacing;
-        let mut repulsion = materials.pairs(|one, other| if one == other { firm(one) } else { 0.0 });
+        let mut local_density = color;
         // Obstacles repel by their pressure alone.
-        repulsion[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
-        repulsion.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
-        let cohesion = std::array::from_fn(|kind| Cohesion { color: color[kind], repulsion: repulsion[kind] });
-        let contact = V::Scalar::from_f64((CONTACT * common.spacing).powi(-2));
-        let laws = Common { kernel, cohesion, for_particle: cohesion[0], contact };
-        // The stiffness of a lattice wave, by its `frequency` in the kernel, and of a particle between two contacts.
-        let rest_scale = rest * scale;
-        let stiffness = |fluid: &Material| {
-            let [area, gradient] = of(fluid);
+        local_density[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
+        local_density.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
+        let cohesion = std::array::from_fn(|kind| Cohesion { color: color[kind], local_density: local_density[kind] });
+        let short_range = SHORT_RANGE * common.spacing;
+        let inverse_range = V::Scalar::from_f64(short_range.recip());
+        let laws = Common { kernel, cohesion, for_particle: cohesion[0], inverse_range };
+        // The stiffness of a lattice wave, by its `frequency` in the kernel, and of the repulsion.
+        let (rest_scale, [packed, repelled]) = (rest * scale, close_packing(V::DIMENSION));
+        let of_color = |fluid: &Material| {
+            let [area, gradient, _] = of(fluid);
             let through =
                 |wave: &Wave| (area / rest_scale.powi(2) + gradient * (wave.number / h).powi(2)) * (wave.frequency / h).powi(2);
-            let contacts = 2.0 * 4.0 * firm(fluid) / (CONTACT * fluid.spacing).powi(2);
-            waves.iter().map(through).fold(0.0, f64::max) + contacts
+            waves.iter().map(through).fold(0.0, f64::max)
         };
-        let each: [f64; KINDS] = std::array::from_fn(|kind| materials.fluids.get(kind).map_or(0.0, stiffness));
-        let stiffest = each.iter().copied().fold(0.0, f64::max);
+        let of_repulsion = |fluid: &Material| of(fluid)[2] * repelled / common.spacing.powi(2);
+        // Obstacles are not repelled, and take the stiffest fluid.
+        let stiffness = |kind: usize| match materials.fluids.get(kind) {
+            Some(fluid) => of_color(fluid) + of_repulsion(fluid),
+            None => materials.fluids.iter().map(of_color).fold(0.0, f64::max),
+        };
         Some(Self {
             color_field: ColorField(laws),
-            force: TensionForce(laws),
+            force: TensionForce {
+                common: laws,
+                volume: V::Scalar::from_f64(common.mass / common.density),
+                tiny: V::Scalar::from_f64(TINY * short_range),
+            },
             rest,
             rest_scale,
-            // An obstacle takes the stiffest fluid.
-            stiffness: std::array::from_fn(|kind| if kind == usize::from(OBSTACLE) { stiffest } else { each[kind] }),
-            moduli: std::array::from_fn(|kind| materials.fluids.get(kind).map_or([0.0; 2], of)),
+            short_range,
+            packed,
+            stiffness: std::array::from_fn(stiffness),
+            moduli: std::array::from_fn(|kind| materials.fluids.get(kind).map_or([0.0; 3], of)),
             color_sums: vec![[V::Scalar::ZERO; COLOR_SUMS]; count],
             forces: vec![[V::Scalar::ZERO; AXES]; count],
         })
@@ -242,18 +285,21 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         volume: &(impl Fn(usize) -> f64 + Sync),
         executor: &Executor,
     ) {
-        let Self { color_field, force, rest, rest_scale, moduli, color_sums, forces, .. } = self;
+        let Self { color_field, force, rest, rest_scale, moduli, short_range, packed, color_sums, forces, .. } = self;
         Self::sum_color(*color_field, (neighbor_list, records), walls, kind, volume, color_sums, executor);
         let neighbors = neighbor_list.neighbors();
         let slots = neighbors.slots();
         records.fill(neighbors, neighbor_list.positions(), executor, &|member, record| {
-            let (sums, [area, gradient]) = (&color_sums[slots[member] as usize], moduli[usize::from(kind[member])]);
+            let (sums, kind) = (&color_sums[slots[member] as usize], kind[member]);
+            let [area, gradient, repulsion] = moduli[usize::from(kind)];
             for axis in 0..V::DIMENSION {
                 record[V::DIMENSION + axis] = V::Scalar::from_f64(gradient) * sums[axis];
             }
-            record[2 * V::DIMENSION] = V::Scalar::from_f64(volume(member)).tagged(kind[member]);
             let missing = 1.0 - sums[COLOR].to_f64() / *rest;
-            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(-area * missing / *rest_scale);
+            let excess = (sums[LOCAL_DENSITY].to_f64() / *packed - 1.0).max(0.0);
+            let repulsion = 2.0 * repulsion * excess / (*packed * *short_range);
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(if kind == OBSTACLE { volume(member) } else { repulsion });
+            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(-area * missing / *rest_scale).tagged(kind);
         });
         records.sum(neighbors, *force, forces, executor);
         walls.add(*force, &FREE_SLIP, (neighbor_list, records), forces, executor);
@@ -276,16 +322,17 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         let mut color_sums = self.color_sums.clone();
         Self::sum_color(self.color_field, (neighbor_list, records), walls, kind, volume, &mut color_sums, executor);
         let energy = |(member, &slot): (usize, &u32)| {
-            let (sums, [area, gradient]) = (color_sums[slot as usize].map(Real::to_f64), self.moduli[usize::from(kind[member])]);
-            let missing = 1.0 - sums[COLOR] / self.rest;
+            let (sums, moduli) = (color_sums[slot as usize].map(Real::to_f64), self.moduli[usize::from(kind[member])]);
             let square: f64 = sums[..V::DIMENSION].iter().map(|along| along * along).sum();
-            // Each particle accounts for half of a contact's energy.
-            volume(member) * (0.5 * area * missing * missing + 0.5 * gradient * square + 0.25 * sums[OVERLAP])
+            let squares =
+                [(1.0 - sums[COLOR] / self.rest).powi(2), square, (sums[LOCAL_DENSITY] / self.packed - 1.0).max(0.0).powi(2)];
+            volume(member) * moduli.iter().zip(squares).map(|(modulus, square)| 0.5 * modulus * square).sum::<f64>()
         };
         neighbor_list.neighbors().slots().iter().enumerate().map(energy).sum()
     }
 
-    /// The largest stiffness of a particle of a material, per rest volume [N/m^(D+1)].
+    /// The largest stiffness of a particle of a material while its local density is at most [`DENSEST`], per rest volume
+    /// [N/m^(D+1)].
     pub fn stiffness(&self, kind: u8) -> f64 {
         self.stiffness[usize::from(kind)]
     }
@@ -296,8 +343,23 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
     }
 }
 
-/// A and B for unit tension, unit smoothing length and this spacing: the outermost layer of a flat lattice is in
-/// equilibrium, and the layers together have unit energy.
+/// The sum S₀ in close packing, and the largest stiffness of the repulsion at the local density [`DENSEST`], for unit C and
+/// spacing.
+///
+/// With P = Σ |dφ/dr| / S₀ of the weight φ = (1 − r/r₀)², a wave of displacements changes s by P ⟨|cos|⟩ at most, and P² is in
+/// proportion to s for as many neighbors. The curvature of φ, 2/r₀², adds (s − 1) 4 Σ 2 cos²/(r₀² S₀) = (s − 1) 2 P²/D.
+fn close_packing(dimension: usize) -> [f64; 2] {
+    // The hexagonal and the face-centered cubic lattice. Their second neighbors are farther than r₀.
+    let [count, distance, cosine] =
+        [[6.0, (4.0_f64 / 3.0).powf(0.25), FRAC_2_PI], [12.0, 2.0_f64.powf(1.0 / 6.0), 0.5]][dimension - 2];
+    let closeness = 1.0 - distance / SHORT_RANGE;
+    let slope = 2.0 / (SHORT_RANGE * closeness);
+    let stiffness = slope * slope * (DENSEST * cosine * cosine + 2.0 * (DENSEST - 1.0) / dimension as f64);
+    [count * closeness * closeness, stiffness]
+}
+
+/// A and B for unit smoothing length and this spacing: their ratio is [`COHESION`] times that with which the outermost layer
+/// of a flat lattice is in equilibrium, and the layers together have unit energy.
 fn moduli<K: Shape>(spacing: f64, dimension: usize) -> [f64; 2] {
     let (rest, scale) = kernel::lattice_density::<K>(spacing, dimension);
     let kernel = Kernel::<f64, K>::new(1.0, spacing, dimension);
@@ -317,8 +379,9 @@ fn moduli<K: Shape>(spacing: f64, dimension: usize) -> [f64; 2] {
         over(0.0, &|x, r| (missing(0.0) + missing(-layer(x))) / (scale * rest) * kernel.slope(1.0, r) * x),
         over(0.0, &|x, r| (kernel.slope(1.0, r) + kernel.bend(1.0, r) * x * x) * (gradient(-layer(x)) - gradient(0.0))),
     ];
-    let [pull, lift] = [forces[0] / energies[0], forces[1] / energies[1]];
-    [lift / (lift - pull) / energies[0], pull / (pull - lift) / energies[1]]
+    let [area, gradient] = [COHESION[dimension - 2] * forces[1], -forces[0]];
+    let energy = area * energies[0] + gradient * energies[1];
+    [area / energy, gradient / energy]
 }
 
 #[cfg(test)]
