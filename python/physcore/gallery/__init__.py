@@ -36,6 +36,7 @@ DEMOS = (
     "dam_break_3d",
     "two_dams",
     "splash",
+    "drops",
     "lava",
     "rayleigh_taylor",
     "hourglass",
