@@ -44,12 +44,10 @@ use crate::simd::{Number, Record};
 /// r₀ in units of the particle spacing at rest.
 pub const SHORT_RANGE: f64 = 1.5;
 
-/// C Δ/σ before the surface settles, as A and B are: from half to eight times of it, frequencies of drops differ by less than
-/// a tenth.
+/// C in units of σ/Δ over [`SETTLED`]. From half to eight times of it, frequencies of drops differ by less than a tenth.
 const REPULSION: f64 = 3.0;
 
-/// The local density s up to which the bound on the step holds. In drops that have settled it is 1.2 at most, in a disordered
-/// fluid some 1.4.
+/// The local density s up to which the bound on the step holds. In drops that have settled it is 1.2 at most.
 const DENSEST: f64 = 1.5;
 
 /// Least divisor distance, in units of r₀.
@@ -139,8 +137,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorFie
 
 impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {}
 
-/// Force density [N/m^D], from records of b, 2k/r₀ in the place of the volume, which obstacles keep, and a with the tag of
-/// the material.
+/// Force density [N/m^D], from records of b, 2k/r₀ or the volume of an obstacle, and a with the tag of the material.
 #[derive(Debug, Clone, Copy)]
 struct TensionForce<T, K, const MIXED: bool> {
     common: Common<T, K, MIXED>,
@@ -159,9 +156,10 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; AXES] {
         let Pair { own, other, separation, distance, .. } = pair;
-        let (tagged, distance, mut cohesive_volume) = (content::<V, N>(other), *distance, N::of(self.volume));
+        let (first, tagged) = (2 * V::DIMENSION, content::<V, N>(other));
+        let (distance, mut cohesive_volume) = (*distance, N::of(self.volume));
         if MIXED {
-            let volume = N::select(is_obstacle(tagged), volume::<V, N>(other), cohesive_volume);
+            let volume = N::select(is_obstacle(tagged), other[first], cohesive_volume);
             cohesive_volume = self.common.cohesive(tagged, volume);
         }
         let slope = self.common.kernel.slope(cohesive_volume, distance);
@@ -171,7 +169,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V
             along += terms[axis] * separation[axis];
         }
         let along_pair = self.common.closeness(tagged, distance) / distance.max(N::of(self.tiny));
-        let repulsion = (volume::<V, N>(own) + volume::<V, N>(other)) * along_pair;
+        let repulsion = (own[first] + other[first]) * along_pair;
         let push =
             self.common.kernel.bend(cohesive_volume, distance) * along + repulsion - (content::<V, N>(own) + tagged) * slope;
         for axis in 0..V::DIMENSION {
