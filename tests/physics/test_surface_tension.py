@@ -80,7 +80,7 @@ def test_its_force_is_that_of_its_energy(name, dimension):
     assert largest > 0.5
     # Some anywhere, and those next to the interface, the walls and the obstacle.
     near = [np.abs(positions[:, 0]).argmin(), positions[:, 1].argmin(), positions.sum(axis=1).argmin()]
-    for index in (0, count // 3, count // 2, *near):
+    for index in (0, count // 3, count // 2, count - 1, *near):
         for axis in range(dimension):
             step = np.zeros_like(positions)
             step[index, axis] = shift

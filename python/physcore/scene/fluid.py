@@ -50,7 +50,7 @@ class Fluid(Body):
     to another fluid, where the tension of the interface is the sum of both. Walls and obstacles count as more of the
     same fluid, so that a surface meets them at an angle of 90°. The energy stands in the audit as "surface tension". σ
     is that of a surface that has settled, with the default kernel: particles find their places in the first moments.
-    Drops then swing with Rayleigh's frequency, to 15 %, and have Laplace's pressure, to 20 %. They lose up to a fifth
+    Drops then swing with Rayleigh's frequency, to 15 %, and have Laplace's pressure, to 15 %. They lose up to a fifth
     of their amplitude per period in 2D and up to half of it in 3D, more than viscosity alone takes. With other kernels
     σ is off by up to a third, and those narrower than a smoothing of 0.75 are refused.
 

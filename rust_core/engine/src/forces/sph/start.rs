@@ -326,9 +326,8 @@ impl Material {
         let smoothing = kernel.number("smoothing")?;
         if surface_tension > 0.0 && 2.0 * smoothing < SHORT_RANGE {
             let expected = format!("at least {} where there is surface tension", 0.5 * SHORT_RANGE);
-            return Err(kernel
-                .wrong("smoothing", &expected, Some(&Value::Number(smoothing)))
-                .with_hint("surface tension keeps particles apart that are within 1.5 spacings, and they have to be neighbors"));
+            let hint = format!("it keeps particles apart within {SHORT_RANGE} spacings, and the support is twice the smoothing");
+            return Err(kernel.wrong("smoothing", &expected, Some(&Value::Number(smoothing))).with_hint(hint));
         }
         let smoothing_length = smoothing * spacing;
         let artificial_viscosity = match Choice::of(method, "artificial_viscosity")? {

@@ -1,4 +1,4 @@
-//! Surface tension from an energy of the color field, its gradient, and the density at short range.
+//! Surface tension from an energy of the color field, its gradient, and the local density.
 //!
 //! With the color c = Σ Vⱼ W / S, which is 1 inside a lattice at rest, and its gradient g = κ Σ Vⱼ ∇W, both over fluid of
 //! the same material, its images in walls, and obstacles, with rest volumes V, and the local density s = Σ (1 − r/r₀)₊² / S₀
@@ -23,8 +23,8 @@
 //! cohesion as in S. Nugent and H. A. Posch, Phys. Rev. E 62 (2000) 4968, by the density around both; the second is the
 //! gradient energy of J. W. Cahn and J. E. Hilliard, J. Chem. Phys. 28 (1958) 258, whose simplified force is the area
 //! minimization of N. Akinci, G. Akinci and M. Teschner, ACM Trans. Graph. 32 (2013) 182; the third is the repulsion by a
-//! local density of shorter range, with its weight, of P. B. Warren, Phys. Rev. E 68 (2003) 066702. At the interface of two fluids
-//! the tension is the sum of theirs.
+//! local density of shorter range, with its weight, of P. B. Warren, Phys. Rev. E 68 (2003) 066702. At the interface of two
+//! fluids the tension is the sum of theirs.
 
 use std::f64::consts::FRAC_2_PI;
 
