@@ -12,12 +12,18 @@ __all__ = [
     "Projection",
     "Texture",
     "World",
+    "arctan2",
     "available_memory",
     "convex_hull",
+    "cos",
     "coverage",
+    "exp",
     "heatmap",
+    "log",
     "missing_signs",
     "norms",
+    "power",
+    "sin",
     "text_width",
     "tint",
 ]
@@ -56,6 +62,12 @@ class _PlanRecord(TypedDict):
 _Rgb = tuple[int, int, int]
 _Ink = tuple[int, int, int, int]
 
+def exp(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def log(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def sin(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def cos(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def arctan2(y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def power(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def available_memory() -> int | None: ...
 
 @final

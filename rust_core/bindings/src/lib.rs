@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod arrays;
 mod callback;
 mod canvas;
+mod elementary;
 mod errors;
 mod gif;
 mod hull;
@@ -16,11 +17,18 @@ mod world;
 /// The module `physcore._core`.
 #[pymodule(gil_used = false)]
 mod _core {
+    use physcore_engine::simd::Level;
+    use pyo3::exceptions::PyImportError;
     use pyo3::prelude::*;
 
-    /// Imports `NumPy` at module initialization: an interrupt during its first use would panic.
+    /// Refuses processors that the code is not for, and imports `NumPy`: an interrupt during its first use would panic.
     #[pymodule_init]
-    fn find_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    fn look_around(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        if !Level::is_supported() {
+            return Err(PyImportError::new_err(
+                "physcore needs a processor with AVX2 and FMA (x86-64 since 2013), which this one lacks",
+            ));
+        }
         module.py().import("numpy")?;
         numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())
@@ -28,6 +36,8 @@ mod _core {
 
     #[pymodule_export]
     use super::canvas::{Canvas, Texture, coverage, heatmap, missing_signs, text_width};
+    #[pymodule_export]
+    use super::elementary::{arctan2, cos, exp, log, power, sin};
     #[pymodule_export]
     use super::gif::Gif;
     #[pymodule_export]

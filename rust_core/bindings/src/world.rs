@@ -6,13 +6,13 @@ use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
-use physcore_engine::forces::Mach;
 use physcore_engine::ledger::{Budget, Class};
 use physcore_engine::memory;
 use physcore_engine::parallel::{Executor, SERIAL, attend};
 use physcore_engine::plan::Stages;
 use physcore_engine::simulation::{Adaptation, Checkpoint, Numerics, Rule, Segment, Simulation, Vigilance};
 use physcore_engine::stability::{Horizon, Kind, Limit};
+use physcore_engine::systems::Mach;
 use physcore_engine::systems::{Quantity, Sample};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;

@@ -8,33 +8,20 @@
 //! between pairs by the lists of [`neighbors`]) and resolves contacts with the [`boundaries`], block by block, on the
 //! threads of [`parallel`] and at the SIMD level of [`simd`].
 
-pub mod adjacency;
-pub mod aligned;
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
+
 pub mod boundaries;
-pub mod columns;
 pub mod contacts;
-pub mod error;
 pub mod forces;
-pub mod grid;
-pub mod history;
-pub mod integrators;
-pub mod ledger;
-pub mod math;
 pub mod matter;
-pub mod memory;
 pub mod neighbors;
-pub mod parallel;
-pub mod plan;
 pub mod rods;
-pub mod scene;
 pub mod self_contact;
-pub mod simd;
 pub mod simulation;
 pub mod sparse;
-pub mod stability;
 pub mod systems;
-pub mod tally;
 
-// The scenes of the integration tests serve unit tests too.
-#[cfg(test)]
-extern crate self as physcore_engine;
+pub use physcore_base::{
+    adjacency, aligned, columns, error, grid, history, integrators, ledger, math, memory, parallel, plan, scene, simd, stability,
+    tally, with_integrator,
+};

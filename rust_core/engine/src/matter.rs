@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 pub use crate::columns::{Columns, Span, View};
+pub use crate::integrators::REGISTERS;
 use crate::math::{Real, Vector};
 use crate::parallel::Split;
 use crate::simd::padded;
@@ -178,9 +179,6 @@ impl<V: Vector> Matter<V> {
         }
     }
 }
-
-/// Maximum number of registers (vectors per particle) of an integrator. Unused ones are empty.
-pub const REGISTERS: usize = 6;
 
 /// Consecutive mutable blocks of matter.
 #[derive(Debug)]

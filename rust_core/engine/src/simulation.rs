@@ -15,13 +15,13 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::forces::Mach;
 use crate::ledger::Ledger;
 use crate::parallel::{Executor, SERIAL, ThreadPool};
 use crate::plan::Plan;
 use crate::scene::{Item, Scene};
 use crate::simd::Level;
 use crate::stability::{Horizon, Limit};
+use crate::systems::Mach;
 use crate::systems::{self, FieldInfo, Interval, Record, Sample, System};
 use monitor::{Monitor, Steps};
 

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span, View};
 use crate::parallel::Executor;
+use physcore_base::systems::Mach;
 
 /// The drift of all particles over a substep, at constant velocity.
 #[derive(Debug, Clone, Copy)]
@@ -44,20 +45,6 @@ pub struct Fields {
     pub density: Vec<f64>,
     /// Pressure [Pa].
     pub pressure: Vec<f64>,
-}
-
-/// The Mach number of a flow, speed over speed of sound.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Mach {
-    /// The fraction of particles with a Mach number above [`Mach::FAST`].
-    pub fast: f64,
-    /// Speed of sound c [m/s].
-    pub sound: f64,
-}
-
-impl Mach {
-    /// Mach number Ma of a fast flow: the density error is about Ma², two percent.
-    pub const FAST: f64 = 0.15;
 }
 
 /// The evolution of density by a force.

@@ -36,7 +36,7 @@ mod strength;
 mod wind;
 
 pub use central::{InverseSquare, InverseSquareLaw};
-pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
+pub use density::{DensityEvolution, Drift, Fields, Scheme};
 use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;
 pub(crate) use electromagnetic::{Affine, FieldLaw, Law, Use, times};

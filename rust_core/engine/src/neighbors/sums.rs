@@ -9,7 +9,7 @@ use super::{BLOCK, List, Neighbors};
 use crate::aligned::filled;
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Group, Isa, Kernel, LANES, Lanes, Number, Pack, Record, Table, WORDS, dispatch};
+use crate::simd::{Group, Isa, Kernel, LANES, Lanes, Number, Pack, Record, Table, WORDS, dispatch, dispatch_wide};
 
 /// A particle and its neighbor; or several neighbors, one in each lane.
 #[derive(Debug, Clone, Copy)]
@@ -108,12 +108,7 @@ impl<V: Vector> Records<V> {
         let count = neighbors.count();
         assert!(self.words.len() == count + LANES && sums.len() == count, "one record and sum per particle");
         executor.for_each_block(BlockedSlice::new(sums, BLOCK), &|mine| {
-            let for_each_block = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items, executor };
-            if V::Scalar::WRAPS || !self.periodic {
-                dispatch(Wrapped::<V, L, SUMS, false>(for_each_block));
-            } else {
-                dispatch(Wrapped::<V, L, SUMS, true>(for_each_block));
-            }
+            dispatch_wide(Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items, executor });
         });
     }
 
@@ -125,12 +120,7 @@ impl<V: Vector> Records<V> {
         law: impl Fn(&D) -> L,
         take: impl FnMut(usize, [V::Scalar; SUMS]),
     ) {
-        let records = self;
-        if V::Scalar::WRAPS || !self.periodic {
-            dispatch(Few::<V, _, _, _, SUMS, false> { records, each: few, law, take });
-        } else {
-            dispatch(Few::<V, _, _, _, SUMS, true> { records, each: few, law, take });
-        }
+        dispatch(Few::<V, _, _, _, SUMS> { records: self, each: few, law, take });
     }
 }
 
@@ -168,30 +158,27 @@ struct Sweep<'a, V: Vector, L, const SUMS: usize> {
     executor: &'a Executor,
 }
 
-/// The sums of one block, specialized to periodicity.
-struct Wrapped<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool>(Sweep<'a, V, L, SUMS>);
-
-impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Kernel for Wrapped<'_, V, L, SUMS, PERIODIC> {
+impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize> Kernel for Sweep<'_, V, L, SUMS> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Isa>(self, _isa: I) {
-        let Sweep { records, neighbors, law, start, sums, executor } = self.0;
+        let Self { records, neighbors, law, start, sums, executor } = self;
         for (slot, sum) in (start..).zip(sums).take_while(|_| !executor.stopped()) {
-            *sum = sum_over_list::<V, L, I::Group<V::Scalar>, SUMS, PERIODIC, true>(records, neighbors.list(slot), &law, slot);
+            *sum = sum_over_list::<V, L, I::Group<V::Scalar>, SUMS, true>(records, neighbors.list(slot), &law, slot);
         }
     }
 }
 
-/// The sums of a few particles, specialized to periodicity.
-struct Few<'r, V: Vector, S, F, T, const SUMS: usize, const PERIODIC: bool> {
+/// The sums of a few particles.
+struct Few<'r, V: Vector, S, F, T, const SUMS: usize> {
     records: &'r Records<V>,
     each: S,
     law: F,
     take: T,
 }
 
-impl<'a, V, D, L, S, F, T, const SUMS: usize, const PERIODIC: bool> Kernel for Few<'_, V, S, F, T, SUMS, PERIODIC>
+impl<'a, V, D, L, S, F, T, const SUMS: usize> Kernel for Few<'_, V, S, F, T, SUMS>
 where
     V: Vector,
     L: PairLaw<V, SUMS>,
@@ -205,7 +192,7 @@ where
     fn run<I: Isa>(mut self, _isa: I) {
         for (slot, list, data) in self.each {
             let law = (self.law)(&data);
-            let sums = sum_over_list::<V, L, I::Group<V::Scalar>, SUMS, PERIODIC, false>(self.records, list, &law, slot);
+            let sums = sum_over_list::<V, L, I::Group<V::Scalar>, SUMS, false>(self.records, list, &law, slot);
             (self.take)(slot, sums);
         }
     }
@@ -214,7 +201,7 @@ where
 /// The sums of the particle at one slot over a list. A long one is worth `OVERLAPS`: more code, which hides the latency of a
 /// group's operations behind those of the next.
 #[inline(always)]
-fn sum_over_list<V, L, P, const SUMS: usize, const PERIODIC: bool, const OVERLAPS: bool>(
+fn sum_over_list<V, L, P, const SUMS: usize, const OVERLAPS: bool>(
     records: &Records<V>,
     List { segment, range }: List<'_>,
     law: &L,
@@ -233,15 +220,15 @@ where
     let (mut sums, mut left) = ([P::constant(0.0); SUMS], range.len());
     if const { !(OVERLAPS && P::OVERLAPS) } {
         for group in groups {
-            add(&law, &pair::<V, P, PERIODIC>(own, records, group, left), &mut sums);
+            add(&law, &pair::<V, P>(own, records, group, left), &mut sums);
             left = left.saturating_sub(LANES);
         }
     } else if let Some(group) = groups.next() {
-        let mut current = pair::<V, P, PERIODIC>(own, records, group, left);
+        let mut current = pair::<V, P>(own, records, group, left);
         // The square roots of the next neighbors are begun before those of the present ones are waited for.
         for group in groups {
             left -= LANES;
-            let next = pair::<V, P, PERIODIC>(own, records, group, left);
+            let next = pair::<V, P>(own, records, group, left);
             add(&law, &current, &mut sums);
             current = next;
         }
@@ -278,7 +265,7 @@ where
 
 /// A particle paired with a group of neighbors, of which the first `number` are valid.
 #[inline(always)]
-fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
+fn pair<V: Vector, P: Pack<Scalar = V::Scalar>>(
     own: Record<P>,
     records: &Records<V>,
     group: Group<'_>,
@@ -287,7 +274,11 @@ fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     let (other, encodings) = (P::transpose(&records.words, group, 0), &records.encodings);
     let mut separation = [P::constant(0.0); AXES];
     for axis in 0..V::DIMENSION {
-        separation[axis] = V::Scalar::separation::<PERIODIC, P>(own[axis], other[axis], encodings[axis]);
+        separation[axis] = if V::Scalar::WRAPS || !records.periodic {
+            V::Scalar::separation::<false, P>(own[axis], other[axis], encodings[axis])
+        } else {
+            V::Scalar::separation::<true, P>(own[axis], other[axis], encodings[axis])
+        };
     }
     let mut square = separation[0] * separation[0];
     for axis in 1..V::DIMENSION {

@@ -7,12 +7,12 @@ use glam::DVec3;
 
 use super::{Element, Fault, FieldInfo, Interval, Record, Sample, System};
 use crate::error::{Error, Result};
-use crate::forces::Mach;
 use crate::history::{Archive, History};
 use crate::ledger::Ledger;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
+use crate::systems::Mach;
 
 /// A system, and the name of the item of the scene that it belongs to; empty for matter, and for a system of several items.
 pub struct Part {

@@ -9,7 +9,7 @@ use std::ops::Index;
 
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch_wide};
 
 /// Targets per block: a whole number of tiles at every level.
 pub const BLOCK: usize = 64;
@@ -76,9 +76,9 @@ pub fn add<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS
     sums: &mut [[f64; SUMS]],
 ) {
     if dimension == 2 {
-        dispatch(Block::<T, L, 2, WORDS, SUMS> { law, targets, sources, sums });
+        dispatch_wide(Block::<T, L, 2, WORDS, SUMS> { law, targets, sources, sums });
     } else {
-        dispatch(Block::<T, L, 3, WORDS, SUMS> { law, targets, sources, sums });
+        dispatch_wide(Block::<T, L, 3, WORDS, SUMS> { law, targets, sources, sums });
     }
 }
 

@@ -165,14 +165,14 @@ pub fn displacement(positions: &[DVec3]) -> (f64, f64) {
     let separation = sorted.windows(2).map(|pair| pair[0].distance(pair[1])).filter(|&separation| separation > 0.0);
     let nearest = separation.fold(f64::INFINITY, f64::min);
     let length = if nearest.is_finite() { nearest } else { 1e-3 * size };
-    let third = f64::EPSILON.cbrt();
+    let third = libm::cbrt(f64::EPSILON);
     ((third * length).max(third * third * size), length)
 }
 
 /// The largest change of a velocity [m/s], where `swing` is the speed that follows from the stiffness [m/s].
 pub fn velocity_increment(velocities: &[DVec3], swing: f64) -> f64 {
     let fastest = velocities.iter().fold(swing, |fastest, velocity| fastest.max(velocity.length()));
-    f64::EPSILON.cbrt() * if fastest > 0.0 { fastest } else { 1.0 }
+    libm::cbrt(f64::EPSILON) * if fastest > 0.0 { fastest } else { 1.0 }
 }
 
 /// The antisymmetric part of a Hessenberg matrix, given by the columns, without its last row.

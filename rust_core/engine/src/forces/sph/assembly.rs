@@ -20,7 +20,7 @@ use crate::scene::Scene;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The fluids of a scene, of these materials.
-    pub fn new(scene: &Scene, properties: &Properties<V>, materials: Materials, executor: &Executor) -> Result<Self> {
+    pub fn new(shape: K, scene: &Scene, properties: &Properties<V>, materials: Materials, executor: &Executor) -> Result<Self> {
         let kind_of = |index: u32| materials.of_body[properties.body[index as usize] as usize];
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
         let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
@@ -30,7 +30,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let neighbor_list = NeighborList::new(scene, properties, members, 2.0 * h)?;
         let walls = Walls::new(start::walls(scene, properties.origin)?, &neighbor_list);
         let number = V::Scalar::from_f64;
-        let kernel = Kernel::<V::Scalar, K>::new(h, common.spacing, V::DIMENSION);
+        let kernel = Kernel::<V::Scalar, K>::new(shape, h, common.spacing, V::DIMENSION);
         if !kernel.steepness.is_finite() {
             let found = format!("{} for a smoothing length of {h:.3e} m", V::Scalar::NAME);
             return Err(Error::parameter("precision", "f64", found).with_hint("the kernel is steeper than it can hold"));
@@ -44,7 +44,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let density = materials.each(|fluid| fluid.density);
         let continuity = Continuity { kernel, diffusion, for_particle: diffusion[0], density, gravity, fall };
         let artificial = materials.pairs(|one, other| mean(one.artificial(), other.artificial()));
-        let variance = h * h * kernel::variance::<K>(V::DIMENSION);
+        let variance = h * h * kernel::variance(shape, V::DIMENSION);
         let laminar = materials.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity) / variance);
         let interacts = materials.pairs(|_, _| 1.0);
         let solid = usize::from(OBSTACLE);
@@ -69,7 +69,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             shear: V::Scalar::ZERO,
         };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
-        let waves = kernel::waves::<K>(V::DIMENSION);
+        let waves = kernel::waves(shape, V::DIMENSION);
         let measures = !(walls.is_empty() && obstacles.is_empty() && scene.probes.is_empty());
         let body = |obstacle: u32| properties.body[neighbor_list.members()[obstacle as usize] as usize] as usize;
         let bodies = || obstacles.iter().map(|&obstacle| (body(obstacle), obstacle)).collect();
@@ -91,7 +91,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             summation: materials.summation.then(|| Summation::new(kernel, &materials, kind.len())),
             shifting: None,
             gauges: measures
-                .then(|| Gauges::new::<K>(scene, properties.origin, &walls, 2.0 * h, (bodies(), kind.len())))
+                .then(|| Gauges::new(shape, scene, properties.origin, &walls, 2.0 * h, (bodies(), kind.len())))
                 .transpose()?,
             materials,
             kind,
@@ -168,7 +168,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         }
         self.search(&|axis, index| at[index][axis], executor)?;
         executor.check()?;
-        let weight = weight::<K>(self.materials.first(), V::DIMENSION);
+        let weight = weight(self.momentum.kernel.shape, self.materials.first(), V::DIMENSION);
         let neighbors = self.neighbor_list.neighbors();
         for &obstacle in &self.obstacles {
             let slot = neighbors.slots()[obstacle as usize] as usize;
@@ -191,8 +191,8 @@ fn is_alone(scene: &Scene) -> bool {
 }
 
 /// The kernel W(r) of a fluid, in double precision.
-fn weight<K: Shape>(fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
-    let kernel = Kernel::<f64, K>::new(fluid.smoothing_length, fluid.spacing, dimension);
+fn weight<K: Shape>(shape: K, fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
+    let kernel = Kernel::<f64, K>::new(shape, fluid.smoothing_length, fluid.spacing, dimension);
     move |distance| kernel.value(distance)
 }
 

@@ -136,7 +136,8 @@ impl Gauges {
     /// do not say another.
     ///
     /// `obstacles` are members with their bodies, of `count` members.
-    pub fn new<K: Shape>(
+    pub fn new(
+        shape: impl Shape,
         scene: &Scene,
         origin: DVec3,
         walls: &Walls,
@@ -149,9 +150,9 @@ impl Gauges {
             let wall = walls.nearest(position).filter(|(_, distance, _)| *distance < ON_WALL * radius);
             let wall = wall.map(|(number, _, normal)| (number, normal));
             let room = match wall {
-                None => room::<K>(scene.dimension, radius, |offset| walls.admit(position + offset, 0.0)),
+                None => room(shape, scene.dimension, radius, |offset| walls.admit(position + offset, 0.0)),
                 // The wall itself is not on its own allowed side.
-                Some((_, normal)) => room_on_wall::<K>(scene.dimension, radius, normal, |offset| {
+                Some((_, normal)) => room_on_wall(shape, scene.dimension, radius, normal, |offset| {
                     walls.admit(position + offset + ON_WALL * radius * normal, 0.0)
                 }),
             };
@@ -221,7 +222,7 @@ impl Gauges {
     }
 
     /// Takes the readings from the forces on obstacles and walls, and the means at probes that are on no wall.
-    pub fn read<K: Shape>(&mut self, flow: &Flow<'_, impl Fn(usize) -> (f64, f64) + Sync>, executor: &Executor) {
+    pub fn read(&mut self, shape: impl Shape, flow: &Flow<'_, impl Fn(usize) -> (f64, f64) + Sync>, executor: &Executor) {
         let Self { instruments, boundaries, by_slots, by_members, parts, readings: Readings { forces, pressures, .. }, .. } =
             self;
         let numbers = instruments.numbers();
@@ -242,7 +243,7 @@ impl Gauges {
         }
         executor.for_each_block(BlockedSlice::new(by_members, number), &|means| {
             let block = means.start / number;
-            means.items.iter_mut().zip(off_walls()).for_each(|(mean, probe)| *mean = probe.mean::<K>(block, *period, flow));
+            means.items.iter_mut().zip(off_walls()).for_each(|(mean, probe)| *mean = probe.mean(shape, block, *period, flow));
         });
         for (index, (probe, pressure)) in probes.iter().zip(pressures).filter(|(probe, _)| probe.wall.is_none()).enumerate() {
             let sum = |of: fn(&Mean) -> f64| by_members[index..].iter().step_by(number).map(of).sum::<f64>();
@@ -287,7 +288,7 @@ impl Instruments {
     }
 
     /// Adds the force on walls by the images of a fluid particle [N] to the numbers of its block.
-    pub fn add<K: Shape>(&self, numbers: &mut [f64], mirrors: &Mirrors, on_wall: DVec3) {
+    pub fn add(&self, shape: impl Shape, numbers: &mut [f64], mirrors: &Mirrors, on_wall: DVec3) {
         let (forces, pressures) = numbers.split_at_mut(self.first_probe);
         let rest = mirrors.walls().iter().fold(on_wall, |rest, (_, normal)| rest - on_wall.dot(*normal) * normal);
         for &(wall, normal) in mirrors.walls() {
@@ -295,7 +296,7 @@ impl Instruments {
             let sums = &mut forces[AXES * self.boundary_of[wall as usize]..][..AXES];
             sums.iter_mut().zip(force.to_array()).for_each(|(sum, along)| *sum += along);
             for (probe, pressure) in self.probes.iter().zip(&mut *pressures) {
-                *pressure += probe.share::<K>(wall, force, mirrors.x, self.period);
+                *pressure += probe.share(shape, wall, force, mirrors.x, self.period);
             }
         }
     }
@@ -303,17 +304,17 @@ impl Instruments {
 
 impl Probe {
     /// Its share of the force on a wall by a particle at `x` [Pa].
-    fn share<K: Shape>(&self, wall: u32, force: DVec3, x: DVec3, period: DVec3) -> f64 {
+    fn share(&self, shape: impl Shape, wall: u32, force: DVec3, x: DVec3, period: DVec3) -> f64 {
         let Some((_, normal)) = self.wall.filter(|(own, _)| *own == wall) else { return 0.0 };
         let mut along = self.position - x;
         wrap(&mut along, period);
         along -= along.dot(normal) * normal;
         let u = along.length() / self.radius;
-        if u < 1.0 { -force.dot(normal) * K::value(u) / self.room } else { 0.0 }
+        if u < 1.0 { -force.dot(normal) * shape.value(u) / self.room } else { 0.0 }
     }
 
     /// The sums of the mean pressure over a block of members.
-    fn mean<K: Shape>(&self, block: usize, period: DVec3, flow: &Flow<'_, impl Fn(usize) -> (f64, f64)>) -> Mean {
+    fn mean(&self, shape: impl Shape, block: usize, period: DVec3, flow: &Flow<'_, impl Fn(usize) -> (f64, f64)>) -> Mean {
         let mut mean = Mean::default();
         // Periodic images are everywhere.
         if !period.is_finite() && flow.neighbor_list.distance_to(block, self.position) >= self.radius {
@@ -327,7 +328,7 @@ impl Probe {
             let square = away.length_squared();
             if square < self.radius * self.radius {
                 let (volume, pressure) = (flow.state)(member);
-                let weight = volume * K::value(square.sqrt() / self.radius);
+                let weight = volume * shape.value(square.sqrt() / self.radius);
                 if let Some(fluid) = flow.materials.fluid(flow.kind[member]) {
                     mean.pressed += weight * (pressure + fluid.density * gravity.dot(away));
                     mean.wet += weight;
@@ -348,7 +349,7 @@ fn wrap(separation: &mut DVec3, period: DVec3) {
 }
 
 /// ∫ W dA over the admitted part of a disc [m^(D−1)], by the midpoint rule, for a kernel of unit height.
-fn room_on_wall<K: Shape>(dimension: usize, radius: f64, normal: DVec3, admits: impl Fn(DVec3) -> bool) -> f64 {
+fn room_on_wall(shape: impl Shape, dimension: usize, radius: f64, normal: DVec3, admits: impl Fn(DVec3) -> bool) -> f64 {
     let (one, other) =
         if dimension == 2 { (DVec3::new(-normal.y, normal.x, 0.0), DVec3::ZERO) } else { normal.any_orthonormal_pair() };
     let cell = 2.0 * radius / f64::from(CELLS);
@@ -357,13 +358,13 @@ fn room_on_wall<K: Shape>(dimension: usize, radius: f64, normal: DVec3, admits: 
     let offsets = along().flat_map(|x| across.iter().map(move |&y| x * one + y * other));
     let weight = |offset: DVec3| {
         let u = offset.length() / radius;
-        if u < 1.0 && admits(offset) { K::value(u) } else { 0.0 }
+        if u < 1.0 && admits(offset) { shape.value(u) } else { 0.0 }
     };
     offsets.map(weight).sum::<f64>() * if dimension == 2 { cell } else { cell.powi(2) }
 }
 
 /// ∫ W dV over the admitted part of a ball [m^D], by the midpoint rule, for a kernel of unit height.
-fn room<K: Shape>(dimension: usize, radius: f64, admits: impl Fn(DVec3) -> bool) -> f64 {
+fn room(shape: impl Shape, dimension: usize, radius: f64, admits: impl Fn(DVec3) -> bool) -> f64 {
     let cell = 2.0 * radius / f64::from(CELLS);
     let along = || (0..CELLS).map(|index| (f64::from(index) + 0.5) * cell - radius);
     let flat = if dimension == 2 { vec![0.0] } else { along().collect() };
@@ -374,7 +375,7 @@ fn room<K: Shape>(dimension: usize, radius: f64, admits: impl Fn(DVec3) -> bool)
                 let offset = DVec3::new(x, y, z);
                 let u = offset.length() / radius;
                 if u < 1.0 && admits(offset) {
-                    sum += K::value(u);
+                    sum += shape.value(u);
                 }
             }
         }
@@ -440,10 +441,10 @@ mod tests {
     fn the_room_of_a_probe_is_the_integral_of_its_kernel() {
         for dimension in [2, 3] {
             let radius = 0.3_f64;
-            let whole = (0.5 * radius).powi(dimension) / WendlandC2::HEIGHT[dimension as usize - 2];
-            let found = room::<WendlandC2>(dimension as usize, radius, |_| true);
+            let whole = (0.5 * radius).powi(dimension) / WendlandC2.height(dimension as usize);
+            let found = room(WendlandC2, dimension as usize, radius, |_| true);
             assert!((found / whole - 1.0).abs() < 1e-3, "{dimension}D: {found} {whole}");
-            let half = room::<WendlandC2>(dimension as usize, radius, |offset| offset.x > 0.0);
+            let half = room(WendlandC2, dimension as usize, radius, |offset| offset.x > 0.0);
             assert!((half / found - 0.5).abs() < 1e-12, "{dimension}D: {half} {found}");
         }
     }

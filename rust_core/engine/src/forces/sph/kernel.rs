@@ -19,105 +19,122 @@ const TINY: f64 = 1e-6;
 
 /// A kernel of unit height and unit smoothing length, as a function of u = r/2h from 0 to 1.
 pub trait Shape: Copy + Send + Sync + 'static {
-    /// W₀ h^D in 2D and 3D.
-    const HEIGHT: [f64; 2];
+    /// W₀ h^D.
+    fn height(self, dimension: usize) -> f64;
     /// W/W₀.
-    fn value<N: Number>(u: N) -> N;
+    fn value<N: Number>(self, u: N) -> N;
     /// Constant factor of h² F/W₀.
-    const SLOPE: f64;
+    fn factor(self) -> f64;
     /// h² F/W₀ over that.
-    fn slope<N: Number>(u: N) -> N;
+    fn slope<N: Number>(self, u: N) -> N;
     /// h⁴ F′/(r W₀) = h² (dF/du)/(4u W₀), regularized where it diverges for u → 0.
-    fn bend<N: Number>(u: N) -> N;
+    fn bend<N: Number>(self, u: N) -> N;
 }
 
-/// Wendland's kernel with two continuous derivatives.
+/// Wendland's kernel with two continuous derivatives: the default, whose sums are compiled for it.
 #[derive(Debug, Clone, Copy)]
 pub struct WendlandC2;
 
 impl Shape for WendlandC2 {
-    const SLOPE: f64 = -5.0;
-    const HEIGHT: [f64; 2] = [7.0 / (4.0 * PI), 21.0 / (16.0 * PI)];
+    fn height(self, dimension: usize) -> f64 {
+        if dimension == 2 { 7.0 / (4.0 * PI) } else { 21.0 / (16.0 * PI) }
+    }
+
+    fn factor(self) -> f64 {
+        -5.0
+    }
 
     #[inline(always)]
-    fn value<N: Number>(u: N) -> N {
+    fn value<N: Number>(self, u: N) -> N {
         let y = N::constant(1.0) - u;
         let square = y * y;
         square * square * (N::constant(1.0) + N::constant(4.0) * u)
     }
 
     #[inline(always)]
-    fn slope<N: Number>(u: N) -> N {
+    fn slope<N: Number>(self, u: N) -> N {
         let y = N::constant(1.0) - u;
         y * (y * y)
     }
 
     #[inline(always)]
-    fn bend<N: Number>(u: N) -> N {
+    fn bend<N: Number>(self, u: N) -> N {
         let y = N::constant(1.0) - u;
         N::constant(3.75) * (y * y) / (u + N::constant(TINY))
     }
 }
 
-/// Wendland's kernel with four continuous derivatives.
+/// The other kernels, chosen at run time.
 #[derive(Debug, Clone, Copy)]
-pub struct WendlandC4;
-
-impl Shape for WendlandC4 {
-    const SLOPE: f64 = -14.0 / 3.0;
-    const HEIGHT: [f64; 2] = [9.0 / (4.0 * PI), 495.0 / (256.0 * PI)];
-
-    #[inline(always)]
-    fn value<N: Number>(u: N) -> N {
-        let y = N::constant(1.0) - u;
-        let square = y * y;
-        square * square * square * (N::constant(1.0) + u * (N::constant(6.0) + N::constant(35.0 / 3.0) * u))
-    }
-
-    #[inline(always)]
-    fn slope<N: Number>(u: N) -> N {
-        let y = N::constant(1.0) - u;
-        let square = y * y;
-        (square * square * y) * (N::constant(1.0) + N::constant(5.0) * u)
-    }
-
-    #[inline(always)]
-    fn bend<N: Number>(u: N) -> N {
-        let y = N::constant(1.0) - u;
-        N::constant(35.0) * (y * y) * (y * y)
-    }
+pub enum OtherShape {
+    /// Wendland's kernel with four continuous derivatives.
+    WendlandC4,
+    /// The cubic B-spline.
+    CubicSpline,
 }
 
-/// The cubic B-spline.
-#[derive(Debug, Clone, Copy)]
-pub struct CubicSpline;
-
-impl Shape for CubicSpline {
-    const SLOPE: f64 = 1.0;
-    const HEIGHT: [f64; 2] = [10.0 / (7.0 * PI), 1.0 / PI];
-
-    #[inline(always)]
-    fn value<N: Number>(u: N) -> N {
-        let (outer, inner) = (N::constant(1.0) - u, N::constant(1.0) - (u + u));
-        let inner = inner.max(N::constant(0.0));
-        N::constant(2.0) * (outer * outer * outer) - inner * inner * inner
+impl Shape for OtherShape {
+    fn height(self, dimension: usize) -> f64 {
+        let [plane, space] = match self {
+            Self::WendlandC4 => [9.0 / (4.0 * PI), 495.0 / (256.0 * PI)],
+            Self::CubicSpline => [10.0 / (7.0 * PI), 1.0 / PI],
+        };
+        if dimension == 2 { plane } else { space }
     }
 
-    /// −3 + 9u/2 for u < ½, then −3 (1−u)²/2u.
-    #[inline(always)]
-    fn slope<N: Number>(u: N) -> N {
-        let outer = N::constant(1.0) - u;
-        let far = N::constant(-1.5) * (outer * outer) / u;
-        let near = N::constant(4.5) * u - N::constant(3.0);
-        N::select(u.less(N::constant(0.5)), near, far)
+    fn factor(self) -> f64 {
+        match self {
+            Self::WendlandC4 => -14.0 / 3.0,
+            Self::CubicSpline => 1.0,
+        }
     }
 
-    /// 9/8u for u < ½, then 3 (1−u²)/8u³.
     #[inline(always)]
-    fn bend<N: Number>(u: N) -> N {
-        let far = N::constant(0.375) * (N::constant(1.0) - u * u) / (u * u * u);
-        let near = N::constant(1.125) / (u + N::constant(TINY));
-        N::select(u.less(N::constant(0.5)), near, far)
+    fn value<N: Number>(self, u: N) -> N {
+        let y = N::constant(1.0) - u;
+        match self {
+            Self::WendlandC4 => {
+                let square = y * y;
+                square * square * square * (N::constant(1.0) + u * (N::constant(6.0) + N::constant(35.0 / 3.0) * u))
+            }
+            Self::CubicSpline => {
+                let inner = (N::constant(1.0) - (u + u)).max(N::constant(0.0));
+                N::constant(2.0) * (y * y * y) - inner * inner * inner
+            }
+        }
+    }
+
+    /// Of the spline −3 + 9u/2 for u < ½, then −3 (1−u)²/2u.
+    #[inline(always)]
+    fn slope<N: Number>(self, u: N) -> N {
+        let y = N::constant(1.0) - u;
+        match self {
+            Self::WendlandC4 => {
+                let square = y * y;
+                (square * square * y) * (N::constant(1.0) + N::constant(5.0) * u)
+            }
+            Self::CubicSpline => {
+                let far = N::constant(-1.5) * (y * y) / u;
+                let near = N::constant(4.5) * u - N::constant(3.0);
+                N::select(u.less(N::constant(0.5)), near, far)
+            }
+        }
+    }
+
+    /// Of the spline 9/8u for u < ½, then 3 (1−u²)/8u³.
+    #[inline(always)]
+    fn bend<N: Number>(self, u: N) -> N {
+        match self {
+            Self::WendlandC4 => {
+                let y = N::constant(1.0) - u;
+                N::constant(35.0) * (y * y) * (y * y)
+            }
+            Self::CubicSpline => {
+                let far = N::constant(0.375) * (N::constant(1.0) - u * u) / (u * u * u);
+                let near = N::constant(1.125) / (u + N::constant(TINY));
+                N::select(u.less(N::constant(0.5)), near, far)
+            }
+        }
     }
 }
 
@@ -133,7 +150,8 @@ pub struct Kernel<T, K> {
     slope: T,
     /// 1/h² [1/m²].
     inverse_square: T,
-    shape: std::marker::PhantomData<K>,
+    /// Its shape.
+    pub shape: K,
 }
 
 impl<T: Real, K: Shape> Kernel<T, K> {
@@ -141,38 +159,38 @@ impl<T: Real, K: Shape> Kernel<T, K> {
     ///
     /// Its slope is scaled so that on a lattice of that spacing the gradient of a linear field is exact: −Σ Δ^D F x² = 1. With
     /// few neighbors it would else be off by some percent.
-    pub fn new(smoothing_length: f64, spacing: f64, dimension: usize) -> Self {
+    pub fn new(shape: K, smoothing_length: f64, spacing: f64, dimension: usize) -> Self {
         let square = smoothing_length * smoothing_length;
-        let height = K::HEIGHT[dimension - 2] / if dimension == 2 { square } else { square * smoothing_length };
-        let steepness = height / square / lattice_moment::<K>(spacing / smoothing_length, dimension);
+        let height = shape.height(dimension) / if dimension == 2 { square } else { square * smoothing_length };
+        let steepness = height / square / lattice_moment(shape, spacing / smoothing_length, dimension);
         Self {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
             steepness: T::from_f64(steepness),
-            slope: T::from_f64(K::SLOPE * steepness),
+            slope: T::from_f64(shape.factor() * steepness),
             inverse_square: T::from_f64(square.recip()),
-            shape: std::marker::PhantomData,
+            shape,
         }
     }
 
     /// W at a distance [m].
     #[inline(always)]
     pub fn value<N: Number<Scalar = T>>(&self, distance: N) -> N {
-        N::of(self.height) * K::value(self.reach(distance))
+        N::of(self.height) * self.shape.value(self.reach(distance))
     }
 
     /// V F for a volume V at a distance [m].
     #[inline(always)]
     pub fn slope<N: Number<Scalar = T>>(&self, volume: N, distance: N) -> N {
         // In this order the first product does not wait for the distance.
-        (N::of(self.slope) * volume) * K::slope(self.reach(distance))
+        (N::of(self.slope) * volume) * self.shape.slope(self.reach(distance))
     }
 
     /// V F′/r for a volume V at a distance r [m].
     #[inline(always)]
     pub fn bend<N: Number<Scalar = T>>(&self, volume: N, distance: N) -> N {
         // In this order nothing overflows in single precision.
-        (N::of(self.steepness) * volume) * (N::of(self.inverse_square) * K::bend(self.reach(distance)))
+        (N::of(self.steepness) * volume) * (N::of(self.inverse_square) * self.shape.bend(self.reach(distance)))
     }
 
     /// u = r/2h, clamped to 1 beyond the support.
@@ -186,21 +204,21 @@ impl<T: Real, K: Shape> Kernel<T, K> {
 const STEPS: usize = 200;
 
 /// −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
-fn lattice_moment<K: Shape>(spacing: f64, dimension: usize) -> f64 {
-    over_lattice(spacing, dimension, |x, r| -K::HEIGHT[dimension - 2] * K::SLOPE * K::slope(0.5 * r) * x * x)
+fn lattice_moment(shape: impl Shape, spacing: f64, dimension: usize) -> f64 {
+    over_lattice(spacing, dimension, |x, r| -shape.height(dimension) * shape.factor() * shape.slope(0.5 * r) * x * x)
 }
 
 /// S = Σ Δ^D W over the neighbors on a lattice of spacing Δ, and the factor κ of differences from S for which a small
 /// compression of the lattice is exact, both for unit smoothing length.
-pub fn lattice_density<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
-    let sum = over_lattice(spacing, dimension, |_, r| K::HEIGHT[dimension - 2] * K::value(0.5 * r));
-    (sum, 1.0 / lattice_moment::<K>(spacing, dimension))
+pub fn lattice_density(shape: impl Shape, spacing: f64, dimension: usize) -> (f64, f64) {
+    let sum = over_lattice(spacing, dimension, |_, r| shape.height(dimension) * shape.value(0.5 * r));
+    (sum, 1.0 / lattice_moment(shape, spacing, dimension))
 }
 
 /// Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
-pub fn lattice_gradient<K: Shape>(spacing: f64, dimension: usize) -> f64 {
-    over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::SLOPE * K::slope(0.5 * r) * r)
-        / lattice_moment::<K>(spacing, dimension)
+pub fn lattice_gradient(shape: impl Shape, spacing: f64, dimension: usize) -> f64 {
+    over_lattice(spacing, dimension, |_, r| -shape.height(dimension) * shape.factor() * shape.slope(0.5 * r) * r)
+        / lattice_moment(shape, spacing, dimension)
 }
 
 /// Σ Δ^D f(x, r) over the neighbors on a lattice of spacing Δ within two units.
@@ -235,8 +253,8 @@ pub struct Wave {
 }
 
 /// The waves resolved by a kernel, from long to the shortest.
-pub fn waves<K: Shape>(dimension: usize) -> Vec<Wave> {
-    (1..=WAVES).map(|wave| LARGEST * f64::from(wave) / f64::from(WAVES)).map(|k| wave_of::<K>(dimension, k)).collect()
+pub fn waves(shape: impl Shape, dimension: usize) -> Vec<Wave> {
+    (1..=WAVES).map(|wave| LARGEST * f64::from(wave) / f64::from(WAVES)).map(|k| wave_of(shape, dimension, k)).collect()
 }
 
 /// Number of wave numbers, and the largest of them times the smoothing length.
@@ -246,27 +264,27 @@ const LARGEST: f64 = 6.0;
 /// Number of directions over a right angle, by the midpoint rule.
 const DIRECTIONS: u32 = 24;
 
-fn wave_of<K: Shape>(dimension: usize, k: f64) -> Wave {
-    let slope = |r: f64| K::HEIGHT[dimension - 2] * K::SLOPE * K::slope(0.5 * r);
+fn wave_of(shape: impl Shape, dimension: usize, k: f64) -> Wave {
+    let slope = |r: f64| shape.height(dimension) * shape.factor() * shape.slope(0.5 * r);
     let mean = |of: &dyn Fn(f64) -> f64| {
         let angle = |index: u32| FRAC_PI_2 * (f64::from(index) + 0.5) / f64::from(DIRECTIONS);
         // In 3D the solid angle of a ring around the axis is proportional to the sine of its angle.
-        let weight = |angle: f64| if dimension == 2 { 1.0 } else { FRAC_PI_2 * angle.sin() };
-        (0..DIRECTIONS).map(angle).map(|angle| weight(angle) * of(angle.cos())).sum::<f64>() / f64::from(DIRECTIONS)
+        let weight = |angle: f64| if dimension == 2 { 1.0 } else { FRAC_PI_2 * libm::sin(angle) };
+        (0..DIRECTIONS).map(angle).map(|angle| weight(angle) * of(libm::cos(angle))).sum::<f64>() / f64::from(DIRECTIONS)
     };
-    let squeezed = |r: f64| mean(&|cosine| cosine * cosine * (1.0 - (k * r * cosine).cos()));
+    let squeezed = |r: f64| mean(&|cosine| cosine * cosine * (1.0 - libm::cos(k * r * cosine)));
     Wave {
         number: k,
-        frequency: integral(dimension, |r| -slope(r) * r * mean(&|cosine| cosine * (k * r * cosine).sin())),
-        decay: integral(dimension, |r| -slope(r) * mean(&|cosine| 1.0 - (k * r * cosine).cos())),
+        frequency: integral(dimension, |r| -slope(r) * r * mean(&|cosine| cosine * libm::sin(k * r * cosine))),
+        decay: integral(dimension, |r| -slope(r) * mean(&|cosine| 1.0 - libm::cos(k * r * cosine))),
         squeeze: integral(dimension, |r| -slope(r) * squeezed(r)),
-        strain: integral(dimension, |r| -slope(r) * r * r * squeezed(r)) / variance::<K>(dimension),
+        strain: integral(dimension, |r| -slope(r) * r * r * squeezed(r)) / variance(shape, dimension),
     }
 }
 
 /// Variance σ² = ∫ W x² dV of a kernel along an axis, for unit smoothing length; by parts it is −∫ F x²y² dV.
-pub fn variance<K: Shape>(dimension: usize) -> f64 {
-    integral(dimension, |r| K::HEIGHT[dimension - 2] * K::value(0.5 * r) * r * r) / dimension as f64
+pub fn variance(shape: impl Shape, dimension: usize) -> f64 {
+    integral(dimension, |r| shape.height(dimension) * shape.value(0.5 * r) * r * r) / dimension as f64
 }
 
 /// Volume integral of a function of the distance over the support of a kernel of unit smoothing length, by Simpson's rule.
@@ -283,25 +301,17 @@ mod tests {
     use super::*;
 
     /// Simpson's rule over steps of width w is off by some 2/180 w⁴ max|f⁗|, 1e-9 here.
-    fn check<K: Shape>() {
+    fn check(shape: impl Shape + std::fmt::Debug) {
         for dimension in [2, 3] {
             // On a lattice so fine the sum is the integral.
-            let kernel = Kernel::<f64, K>::new(1.0, 0.05, dimension);
-            assert!(
-                (integral(dimension, |r| kernel.value(r)) - 1.0).abs() < 1e-6,
-                "{} in {dimension}D",
-                std::any::type_name::<K>()
-            );
+            let kernel = Kernel::<f64, _>::new(shape, 1.0, 0.05, dimension);
+            assert!((integral(dimension, |r| kernel.value(r)) - 1.0).abs() < 1e-6, "{shape:?} in {dimension}D");
             for step in 1..400 {
                 let r = f64::from(step) * 0.005;
                 let difference = (kernel.value(r + 1e-5) - kernel.value(r - 1e-5)) / 2e-5;
                 // The third derivative is below 100 W₀ everywhere, and the difference good to 1e-8 W₀; the lattice's moment is
                 // that of the integral, 1, to some 1e-6.
-                assert!(
-                    (kernel.slope(1.0, r) * r - difference).abs() < 1e-5 * kernel.height,
-                    "{} at {r}",
-                    std::any::type_name::<K>()
-                );
+                assert!((kernel.slope(1.0, r) * r - difference).abs() < 1e-5 * kernel.height, "{shape:?} at {r}");
             }
             for step in 1..400 {
                 let r = f64::from(step) * 0.005;
@@ -316,26 +326,26 @@ mod tests {
 
     #[test]
     fn kernels_are_normalized_and_slopes_are_their_derivatives() {
-        check::<WendlandC2>();
-        check::<WendlandC4>();
-        check::<CubicSpline>();
+        check(WendlandC2);
+        check(OtherShape::WendlandC4);
+        check(OtherShape::CubicSpline);
     }
 
     /// The inviscid limit 2/ω, in units of h/c, as it was measured; and that it is 3.3 standard deviations of the kernel, as
     /// for a Gaussian, whose ω is c k exp(−σ²k²/2), at most c/(σ√e).
     #[test]
     fn the_acoustic_limit_is_that_of_the_literature() {
-        fn check<K: Shape>(dimension: usize, expected: f64) {
-            let fastest = waves::<K>(dimension).iter().map(|wave| wave.frequency).fold(0.0, f64::max);
+        fn check(shape: impl Shape, dimension: usize, expected: f64) {
+            let fastest = waves(shape, dimension).iter().map(|wave| wave.frequency).fold(0.0, f64::max);
             assert!((2.0 / fastest - expected).abs() < 5e-3 * expected, "{} {expected}", 2.0 / fastest);
-            let deviation = variance::<K>(dimension).sqrt();
+            let deviation = variance(shape, dimension).sqrt();
             assert!((2.0 / fastest / deviation - 3.3).abs() < 0.05, "{}", 2.0 / fastest / deviation);
         }
-        check::<WendlandC2>(2, 1.756);
-        check::<WendlandC2>(3, 1.722);
-        check::<CubicSpline>(2, 1.878);
-        check::<CubicSpline>(3, 1.829);
-        check::<WendlandC4>(2, 1.531);
-        check::<WendlandC4>(3, 1.507);
+        check(WendlandC2, 2, 1.756);
+        check(WendlandC2, 3, 1.722);
+        check(OtherShape::CubicSpline, 2, 1.878);
+        check(OtherShape::CubicSpline, 3, 1.829);
+        check(OtherShape::WendlandC4, 2, 1.531);
+        check(OtherShape::WendlandC4, 3, 1.507);
     }
 }

@@ -6,10 +6,11 @@ use super::Fluids;
 use super::kernel::{Shape, Wave};
 use super::laws::{FORCES, OBSTACLE};
 use super::start::Material;
-use crate::forces::{DensityEvolution, Mach, Scheme};
+use crate::forces::{DensityEvolution, Scheme};
 use crate::math::{Real, Vector};
 use crate::matter::View;
 use crate::stability::SpectralBound;
+use physcore_base::systems::Mach;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The Mach number at these velocities.

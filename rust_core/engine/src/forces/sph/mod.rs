@@ -17,7 +17,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::neighbor_list::NeighborList;
-use super::{About, DensityEvolution, Drift, Fields, Force, Mach, Rates, Reach, Scheme, StateView, Validity, VelocityDependence};
+use super::{About, DensityEvolution, Drift, Fields, Force, Rates, Reach, Scheme, StateView, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
@@ -28,6 +28,7 @@ use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::{self, Scene};
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
+use physcore_base::systems::Mach;
 
 mod assembly;
 mod gauges;
@@ -45,7 +46,7 @@ mod walls;
 use gauges::Flow;
 pub use gauges::Gauges;
 use images::WallCondition;
-use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
+use kernel::{OtherShape, Shape, Wave, WendlandC2};
 use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, RATES, SOLID, VISCOUS};
 use shifting::Shifting;
 pub use start::KIND;
@@ -67,11 +68,10 @@ pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Ex
     let materials = Materials::of(scene)?;
     let kernel = start::method(fluid)?.record("kernel")?;
     match kernel.kind.as_str() {
-        "WendlandC2" if !materials.are_mixed() => with::<V, WendlandC2, false>(scene, properties, materials, executor),
-        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, materials, executor),
-        // The other kernels are not worth compiling twice.
-        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, materials, executor),
-        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, materials, executor),
+        "WendlandC2" if !materials.are_mixed() => with::<V, _, false>(WendlandC2, scene, properties, materials, executor),
+        "WendlandC2" => with::<V, _, true>(WendlandC2, scene, properties, materials, executor),
+        "WendlandC4" => with::<V, _, true>(OtherShape::WendlandC4, scene, properties, materials, executor),
+        "CubicSpline" => with::<V, _, true>(OtherShape::CubicSpline, scene, properties, materials, executor),
         _ => Err(scene::unknown(kernel, "WendlandC2, WendlandC4 or CubicSpline")),
     }
 }
@@ -82,6 +82,7 @@ pub fn is_in(scene: &Scene) -> bool {
 }
 
 fn with<V: Vector, K, const MIXED: bool>(
+    shape: K,
     scene: &Scene,
     properties: &Properties<V>,
     materials: Materials,
@@ -90,7 +91,7 @@ fn with<V: Vector, K, const MIXED: bool>(
 where
     K: Shape,
 {
-    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, materials, executor)?)))
+    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(shape, scene, properties, materials, executor)?)))
 }
 
 /// Writes the records of the pair laws: velocity, and the volume and second word that `each` gives for a member.
@@ -241,7 +242,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             kind: &self.kind,
             state: |member: usize| (self.volume(member), pressure(member)),
         };
-        gauges.read::<K>(&flow, executor);
+        gauges.read(self.momentum.kernel.shape, &flow, executor);
         self.gauges = Some(gauges);
     }
 
@@ -255,7 +256,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             let member = order[mirrors.slot] as usize;
             // What images of the fluid press on an obstacle with is none of the fluid.
             if self.kind[member] != OBSTACLE {
-                instruments.add::<K>(numbers, mirrors, -self.volume(member) * force_density::<V>(more));
+                instruments.add(self.momentum.kernel.shape, numbers, mirrors, -self.volume(member) * force_density::<V>(more));
             }
         };
         let lists = (&self.neighbor_list, &self.records);

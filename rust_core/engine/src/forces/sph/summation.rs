@@ -45,7 +45,7 @@ impl<V: Vector, K: Shape> Summation<V, K> {
     /// Summation over `count` particles with a common kernel.
     pub fn new(kernel: Kernel<V::Scalar, K>, materials: &Materials, count: usize) -> Self {
         let common = materials.first();
-        let (rest, scale) = kernel::lattice_density::<K>(common.spacing / common.smoothing_length, V::DIMENSION);
+        let (rest, scale) = kernel::lattice_density(kernel.shape, common.spacing / common.smoothing_length, V::DIMENSION);
         Self { law: NumberDensity { kernel }, rest, scale, sums: vec![[V::Scalar::ZERO]; count], is_checked: false }
     }
 

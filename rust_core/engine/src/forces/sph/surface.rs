@@ -109,7 +109,7 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         Self {
             law: KernelGradientSum { kernel },
             gradients: vec![[V::Scalar::ZERO; GRADIENT_SUMS]; count],
-            lattice: [kernel::lattice_gradient::<K>(fluid.spacing / h, V::DIMENSION) / h, highest / h],
+            lattice: [kernel::lattice_gradient(kernel.shape, fluid.spacing / h, V::DIMENSION) / h, highest / h],
             wall_factors: vec![WallFactor::INTERIOR; count],
             highest: 0.0,
             is_stale: false,

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::{Real, Vector};
 use crate::scene::{Array, Body, Item, Scene, Value};
-use crate::simd::{Isa, Kernel, LANES, dispatch, padded};
+use crate::simd::{Isa, Kernel, LANES, dispatch, dispatch_wide, padded};
 use crate::stability::{Horizon, Link, SpectralBound};
 
 mod law;
@@ -209,7 +209,7 @@ impl<V: Vector> Force<V> for Springs<V> {
 
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         V::Scalar::with_scratch(self.factors(&block), |factors| {
-            dispatch(Accumulation { springs: self, block, at, rates: rates.reborrow(), factors });
+            dispatch_wide(Accumulation { springs: self, block, at, rates: rates.reborrow(), factors });
         });
     }
 

@@ -70,9 +70,9 @@ impl Network {
                 let mut factors = vec![V::Scalar::from_f64(f64::NAN); springs.factors(&(start..end))];
                 let kernel = Accumulation { springs, block: start..end, at, rates, factors: &mut factors };
                 if simd {
-                    dispatch(kernel);
+                    dispatch_wide(kernel);
                 } else {
-                    kernel.run_scalar();
+                    kernel.run_portable();
                 }
                 rest = (others, other_damping);
             }

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::forces::linear::Fusion;
 use crate::forces::springs::{self, Spring, Springs};
 use crate::forces::{self, About, Force, Reach, Scheme, VelocityDependence, sph};
-use crate::integrators::{self, BlanesMoan4, BlanesMoan6, Integrator, with_integrator};
+use crate::integrators::{BlanesMoan4, BlanesMoan6, Facts, Integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
 use crate::memory;
@@ -146,10 +146,8 @@ fn fluid<V: Vector>(
     }
     let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
     if let (true, Some(reason)) = (continuity, about.refuses_fields) {
-        let mut fit = Vec::new();
-        with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() && !Other::GYRATES {
-            fit.push(format!("{}()", Other::NAME));
-        });
+        let fits = |other: &Facts| other.refuses_fields.is_none() && !other.gyrates;
+        let fit: Vec<_> = Facts::all().iter().filter(|other| fits(other)).map(|other| format!("{}()", other.name)).collect();
         let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
         return Err(Error::parameter("integrator", expected, about.name).with_hint(reason));
     }

@@ -4,17 +4,16 @@
 use crate::contacts::Before;
 use crate::error::Result;
 use crate::forces::{Rates, Scheme};
-use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Blocks, Columns, Matter, SINKS, Span};
 use crate::parallel::{BlockedSlice, Executor, Split};
 use crate::simd::LANES;
 use crate::systems::Interval;
 use crate::systems::matter::activity::Activity;
-use crate::systems::matter::collisions::collide;
 use crate::systems::matter::displacement::displace;
 use crate::systems::matter::dynamics::{Dynamics, Impulses};
 use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
+use crate::systems::matter::stepper::Stepper;
 
 /// Buffers of the sweeps.
 #[derive(Debug)]
@@ -47,7 +46,8 @@ impl<V: Vector> Workspace<V> {
 }
 
 /// Advances `matter` in place. The activity at the end is NaN where a position is not finite.
-pub fn advance<V: Vector, I: Integrator>(
+pub fn advance<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
@@ -55,11 +55,12 @@ pub fn advance<V: Vector, I: Integrator>(
     activity: &mut Activity,
     executor: &Executor,
 ) -> Result<()> {
-    let stages = I::NODES.len();
+    let method = &stepper.facts;
+    let stages = method.stages();
     // The last stage's sweep also computes the state of the next step's first stage, unless an operation intervenes at the
     // step's end.
-    let drifts = I::DRIFT_KICK.filter(|_| dynamics.scheme == Some(Scheme::Continuity));
-    let sums = dynamics.scheme == Some(Scheme::Summation) && !I::ENDS_WITH_FORCES;
+    let drifts = method.drift_kick.filter(|_| dynamics.scheme == Some(Scheme::Continuity));
+    let sums = dynamics.scheme == Some(Scheme::Summation) && !method.ends_with_forces;
     let moves_on = workspace.before.is_none() && !sums && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
     for step in 0..interval.steps {
         dynamics.begin_self_contacts(matter);
@@ -68,13 +69,13 @@ pub fn advance<V: Vector, I: Integrator>(
             velocity.copy_from(&matter.velocity);
         }
         if step == 0 || !moves_on {
-            sweep::<V, I>(dynamics, matter, workspace, interval, 0.0, Action::StageState, executor)?;
+            sweep(stepper, dynamics, matter, workspace, interval, 0.0, Action::StageState, executor)?;
         }
-        if I::DRIFTS_FIRST {
-            collisions::<V, I>(dynamics, matter, workspace, interval.h, executor)?;
+        if method.drifts_first {
+            collisions(stepper, dynamics, matter, workspace, interval.h, executor)?;
         }
         for stage in 0..stages {
-            let time = interval.time(step, I::NODES[stage]);
+            let time = interval.time(step, method.nodes[stage]);
             if let Some(drift_kick) = drifts {
                 drift(
                     dynamics,
@@ -86,7 +87,7 @@ pub fn advance<V: Vector, I: Integrator>(
                 )?;
             }
             let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
-            sweep::<V, I>(dynamics, matter, workspace, interval, time, Action::StageUpdate(stage, next), executor)?;
+            sweep(stepper, dynamics, matter, workspace, interval, time, Action::StageUpdate(stage, next), executor)?;
         }
         activity.push(workspace.activity.iter().sum());
         if let Some(&last) = drifts.and_then(|drift_kick| drift_kick.drifts.get(stages)) {
@@ -103,14 +104,15 @@ pub fn advance<V: Vector, I: Integrator>(
 }
 
 /// Evaluates the dynamics at the state and fills the persistent registers.
-pub fn begin<V: Vector, I: Integrator>(
+pub fn begin<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
     interval: Interval,
     executor: &Executor,
 ) -> Result<()> {
-    sweep::<V, I>(dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
+    sweep(stepper, dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
 }
 
 /// Advances density over the preceding drift of `h` seconds, at its end time, with the velocity in a register or the
@@ -136,7 +138,9 @@ fn drift<V: Vector>(
 }
 
 /// One pass over all blocks: evaluates the forces, if the action needs them, and acts on the state.
-pub fn sweep<V: Vector, I: Integrator>(
+#[expect(clippy::too_many_arguments, reason = "what a sweep works on")]
+pub fn sweep<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
@@ -152,10 +156,10 @@ pub fn sweep<V: Vector, I: Integrator>(
     std::mem::swap(&mut matter.position, &mut workspace.position);
     std::mem::swap(&mut matter.velocity, &mut workspace.velocity);
     let dynamics = &*dynamics;
-    let ends_step = matches!(action, Action::StageUpdate(stage, _) if stage + 1 == I::NODES.len());
+    let ends_step = matches!(action, Action::StageUpdate(stage, _) if stage + 1 == stepper.facts.stages());
     let ends_run = ends_step && matches!(action, Action::StageUpdate(_, None));
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
-    let before = workspace.before.as_ref().filter(|_| ends_step && !I::DRIFTS_FIRST);
+    let before = workspace.before.as_ref().filter(|_| ends_step && !stepper.facts.drifts_first);
     let work = (
         BlocksWithForces {
             blocks: matter.blocks(),
@@ -175,12 +179,12 @@ pub fn sweep<V: Vector, I: Integrator>(
         if evaluates {
             let damping = damping.as_mut().map(Span::reborrow);
             dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power, damping });
-            if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(&blocks, action)) {
+            if let (true, Some(before)) = (stepper.facts.gyrates && dynamics.magnetic, kicked(&stepper.facts, &blocks, action)) {
                 kernels::gyrate(dynamics, &range, &at, before, interval.h, &mut force);
             }
         }
         let evaluation = Evaluation { force, power, damping };
-        activity.items[0] = kernels::stage::<V, I>(dynamics, Some(&at), &mut blocks, &evaluation, interval.h, action);
+        activity.items[0] = stepper.stage(dynamics, Some(&at), &mut blocks, &evaluation, interval.h, action);
         if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, before) {
             contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &dynamics.properties, interval.h);
         }
@@ -192,21 +196,23 @@ pub fn sweep<V: Vector, I: Integrator>(
 }
 
 /// Resolves all contacts within the drift.
-pub fn collisions<V: Vector, I: Integrator>(
+pub fn collisions<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &Workspace<V>,
     h: f64,
     executor: &Executor,
 ) -> Result<()> {
-    if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) {
+    if let (Some(collide), Some(contacts), Some([position, velocity])) = (stepper.collide, &dynamics.contacts, &workspace.before)
+    {
         let dynamics = &*dynamics;
         executor.for_each_block(matter.blocks(), &|mut block: Blocks<'_, V>| {
             let before = Before::part(position, velocity, &block.range());
-            collide::<V, I>(dynamics, contacts, &mut block, &before, h);
+            collide(dynamics, contacts, &mut block, &before, h);
         });
     }
-    if let Some(drift_kick) = I::DRIFT_KICK {
+    if let Some(drift_kick) = stepper.facts.drift_kick {
         dynamics.resolve_self_contacts(matter, h, Impulses::Register(drift_kick.velocity), executor)?;
     }
     Ok(())

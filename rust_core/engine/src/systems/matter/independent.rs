@@ -2,15 +2,15 @@
 
 use crate::contacts::Before;
 use crate::forces::Rates;
-use crate::integrators::Integrator;
+use crate::integrators::Facts;
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Matter, SINKS, Span};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
-use crate::systems::matter::collisions::collide;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
+use crate::systems::matter::stepper::Stepper;
 use crate::systems::{Interval, Record};
 
 /// Interval of steps between activities where steps run in registers. It counts the steps of the clock's segment, so that
@@ -19,7 +19,8 @@ const SAMPLING: u64 = 32;
 
 /// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is NaN where a
 /// position is not finite.
-pub fn advance<V: Vector, I: Integrator>(
+pub fn advance<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     from: &Matter<V>,
     matter: &mut Matter<V>,
@@ -28,27 +29,28 @@ pub fn advance<V: Vector, I: Integrator>(
     executor: &Executor,
 ) {
     // Only linear dynamics can omit intermediate activities.
-    let fused = dynamics.is_fused() && dynamics.contacts.is_none();
-    let recorded = if fused && record == Record::LastStep { 1 } else { interval.steps as usize };
+    let fused = stepper.linear_steps.filter(|_| dynamics.is_fused() && dynamics.contacts.is_none());
+    let point_force = || stepper.point_force_steps.zip(dynamics.lone_inverse_square());
+    let recorded = if fused.is_some() && record == Record::LastStep { 1 } else { interval.steps as usize };
     let work = (matter.blocks(), activity.record(from.tallies.len(), recorded));
     executor.for_each_block(work, &|(block, activity): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
         let activity = activity.items;
-        with_buffers(from, block, Registers::of::<I>(), &mut |buffers| {
-            if fused {
+        with_buffers(from, block, &stepper.facts, &mut |buffers| {
+            if let Some(steps) = fused {
                 for activity in activity.iter_mut() {
-                    kernels::steps::<V, I>(dynamics, &mut buffers.block, interval.h, interval.steps / recorded as u64);
+                    steps(dynamics, &mut buffers.block, interval.h, interval.steps / recorded as u64);
                     *activity = kernels::activity(dynamics, &buffers.block);
                 }
-            } else if let (Some(force), None) = (dynamics.lone_inverse_square(), &dynamics.contacts) {
+            } else if let (Some((advance, force)), None) = (point_force(), &dynamics.contacts) {
                 sampled(dynamics, buffers, interval, record, activity, |block, steps| {
-                    kernels::point_force_steps::<V, I>(dynamics, force, block, interval.h, steps);
+                    advance(dynamics, force, block, interval.h, steps);
                 });
             } else if let (Some(fields), None) = (dynamics.lone_fields(), &dynamics.contacts) {
                 sampled(dynamics, buffers, interval, record, activity, |block, steps| {
                     kernels::gyration_steps(dynamics, fields, block, interval.h, steps);
                 });
             } else {
-                one_by_one::<V, I>(dynamics, buffers, interval, activity, executor);
+                one_by_one(stepper, dynamics, buffers, interval, activity, executor);
             }
             if let Some(last) = activity.last_mut() {
                 *last += kernels::out_of_range(dynamics, &buffers.block);
@@ -81,10 +83,16 @@ fn sampled<V: Vector>(
 }
 
 /// Evaluates the dynamics at the state `from` and fills the persistent registers of `matter`.
-pub fn begin<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
+pub fn begin<V: Vector>(
+    stepper: &Stepper<V>,
+    dynamics: &Dynamics<V>,
+    from: &Matter<V>,
+    matter: &mut Matter<V>,
+    interval: Interval,
+) {
     Executor::serial().for_each_block(matter.blocks(), &|block: Blocks<'_, V>| {
-        with_buffers(from, block, Registers::of::<I>(), &mut |buffers| {
-            run_stage::<V, I>(dynamics, buffers, interval, interval.start, Action::Begin);
+        with_buffers(from, block, &stepper.facts, &mut |buffers| {
+            run_stage(stepper, dynamics, buffers, interval, interval.start, Action::Begin);
         });
     });
 }
@@ -97,39 +105,24 @@ struct BlockBuffers<'a, V: Vector> {
     before: [Span<'a, V>; 2],
 }
 
-/// The numbers of an integrator's registers: all, those that last from step to step, and those that are read after a step.
-#[derive(Debug, Clone, Copy)]
-struct Registers {
-    all: usize,
-    persistent: usize,
-    readable: usize,
-}
-
-impl Registers {
-    const fn of<I: Integrator>() -> Self {
-        Self { all: I::REGISTERS, persistent: I::PERSISTENT, readable: I::READABLE }
-    }
-}
-
-/// Copies a block of `from` to buffers, applies `work`, and copies the result to `block`. The integrator is a value here and
-/// the type of `work` erased: this would else be compiled for each of both.
+/// Copies a block of `from` to buffers, applies `work`, and copies the result to `block`.
 fn with_buffers<V: Vector>(
     from: &Matter<V>,
     mut block: Blocks<'_, V>,
-    numbers: Registers,
+    method: &Facts,
     work: &mut dyn FnMut(&mut BlockBuffers<'_, V>),
 ) {
     let (start, length) = (block.start, block.position.len());
     block.tallies[0] = from.tallies[start / from.block];
     let stride = length + LANES;
-    let vectors = 5 + numbers.all;
+    let vectors = 5 + method.registers;
     V::Scalar::with_scratch(vectors * V::DIMENSION * stride, |scratch| {
         let mut columns = scratch.chunks_exact_mut(stride).map(|column| &mut column[..length]);
         let mut span = || Span {
             axes: std::array::from_fn(|axis| if axis < V::DIMENSION { columns.next().unwrap_or_default() } else { &mut [] }),
         };
         let (position, velocity, force, before) = (span(), span(), span(), [span(), span()]);
-        let registers = std::array::from_fn(|register| if register < numbers.all { span() } else { Span::empty() });
+        let registers = std::array::from_fn(|register| if register < method.registers { span() } else { Span::empty() });
         let mut buffers = BlockBuffers {
             block: Blocks::new(start, block.count, position, velocity, registers, &mut *block.tallies),
             force,
@@ -137,21 +130,22 @@ fn with_buffers<V: Vector>(
         };
         buffers.block.position.copy_from(&from.position.view(), start);
         buffers.block.velocity.copy_from(&from.velocity.view(), start);
-        for (registers, from) in buffers.block.registers.iter_mut().zip(&from.registers).take(numbers.persistent) {
+        for (registers, from) in buffers.block.registers.iter_mut().zip(&from.registers).take(method.persistent) {
             registers.copy_from(&from.view(), start);
         }
         work(&mut buffers);
         let BlockBuffers { block: done, .. } = buffers;
         block.position.copy_from(&done.position.view(0), 0);
         block.velocity.copy_from(&done.velocity.view(0), 0);
-        for (registers, done) in block.registers.iter_mut().zip(&done.registers).take(numbers.readable) {
+        for (registers, done) in block.registers.iter_mut().zip(&done.registers).take(method.readable) {
             registers.copy_from(&done.view(0), 0);
         }
     });
 }
 
 /// Single steps, with a contact stage after each, or with forces that are not fused.
-fn one_by_one<V: Vector, I: Integrator>(
+fn one_by_one<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
@@ -166,39 +160,43 @@ fn one_by_one<V: Vector, I: Integrator>(
             buffers.before[0].copy_from(&buffers.block.position.view(0), 0);
             buffers.before[1].copy_from(&buffers.block.velocity.view(0), 0);
         }
-        *activity = if dynamics.is_fused() && (dynamics.contacts.is_none() || !I::DRIFTS_FIRST) {
-            kernels::steps::<V, I>(dynamics, &mut buffers.block, interval.h, 1);
+        let alone = dynamics.is_fused() && (dynamics.contacts.is_none() || !stepper.facts.drifts_first);
+        *activity = if let Some(steps) = stepper.linear_steps.filter(|_| alone) {
+            steps(dynamics, &mut buffers.block, interval.h, 1);
             kernels::activity(dynamics, &buffers.block)
         } else {
-            stages::<V, I>(dynamics, buffers, interval, step)
+            stages(stepper, dynamics, buffers, interval, step)
         };
-        if let (Some(contacts), false) = (&dynamics.contacts, I::DRIFTS_FIRST) {
+        if let (Some(contacts), false) = (&dynamics.contacts, stepper.facts.drifts_first) {
             contacts.resolve(&Before::spans(&buffers.before), &mut buffers.block, &dynamics.properties, interval.h);
         }
     }
 }
 
 /// One step, stage by stage; returns the activity at its last evaluation.
-fn stages<V: Vector, I: Integrator>(
+fn stages<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
     step: u64,
 ) -> f64 {
-    run_stage::<V, I>(dynamics, buffers, interval, 0.0, Action::StageState);
-    if let (Some(contacts), true) = (&dynamics.contacts, I::DRIFTS_FIRST) {
-        collide::<V, I>(dynamics, contacts, &mut buffers.block, &Before::spans(&buffers.before), interval.h);
+    run_stage(stepper, dynamics, buffers, interval, 0.0, Action::StageState);
+    if let (Some(contacts), Some(collide)) = (&dynamics.contacts, stepper.collide) {
+        collide(dynamics, contacts, &mut buffers.block, &Before::spans(&buffers.before), interval.h);
     }
     let mut activity = 0.0;
-    for stage in 0..I::NODES.len() {
-        let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
-        let time = interval.time(step, I::NODES[stage]);
-        activity = run_stage::<V, I>(dynamics, buffers, interval, time, Action::StageUpdate(stage, next));
+    let nodes = stepper.facts.nodes;
+    for (stage, &node) in nodes.iter().enumerate() {
+        let next = (stage + 1 < nodes.len()).then_some(stage + 1);
+        let time = interval.time(step, node);
+        activity = run_stage(stepper, dynamics, buffers, interval, time, Action::StageUpdate(stage, next));
     }
     activity
 }
 
-fn run_stage<V: Vector, I: Integrator>(
+fn run_stage<V: Vector>(
+    stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
@@ -211,16 +209,9 @@ fn run_stage<V: Vector, I: Integrator>(
     if !matches!(action, Action::StageState) {
         let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
         dynamics.accumulate(&range, &at, &mut Rates::new(force.reborrow(), &mut power));
-        if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(block, action)) {
+        if let (true, Some(before)) = (stepper.facts.gyrates && dynamics.magnetic, kicked(&stepper.facts, block, action)) {
             kernels::gyrate(dynamics, &range, &at, before, interval.h, force);
         }
     }
-    kernels::stage::<V, I>(
-        dynamics,
-        None,
-        block,
-        &Evaluation { force: force.reborrow(), power, damping: None },
-        interval.h,
-        action,
-    )
+    stepper.stage(dynamics, None, block, &Evaluation { force: force.reborrow(), power, damping: None }, interval.h, action)
 }

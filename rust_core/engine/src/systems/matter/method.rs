@@ -1,14 +1,13 @@
 //! Methods: the time stepping of matter, and its stability limits.
 
-use std::marker::PhantomData;
-
 use super::activity::Activity;
 use super::coupled::Workspace;
 use super::dynamics::{Angle, Dynamics, Impulses, Treatment};
+use super::stepper::Stepper;
 use super::{coupled, independent};
 use crate::error::Result;
 use crate::history::History;
-use crate::integrators::{self, Integrator};
+use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Columns, Matter};
 use crate::parallel::Executor;
@@ -103,82 +102,83 @@ pub trait Method<V: Vector>: History + Send + Sync {
 }
 
 /// An explicit integrator.
-pub struct Explicit<I> {
+pub struct Explicit<V: Vector> {
     /// As [`About::angle`].
     angle: Option<Angle>,
-    integrator: PhantomData<I>,
+    pub stepper: Stepper<V>,
 }
 
-impl<I: Integrator> Explicit<I> {
+impl<V: Vector> Explicit<V> {
     /// The integrator of an item.
     ///
     /// # Errors
     /// If a value is wrong.
-    pub fn declared(item: &Item) -> Result<Self> {
+    pub fn declared<I: Integrator>(item: &Item) -> Result<Self> {
         let exact = I::GYRATES && item.flag("exact_angle")?;
         let angle = I::GYRATES.then_some(if exact { Angle::Exact } else { Angle::Boris });
-        Ok(Self { angle, integrator: PhantomData })
+        Ok(Self { angle, stepper: Stepper::of::<I>() })
     }
 }
 
-impl<I: Integrator> History for Explicit<I> {}
+impl<V: Vector> History for Explicit<V> {}
 
-impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
+impl<V: Vector> Method<V> for Explicit<V> {
     fn about(&self) -> About {
+        let facts = &self.stepper.facts;
         About {
-            name: I::NAME,
-            order: I::ORDER,
-            order_dissipative: I::ORDER_DISSIPATIVE,
-            evaluations: I::NODES.len(),
-            registers: I::REGISTERS,
-            readable: I::READABLE,
+            name: facts.name,
+            order: facts.order,
+            order_dissipative: facts.order_dissipative,
+            evaluations: facts.stages(),
+            registers: facts.registers,
+            readable: facts.readable,
             own: 0,
-            drifts_first: I::DRIFTS_FIRST,
+            drifts_first: facts.drifts_first,
             sweeps: false,
-            corrected_weight: I::CORRECTED_WEIGHT,
+            corrected_weight: facts.corrected_weight,
             angle: self.angle,
-            limit: I::limit,
+            limit: facts.limit,
             springs: Treatment::Forces,
             holds_rods: false,
-            refuses_fields: integrators::refuses_fields::<I>(),
+            refuses_fields: facts.refuses_fields,
             smooth_only: None,
-            impulses: I::DRIFT_KICK.filter(|_| I::DRIFTS_FIRST).map(|drift_kick| Impulses::Register(drift_kick.velocity)),
+            impulses: facts.drift_kick.filter(|_| facts.drifts_first).map(|drift_kick| Impulses::Register(drift_kick.velocity)),
         }
     }
 
     fn persistent(&self) -> usize {
-        I::PERSISTENT
+        self.stepper.facts.persistent
     }
 
     /// The largest over all particles, of the position error, or of the velocity error times the step [m].
     fn error(&self, state: &Matter<V>, h: f64) -> Option<f64> {
-        let [x, v] = I::ERROR?.map(|register| &state.registers[register]);
+        let [x, v] = self.stepper.facts.error?.map(|register| &state.registers[register]);
         let length = |columns: &Columns<V>, index: usize| columns.get(index).widen().length();
         let errors = (0..state.count()).map(|index| length(x, index).max(h * length(v, index)));
         Some(errors.fold(0.0, f64::max))
     }
 
     fn gains_energy(&self) -> bool {
-        I::limit(0.0) == 0.0
+        self.stepper.facts.gains_energy()
     }
 
     fn bound(&self, bound: SpectralBound) -> SpectralBound {
-        bound.stepped_by::<I>()
+        bound.stepped_by(&self.stepper.facts)
     }
 
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit {
-        bound.limit_after::<I>(cache)
+        bound.limit_after(&self.stepper.facts, cache)
     }
 
     fn sharp_limit(&self, bound: SpectralBound) -> Limit {
-        bound.sharp_limit::<I>()
+        bound.sharp_limit(&self.stepper.facts)
     }
 
     fn begin(&mut self, Job { dynamics, from, state, workspace, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
         if let Some(workspace) = workspace {
-            return coupled::begin::<V, I>(dynamics, state, workspace, interval, executor);
+            return coupled::begin(&self.stepper, dynamics, state, workspace, interval, executor);
         }
-        independent::begin::<V, I>(dynamics, from, state, interval);
+        independent::begin(&self.stepper, dynamics, from, state, interval);
         Ok(())
     }
 
@@ -188,9 +188,9 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
         executor: &Executor,
     ) -> Result<()> {
         if let Some(workspace) = workspace {
-            return coupled::advance::<V, I>(dynamics, state, workspace, interval, record.0, executor);
+            return coupled::advance(&self.stepper, dynamics, state, workspace, interval, record.0, executor);
         }
-        independent::advance::<V, I>(dynamics, from, state, interval, record, executor);
+        independent::advance(&self.stepper, dynamics, from, state, interval, record, executor);
         Ok(())
     }
 }

@@ -15,6 +15,7 @@ mod method;
 mod projection;
 mod radau;
 mod rattle;
+mod stepper;
 mod tearing;
 mod test_particles;
 
@@ -32,7 +33,7 @@ use radau::GaussRadau15;
 use rattle::Rattle;
 
 use crate::error::{Error, Result};
-use crate::forces::{self, Mach, Validity};
+use crate::forces::{self, Validity};
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::{Class, Ledger};
@@ -45,7 +46,7 @@ use crate::scene::{Body, Item, Scene};
 use crate::self_contact::SelfContacts;
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
-use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Quantity, Record, Sample, System, unknown_integrator};
+use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Mach, Quantity, Record, Sample, System, unknown_integrator};
 
 /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
@@ -110,7 +111,7 @@ fn method_of<V: Vector>(scene: &Scene, method: &Item, executor: &Executor) -> Re
         "BackwardEuler" | "ImplicitMidpoint" | "BDF2" => compiled::<V>(scene, Implicit::declared(method)?, executor),
         kind => with_integrator!(
             kind,
-            I => compiled::<V>(scene, Explicit::<I>::declared(method)?, executor),
+            I => compiled::<V>(scene, Explicit::<V>::declared::<I>(method)?, executor),
             Err(unknown_integrator(method))
         ),
     }

@@ -13,6 +13,7 @@ use super::coupled::{self, Workspace};
 use super::dynamics::{Dynamics, Treatment};
 use super::kernels::Action;
 use super::method::{About, Explicit, Job, Method};
+use super::stepper::Stepper;
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::integrators::{Integrator, VelocityVerlet};
@@ -28,17 +29,17 @@ use crate::systems::Interval;
 pub const NAME: &str = "RATTLE";
 
 /// The method.
-pub struct Rattle {
+pub struct Rattle<V: Vector> {
     /// The fractions of a step that Verlet's steps take.
     parts: &'static [f64],
-    verlet: Explicit<VelocityVerlet>,
+    verlet: Explicit<V>,
 }
 
 /// 1/(4 − 4^(1/3)), the outer steps of Suzuki's composition of order 4.
 const OUTER: f64 = 0.414_490_771_794_375_7;
 const ORDER_4: [f64; 5] = [OUTER, OUTER, 1.0 - 4.0 * OUTER, OUTER, OUTER];
 
-impl Rattle {
+impl<V: Vector> Rattle<V> {
     /// The method that an item declares.
     ///
     /// # Errors
@@ -49,12 +50,13 @@ impl Rattle {
             4.0 => &ORDER_4,
             other => return Err(Error::parameter(format!("{}.order", item.path), "2 or 4", other)),
         };
-        Ok(Self { parts, verlet: Explicit::declared(item)? })
+        Ok(Self { parts, verlet: Explicit::declared::<VelocityVerlet>(item)? })
     }
 }
 
 /// One of Verlet's steps with rods, from the time `time` on, of `h` seconds.
 fn step<V: Vector>(
+    verlet: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
@@ -68,8 +70,8 @@ fn step<V: Vector>(
         velocity.copy_from(&matter.velocity);
     }
     dynamics.rods.iter_mut().for_each(|rods| rods.start(matter));
-    coupled::sweep::<V, VelocityVerlet>(dynamics, matter, workspace, interval, time, Action::StageState, executor)?;
-    coupled::collisions::<V, VelocityVerlet>(dynamics, matter, workspace, h, executor)?;
+    coupled::sweep(verlet, dynamics, matter, workspace, interval, time, Action::StageState, executor)?;
+    coupled::collisions(verlet, dynamics, matter, workspace, h, executor)?;
     let Dynamics { rods, contacts, properties, .. } = dynamics;
     if let Some(rods) = rods {
         rods.hold_positions(matter, half).map_err(|unsolved| diverged(&properties.caller, unsolved))?;
@@ -78,7 +80,7 @@ fn step<V: Vector>(
             held.map_err(|unsolved| diverged(&properties.caller, unsolved))?;
         }
     }
-    coupled::sweep::<V, VelocityVerlet>(dynamics, matter, workspace, interval, time + h, Action::StageUpdate(0, None), executor)?;
+    coupled::sweep(verlet, dynamics, matter, workspace, interval, time + h, Action::StageUpdate(0, None), executor)?;
     let Dynamics { rods, contacts, properties, .. } = dynamics;
     if let Some(rods) = rods {
         rods.turn(|index| matter.exact_position(index));
@@ -100,9 +102,9 @@ fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error 
     Error::unsolved(index, cause)
 }
 
-impl History for Rattle {}
+impl<V: Vector> History for Rattle<V> {}
 
-impl<V: Vector> Method<V> for Rattle {
+impl<V: Vector> Method<V> for Rattle<V> {
     fn about(&self) -> About {
         let composed = self.parts.len() > 1;
         About {
@@ -117,12 +119,12 @@ impl<V: Vector> Method<V> for Rattle {
             holds_rods: true,
             smooth_only: Some("it advances rods, springs and fields, and no density; with order=2 boundaries too"),
             impulses: None,
-            ..Method::<V>::about(&self.verlet)
+            ..self.verlet.about()
         }
     }
 
     fn persistent(&self) -> usize {
-        Method::<V>::persistent(&self.verlet)
+        self.verlet.persistent()
     }
 
     fn error(&self, state: &Matter<V>, h: f64) -> Option<f64> {
@@ -134,16 +136,16 @@ impl<V: Vector> Method<V> for Rattle {
     }
 
     fn bound(&self, bound: SpectralBound) -> SpectralBound {
-        Method::<V>::bound(&self.verlet, bound)
+        self.verlet.bound(bound)
     }
 
     /// That of Verlet's method. The composition is stable up to ωh = 2.72 without damping, with less in sight of it.
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit {
-        Method::<V>::limit(&self.verlet, bound, cache)
+        self.verlet.limit(bound, cache)
     }
 
     fn sharp_limit(&self, bound: SpectralBound) -> Limit {
-        Method::<V>::sharp_limit(&self.verlet, bound)
+        self.verlet.sharp_limit(bound)
     }
 
     fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
@@ -163,7 +165,14 @@ impl<V: Vector> Method<V> for Rattle {
         for index in 0..interval.steps {
             let mut node = 0.0;
             for part in self.parts {
-                step(dynamics, state, workspace, (interval.time(index, node), part * interval.h), executor)?;
+                step(
+                    &self.verlet.stepper,
+                    dynamics,
+                    state,
+                    workspace,
+                    (interval.time(index, node), part * interval.h),
+                    executor,
+                )?;
                 node += part;
             }
             record.0.push(workspace.activity.iter().sum());

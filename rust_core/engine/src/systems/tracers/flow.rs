@@ -3,7 +3,7 @@
 use super::law::{self, Law, Outcome};
 use super::points::Points;
 use crate::error::Result;
-use crate::integrators::explicit::{Coefficients, with_tableau};
+use crate::integrators::explicit::Coefficients;
 use crate::math::Real;
 use crate::parallel::Executor;
 use crate::systems::Interval;
@@ -96,8 +96,7 @@ impl<T: Real, L: Law<T, D>, const D: usize> Flow<T, D> for Known<L> {
         executor: &Executor,
     ) -> Result<Outcome> {
         let (law, Interval { h, steps, .. }) = (self.law, interval);
-        let advance = with_tableau!(method.name, S => law::advance::<T, L, S, D>, unreachable!("a method has a tableau"));
-        let outcomes = sets.iter_mut().map(|points| advance(law, points, h, steps, executor));
+        let outcomes = sets.iter_mut().map(|points| law::advance(law, method, points, h, steps, executor));
         let outcome = outcomes.fold(Outcome::default(), Outcome::and);
         executor.check()?;
         Ok(outcome)

@@ -1,12 +1,11 @@
 //! Laws: velocities that are known at every point and stage; kernels over them.
 
-use std::marker::PhantomData;
-
 use super::points::{BLOCK, Block, Points};
-use crate::integrators::explicit::{self, Explicit, SLOPES, Slope};
+use crate::integrators::Tableau;
+use crate::integrators::explicit::{self, Coefficients, CompiledTableau, Kutta, Rows, SLOPES, Slope};
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch_wide};
 
 /// A velocity field v(x) [m/s], known at each stage of an interval, by the number of the stage. All of its code is
 /// `#[inline(always)]`, or it does not stay in registers.
@@ -35,8 +34,23 @@ impl Outcome {
 }
 
 /// Takes steps of `h` seconds with all points, block by block, each through all steps.
-pub fn advance<T: Real, L: Law<T, D>, S: Explicit, const D: usize>(
+pub fn advance<T: Real, L: Law<T, D>, const D: usize>(
     law: L,
+    method: Coefficients,
+    points: &mut Points<T, D>,
+    h: f64,
+    steps: u64,
+    executor: &Executor,
+) -> Outcome {
+    if method.name == Kutta::NAME {
+        return advance_by(law, CompiledTableau::<Kutta>::NEW, points, h, steps, executor);
+    }
+    advance_by(law, method, points, h, steps, executor)
+}
+
+fn advance_by<T: Real, L: Law<T, D>, M: Rows, const D: usize>(
+    law: L,
+    method: M,
     points: &mut Points<T, D>,
     h: f64,
     steps: u64,
@@ -45,18 +59,18 @@ pub fn advance<T: Real, L: Law<T, D>, S: Explicit, const D: usize>(
     let mut outcomes = vec![Outcome::default(); points.block_count()];
     let work = (points.blocks(), BlockedSlice::new(&mut outcomes, 1));
     executor.for_each_block(work, &|(Block { axes, .. }, outcomes): (Block<'_, T, D>, BlockedSlice<'_, Outcome>)| {
-        outcomes.items[0] = dispatch(Steps::<T, L, S, D> { law, axes, h, count: steps, method: PhantomData });
+        outcomes.items[0] = dispatch_wide(Steps { law, axes, h, count: steps, method });
     });
     outcomes.into_iter().fold(Outcome::default(), Outcome::and)
 }
 
 /// Steps of a block.
-struct Steps<'a, T, L, S, const D: usize> {
+struct Steps<'a, T, L, M, const D: usize> {
     law: L,
     axes: [&'a mut [T]; D],
     h: f64,
     count: u64,
-    method: PhantomData<S>,
+    method: M,
 }
 
 /// The slopes of a step, whose first stage has a number.
@@ -72,30 +86,30 @@ impl<N: Number, L: Law<N::Scalar, D>, const D: usize> Slope<N, D> for Slopes<'_,
     }
 }
 
-impl<T: Real, L: Law<T, D>, S: Explicit, const D: usize> Kernel for Steps<'_, T, L, S, D> {
+impl<T: Real, L: Law<T, D>, M: Rows, const D: usize> Kernel for Steps<'_, T, L, M, D> {
     type Output = Outcome;
 
     #[inline(always)]
     fn run<I: Isa>(self, _isa: I) -> Outcome {
-        let Self { law, axes, h, count, .. } = self;
+        let Self { law, axes, h, count, method } = self;
         let (length, width) = (axes[0].len(), <I::Pack<T> as Pack>::WIDTH);
         let zero = <I::Pack<T> as Number>::constant(0.0);
         let (mut finite, mut error) = (zero, zero);
-        let estimates = count == 1 && !S::ERRORS.is_empty();
+        let estimates = count == 1 && !method.errors().is_empty();
         for step in 0..count as usize {
-            let slopes = Slopes { law: &law, first: step * S::EVALUATIONS };
+            let slopes = Slopes { law: &law, first: step * method.evaluations() };
             for at in (0..length).step_by(width) {
                 let mut start = [zero; D];
                 for axis in 0..D {
                     start[axis] = <I::Pack<T> as Pack>::load(&axes[axis][at..]);
                 }
-                let (end, mut known) = explicit::step::<S, _, _, D>(&slopes, &start, h);
+                let (end, mut known) = explicit::step(method, &slopes, &start, h);
                 for axis in 0..D {
                     end[axis].store(&mut axes[axis][at..]);
                 }
                 if estimates {
-                    known[S::EVALUATIONS.min(SLOPES - 1)] = law.velocity(S::EVALUATIONS, end);
-                    for estimate in explicit::estimate::<S, _, D>(&known, h) {
+                    known[method.evaluations().min(SLOPES - 1)] = law.velocity(method.evaluations(), end);
+                    for estimate in explicit::estimate(method, &known, h) {
                         error = estimate.max(zero - estimate).max(error);
                     }
                 }
@@ -125,7 +139,7 @@ pub fn velocities<T: Real, L: Law<T, D>, const D: usize>(
 ) {
     executor.for_each_block(out.blocks(), &|Block { start, axes }: Block<'_, T, D>| {
         let points = points.axes.each_ref().map(|axis| &axis[start..start + axes[0].len()]);
-        dispatch(Velocities { law, stage, points, out: axes });
+        dispatch_wide(Velocities { law, stage, points, out: axes });
     });
 }
 
@@ -161,7 +175,7 @@ pub fn steepest<T: Real, L: Law<T, D>, const D: usize>(law: L, stage: usize, poi
     executor.for_each_block(BlockedSlice::new(&mut squares, 1), &|block: BlockedSlice<'_, f64>| {
         let range = block.start * BLOCK..((block.start + 1) * BLOCK).min(points.axes[0].len());
         let points = points.axes.each_ref().map(|axis| &axis[range.clone()]);
-        block.items[0] = dispatch(Steepest { law, stage, points });
+        block.items[0] = dispatch_wide(Steepest { law, stage, points });
     });
     squares.into_iter().fold(0.0, f64::max).sqrt()
 }

@@ -17,7 +17,7 @@ use super::law::{self, Law, Outcome};
 use super::points::Points;
 use super::staged::{Staged, Step};
 use crate::error::{Error, Result};
-use crate::integrators::explicit::{Coefficients, with_tableau};
+use crate::integrators::explicit::Coefficients;
 use crate::math::Real;
 use crate::parallel::{Executor, SERIAL};
 use crate::scene::Item;
@@ -187,9 +187,8 @@ impl<T: Real> Flow<T, 2> for Vortices<T> {
             outcome = outcome.and(staged.step(method, vortices, Step { h, estimated: steps == 1 }, slope)?);
         }
         let law = VortexLaw { places: kept.each_ref().map(Vec::as_slice), strengths, core: *core };
-        let advance = with_tableau!(method.name, S => law::advance::<T, VortexLaw<'_, T>, S, 2>,
-            unreachable!("a method has a tableau"));
-        let outcome = tracers.iter_mut().fold(outcome, |all, points| all.and(advance(law, points, h, steps, executor)));
+        let advance = |points: &mut Points<T, 2>| law::advance(law, method, points, h, steps, executor);
+        let outcome = tracers.iter_mut().fold(outcome, |all, points| all.and(advance(points)));
         executor.check()?;
         Ok(outcome)
     }

@@ -5,7 +5,7 @@ use super::gyration::kick;
 use crate::forces::{Affine, FieldLaw, Use, times};
 use crate::math::{Real, Vector};
 use crate::matter::Blocks;
-use crate::simd::{Isa, Kernel, dispatch};
+use crate::simd::{Isa, Kernel, dispatch_wide};
 use crate::systems::matter::dynamics::{Dynamics, LoneFields};
 
 /// A block of charges, to be advanced by whole steps once its fields are known.
@@ -35,7 +35,7 @@ pub fn gyration_steps<V: Vector>(
 
 impl<V: Vector> Use<V::Scalar> for Part<'_, '_, V> {
     fn with(self, magnetic: impl FieldLaw<V::Scalar>) {
-        dispatch(Steps { part: self, magnetic });
+        dispatch_wide(Steps { part: self, magnetic });
     }
 }
 

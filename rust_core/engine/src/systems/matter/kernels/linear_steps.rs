@@ -9,7 +9,7 @@ use crate::forces::linear::AxisLaw;
 use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, EnergySink, EnergyTally, REGISTERS};
-use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch_wide};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Whole steps of a block whose forces are all fused.
@@ -25,7 +25,7 @@ struct Steps<'a, T, I> {
 /// Advances one block by whole steps under the linear force alone.
 pub fn steps<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
     let (axes, tally) = split(dynamics, blocks);
-    dispatch(Steps::<V::Scalar, I> {
+    dispatch_wide(Steps::<V::Scalar, I> {
         axes,
         tally,
         dissipates: dynamics.linear.dissipates,

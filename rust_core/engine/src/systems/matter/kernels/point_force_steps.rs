@@ -7,7 +7,7 @@ use crate::forces::{InverseSquare, InverseSquareLaw};
 use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{AXES, Vector};
 use crate::matter::{Blocks, REGISTERS};
-use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch};
+use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch_wide};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Whole steps of a block.
@@ -31,7 +31,7 @@ pub fn point_force_steps<V: Vector, I: Integrator>(
 ) {
     let members = &members[block.range()];
     let inverse_mass = &dynamics.properties.inverse_mass[block.range()];
-    dispatch(PointForceSteps::<V, I> { law, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
+    dispatch_wide(PointForceSteps::<V, I> { law, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
 impl<V: Vector, I: Integrator> Kernel for PointForceSteps<'_, '_, V, I> {

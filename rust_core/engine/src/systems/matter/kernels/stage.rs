@@ -1,14 +1,12 @@
 //! One stage of a step, with accumulated forces plus the linear force.
 
-use std::marker::PhantomData;
-
 use super::activity::kinetic;
 use super::axis_force::{AxisForce, Uniform};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, lanes, through_all};
 use crate::forces::StateView;
 use crate::forces::linear::AxisLaw;
-use crate::integrators::{Component, Integrator, for_each_stage};
+use crate::integrators::{Component, Facts, Swept};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, EnergySink, EnergyTally, Power, REGISTERS, Span};
 use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch};
@@ -26,11 +24,11 @@ pub enum Action {
 }
 
 /// The velocities from which an evaluation of the forces kicks a block, if it does; at the start of a run the present ones.
-pub fn kicked<'a, 'b, V: Vector, I: Integrator>(blocks: &'a Blocks<'b, V>, action: Action) -> Option<&'a Span<'b, V>> {
+pub fn kicked<'a, 'b, V: Vector>(method: &Facts, blocks: &'a Blocks<'b, V>, action: Action) -> Option<&'a Span<'b, V>> {
     match action {
         Action::Begin => Some(&blocks.velocity),
         Action::StageState => None,
-        Action::StageUpdate(..) => I::DRIFT_KICK.map(|drift_kick| &blocks.registers[drift_kick.velocity]),
+        Action::StageUpdate(..) => method.drift_kick.map(|drift_kick| &blocks.registers[drift_kick.velocity]),
     }
 }
 
@@ -45,7 +43,7 @@ pub struct Evaluation<'a, V: Vector> {
     pub damping: Option<Span<'a, V>>,
 }
 
-struct Stage<'a, T, I> {
+struct Stage<'a, T, S> {
     axes: Axes<'a, T>,
     state: Option<[[&'a [Lanes<T>]; AXES]; 2]>,
     force: [&'a [Lanes<T>]; AXES],
@@ -57,7 +55,8 @@ struct Stage<'a, T, I> {
     dissipates: bool,
     h: f64,
     action: Action,
-    integrator: PhantomData<I>,
+    method: &'a Facts,
+    swept: S,
 }
 
 /// The columns of a span as groups of lanes.
@@ -66,8 +65,9 @@ fn groups<'a, V: Vector>(span: &'a Span<'_, V>) -> [&'a [Lanes<V::Scalar>]; AXES
 }
 
 /// Runs one stage of one block, from the state `at` or else from that in the block; returns the activity at the stage.
-pub fn stage<V: Vector, I: Integrator>(
+pub fn stage<V: Vector, S: Swept>(
     dynamics: &Dynamics<V>,
+    method: &Facts,
     at: Option<&StateView<'_, V>>,
     blocks: &mut Blocks<'_, V>,
     evaluation: &Evaluation<'_, V>,
@@ -87,7 +87,7 @@ pub fn stage<V: Vector, I: Integrator>(
     let force = groups(&evaluation.force);
     let damping = evaluation.damping.as_ref().map_or([&[][..]; AXES], groups);
     let (axes, tally) = split(dynamics, blocks);
-    dispatch(Stage::<V::Scalar, I> {
+    dispatch(Stage::<V::Scalar, S> {
         axes,
         state,
         force,
@@ -99,16 +99,31 @@ pub fn stage<V: Vector, I: Integrator>(
         dissipates: dynamics.linear.dissipates,
         h,
         action,
-        integrator: PhantomData,
+        method,
+        swept: S::of(method),
     })
 }
 
-impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
+impl<T: Real, S: Swept> Kernel for Stage<'_, T, S> {
     type Output = f64;
 
     #[inline(always)]
-    fn run<S: Isa>(self, _isa: S) -> f64 {
-        let Self { mut axes, state, force, damping, inverse_mass, inertia, mut power, tally, dissipates, h, action, .. } = self;
+    fn run<L: Isa>(self, _isa: L) -> f64 {
+        let Self {
+            mut axes,
+            state,
+            force,
+            damping,
+            inverse_mass,
+            inertia,
+            mut power,
+            tally,
+            dissipates,
+            h,
+            action,
+            method,
+            swept,
+        } = self;
         let mut squares = [T::ZERO; LANES];
         for (axis, (columns, law)) in axes.iter_mut().flatten().enumerate() {
             let state = state.map(|columns| columns.map(|columns| columns[axis]));
@@ -116,20 +131,20 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
             let sums = (&mut power, &mut squares);
             match *law {
                 AxisLaw::Uniform(same) if dissipates => {
-                    one_stage::<S::Group<T>, I, _>(Uniform::<_, true>(same), input, columns, h, action, sums);
+                    one_stage::<L::Group<T>, S, _>(swept, Uniform::<_, true>(same), input, columns, h, action, sums);
                 }
                 AxisLaw::Uniform(same) => {
-                    one_stage::<S::Group<T>, I, _>(Uniform::<_, false>(same), input, columns, h, action, sums);
+                    one_stage::<L::Group<T>, S, _>(swept, Uniform::<_, false>(same), input, columns, h, action, sums);
                 }
-                AxisLaw::Varying(varying) => one_stage::<S::Group<T>, I, _>(varying, input, columns, h, action, sums),
+                AxisLaw::Varying(varying) => one_stage::<L::Group<T>, S, _>(swept, varying, input, columns, h, action, sums),
             }
         }
         match action {
             Action::Begin => tally.last = power,
             Action::StageState => {}
             Action::StageUpdate(stage, _) => {
-                let last = if stage == 0 { h * I::LAST_WEIGHT } else { 0.0 };
-                integrate(tally, through_all(&power), h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
+                let [weight, last] = method.weights_at(stage).map(|weight| h * weight);
+                integrate(tally, through_all(&power), weight, last, stage + 1 == method.stages());
             }
         }
         kinetic(&squares)
@@ -149,7 +164,8 @@ struct AxisInput<'a, T> {
 
 /// One stage of every particle along one axis. Adds to the powers, and Σ m v² at the stage to `squares`.
 #[inline(always)]
-fn one_stage<G: Pack<Scalar: Real>, I: Integrator, L: AxisForce<G::Scalar>>(
+fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
+    swept: S,
     law: L,
     input: AxisInput<'_, G::Scalar>,
     axis: &mut Axis<'_, G::Scalar>,
@@ -166,7 +182,7 @@ fn one_stage<G: Pack<Scalar: Real>, I: Integrator, L: AxisForce<G::Scalar>>(
         let coefficients = law.coefficients(|column| G::load(&column[group]));
         let (own_x, own_v) = if let Some([x, v]) = input.state { (&x[group], &v[group]) } else { (&*x, &*v) };
         let mut component = Component { x: G::load(own_x), v: G::load(own_v), registers: [zero; REGISTERS] };
-        for register in 0..I::REGISTERS {
+        for register in 0..S::REGISTERS {
             component.registers[register] = G::load(&registers[register][group]);
         }
         let [dissipated, supplied] = law.power(&coefficients, component.v);
@@ -181,35 +197,35 @@ fn one_stage<G: Pack<Scalar: Real>, I: Integrator, L: AxisForce<G::Scalar>>(
             component.x = G::load(residual);
         }
         match action {
-            Action::Begin => I::begin(&mut component, a),
-            Action::StageState => stage_state::<G, I>(0, &mut component, step),
+            Action::Begin => S::begin(&mut component, a),
+            Action::StageState => stage_state::<G, S>(swept, 0, &mut component, step),
             Action::StageUpdate(stage, next) => {
                 let predicted = component.v;
-                stage_update::<G, I>(stage, &mut component, a, step);
-                if let (true, Some(damping)) = (I::CORRECTED_WEIGHT != 0.0, input.damping.get(group)) {
+                stage_update::<G, S>(swept, stage, &mut component, a, step);
+                if let (true, Some(damping)) = (S::CORRECTED_WEIGHT != 0.0, input.damping.get(group)) {
                     corrected += G::load(damping) * (predicted - component.v);
                 }
                 if let Some(next) = next {
                     // The end of a step has the same bits, whether the next one follows in this sweep or in another batch.
                     if next == 0 && group < residual.len() {
-                        let rest = settle::<G, I>(&mut component, from);
+                        let rest = settle::<G, S>(&mut component, from);
                         (from, component.x) = (component.x, rest);
                     }
-                    stage_state::<G, I>(next, &mut component, step);
+                    stage_state::<G, S>(swept, next, &mut component, step);
                 }
             }
         }
         if let Some(residual) = residual.get_mut(group) {
-            settle::<G, I>(&mut component, from).store(residual);
+            settle::<G, S>(&mut component, from).store(residual);
         }
         component.x.store(x);
         component.v.store(v);
-        for register in 0..I::REGISTERS {
+        for register in 0..S::REGISTERS {
             component.registers[register].store(&mut registers[register][group]);
         }
     }
     moved.store(squares);
-    add_power(&mut power[EnergySink::Damping as usize], &lanes(corrected), I::CORRECTED_WEIGHT);
+    add_power(&mut power[EnergySink::Damping as usize], &lanes(corrected), S::CORRECTED_WEIGHT);
     add_power(&mut power[EnergySink::Drag as usize], &lanes(drag), law.unit());
     if L::SUPPLIES {
         add_power(&mut power[EnergySink::Work as usize], &lanes(work), law.unit());
@@ -219,34 +235,48 @@ fn one_stage<G: Pack<Scalar: Real>, I: Integrator, L: AxisForce<G::Scalar>>(
 /// Converts a position relative to `from` to a rounded position, and returns the residual (two-sum). Their sum is exact (D. E.
 /// Knuth, The Art of Computer Programming 2, 4.2.2, theorem B).
 #[inline(always)]
-fn settle<G: Pack, I: Integrator>(component: &mut Component<G>, from: G) -> G {
+fn settle<G: Pack, S: Swept>(component: &mut Component<G>, from: G) -> G {
     let by = component.x;
     let sum = from + by;
     let moved = sum - from;
     let residual = (from - (sum - moved)) + (by - moved);
     component.x = sum;
-    if let Some(register) = I::POSITION_REGISTER {
+    if let Some(register) = S::POSITION_REGISTER {
         component.registers[register] = component.registers[register] - (by - residual);
     }
     residual
 }
 
-/// Computes the state of a stage. The stage is a constant in each branch.
-#[inline(always)]
-fn stage_state<G: Pack, I: Integrator>(stage: usize, component: &mut Component<G>, h: G) {
-    for_each_stage!(I, constant => {
-        if stage == constant {
-            I::stage_state(constant, component, h);
+/// Evaluates `$body` for a stage: with a constant, where each is compiled for itself. It is written out, because a loop that the
+/// compiler does not unroll is not vectorized.
+macro_rules! at_stage {
+    ($S:ty, $number:ident, $stage:ident => $body:expr) => {
+        at_stage!(@ $S, $number, $stage, $body; 0 1 2 3 4 5)
+    };
+    (@ $S:ty, $number:ident, $stage:ident, $body:expr; $($index:literal)*) => {
+        const { assert!(<$S>::COMPILED <= 6, "more stages than are written out") };
+        if const { <$S>::COMPILED == 1 } {
+            let $stage: usize = $number;
+            $body;
+        } else {
+            $(if const { $index < <$S>::COMPILED } {
+                if $number == $index {
+                    let $stage: usize = $index;
+                    $body;
+                }
+            })*
         }
-    });
+    };
+}
+
+/// Computes the state of a stage.
+#[inline(always)]
+fn stage_state<G: Pack, S: Swept>(swept: S, number: usize, component: &mut Component<G>, h: G) {
+    at_stage!(S, number, stage => swept.state(stage, component, h));
 }
 
 /// Updates the state by the acceleration of a stage.
 #[inline(always)]
-fn stage_update<G: Pack, I: Integrator>(stage: usize, component: &mut Component<G>, a: G, h: G) {
-    for_each_stage!(I, constant => {
-        if stage == constant {
-            I::stage_update(constant, component, a, h);
-        }
-    });
+fn stage_update<G: Pack, S: Swept>(swept: S, number: usize, component: &mut Component<G>, a: G, h: G) {
+    at_stage!(S, number, stage => swept.update(stage, component, a, h));
 }

@@ -22,7 +22,7 @@ use crate::contacts::Before;
 use crate::error::Result;
 use crate::forces::Rates;
 use crate::history::History;
-use crate::integrators::{Integrator, SemiImplicitEuler};
+use crate::integrators::{Facts, Integrator, SemiImplicitEuler};
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Columns, Matter, Power, SINKS};
 use crate::parallel::{BlockedSlice, Executor};
@@ -192,16 +192,16 @@ impl<V: Vector, P: Projector<V>> Method<V> for Projection<V, P> {
     }
 
     fn bound(&self, bound: SpectralBound) -> SpectralBound {
-        bound.stepped_by::<SemiImplicitEuler>()
+        bound.stepped_by(&Facts::of::<SemiImplicitEuler>())
     }
 
     /// That of the forces other than springs, which are taken at the start of each part of a step.
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit {
-        bound.limit_after::<SemiImplicitEuler>(cache).in_parts(self.projector.substeps())
+        bound.limit_after(&Facts::of::<SemiImplicitEuler>(), cache).in_parts(self.projector.substeps())
     }
 
     fn sharp_limit(&self, bound: SpectralBound) -> Limit {
-        bound.sharp_limit::<SemiImplicitEuler>().in_parts(self.projector.substeps())
+        bound.sharp_limit(&Facts::of::<SemiImplicitEuler>()).in_parts(self.projector.substeps())
     }
 
     fn take_springs(&mut self, dynamics: &Dynamics<V>) {

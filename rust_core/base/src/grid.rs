@@ -1,0 +1,201 @@
+//! Uniform grids: cells in one, two or three dimensions, their edges, and fields with one value at the center of each cell.
+//!
+//! Inside, a grid has three axes for any dimension: those that it lacks come first and have one cell, so that the last axis
+//! is the one whose cells are neighbors in memory. A *row* is the cells along it; rows are numbered in memory's order.
+
+mod block;
+mod edges;
+mod laplacian;
+mod padding;
+mod stencil;
+mod table;
+mod tiles;
+
+pub use block::{Block, COLUMNS};
+pub use edges::{Edge, Edges};
+pub use laplacian::{Coefficients, Laplacian};
+pub use padding::Padding;
+pub use stencil::{Groups, PlaneRow, Window, load};
+pub use table::RowTable;
+pub use tiles::{DEEPEST, Sweep, depth};
+
+use crate::error::Result;
+use crate::math::AXES;
+use crate::scene::{Array, Item, Value};
+
+/// A uniform grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// The number of axes of space.
+    pub dimension: usize,
+    /// The number of cells along each of the three axes.
+    pub cells: [usize; AXES],
+    /// The spacing h, the same along all axes [m].
+    pub spacing: f64,
+    /// The lower corner [m]; 0 along an axis that the grid lacks.
+    pub origin: [f64; AXES],
+    /// Whether each axis closes upon itself.
+    pub periodic: [bool; AXES],
+}
+
+/// The most cells along an axis, and in all.
+const MOST_CELLS: f64 = 2_147_483_648.0;
+
+impl Grid {
+    /// The grid that an item has.
+    ///
+    /// # Errors
+    /// If a value is missing or out of range.
+    pub fn declared(item: &Item) -> Result<Self> {
+        let item = item.record("grid")?;
+        let vectors = ["cells", "origin", "periodic"].map(|name| item.vector(name).map(|vector| vector.to_array()));
+        let [cells, origin, periodic] = vectors;
+        let (cells, origin, periodic) = (cells?, origin?, periodic?);
+        let dimension = cells.iter().take_while(|&&count| count > 0.0).count();
+        let whole = cells.iter().all(|&count| count >= 0.0 && count.fract() == 0.0);
+        let few = cells[..dimension].iter().product::<f64>() <= MOST_CELLS;
+        if dimension == 0 || !whole || !few || cells[dimension..].iter().any(|&count| count > 0.0) {
+            return Err(item.wrong("cells", "up to three numbers of cells ≥ 1, of at most 2³¹ cells", item.values.get("cells")));
+        }
+        let spacing = item.number("spacing")?;
+        if spacing <= 0.0 {
+            return Err(item.wrong("spacing", "a number > 0", item.values.get("spacing")));
+        }
+        let mut grid = Self { dimension, cells: [1; AXES], spacing, origin: [0.0; AXES], periodic: [false; AXES] };
+        for axis in 0..dimension {
+            let own = grid.axis(axis);
+            grid.cells[own] = cells[axis] as usize;
+            grid.origin[own] = origin[axis];
+            grid.periodic[own] = periodic[axis] != 0.0;
+        }
+        Ok(grid)
+    }
+
+    /// The index inside of the axis x, y or z of space.
+    pub fn axis(&self, of_space: usize) -> usize {
+        AXES - self.dimension + of_space
+    }
+
+    /// The axes that it has, inside.
+    pub fn axes(&self) -> std::ops::Range<usize> {
+        AXES - self.dimension..AXES
+    }
+
+    /// The number of cells.
+    pub fn count(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.cells[0] * self.cells[1]
+    }
+
+    /// The number of cells in a row.
+    pub fn row_length(&self) -> usize {
+        self.cells[2]
+    }
+
+    /// The shape of fields: the number of cells along x, y and z.
+    pub fn shape(&self) -> Vec<usize> {
+        self.cells[self.axes()].to_vec()
+    }
+
+    /// The content of a cell h^D: a length, an area or a volume [m^D].
+    pub fn content(&self) -> f64 {
+        self.axes().map(|_| self.spacing).product()
+    }
+
+    /// Along the axes of rows, the position of a row.
+    pub fn place(&self, row: usize) -> [usize; 2] {
+        [row / self.cells[1], row % self.cells[1]]
+    }
+
+    /// The row beside a row, upward or downward along one of the first two axes: around the corner where that is periodic,
+    /// and none beyond the grid.
+    pub fn beside(&self, row: usize, axis: usize, upward: bool) -> Option<usize> {
+        self.neighbors(row)[axis][usize::from(upward)]
+    }
+
+    /// The rows beside a row: below and above it along the first two axes.
+    #[inline]
+    pub fn neighbors(&self, row: usize) -> [[Option<usize>; 2]; 2] {
+        let (place, strides) = (self.place(row), [self.cells[1], 1]);
+        std::array::from_fn(|axis| {
+            let (stride, count, at, periodic) = (strides[axis], self.cells[axis], place[axis], self.periodic[axis]);
+            let below = if at > 0 { Some(row - stride) } else { periodic.then(|| row + (count - 1) * stride) };
+            let above = if at + 1 < count { Some(row + stride) } else { periodic.then(|| row - at * stride) };
+            [below, above]
+        })
+    }
+
+    /// The name of a cell: `cell (3, 4)`.
+    pub fn name(&self, index: usize) -> String {
+        let row = self.place(index / self.row_length());
+        let indices = [row[0], row[1], index % self.row_length()];
+        let indices: Vec<String> = indices[self.axes()].iter().map(ToString::to_string).collect();
+        format!("cell ({})", indices.join(", "))
+    }
+
+    /// The cells whose centers are nearest to a point, two along each axis, with weights that are linear along each axis and
+    /// add up to 1. Beyond the outermost centers of an axis that is not periodic all weight is on those.
+    pub fn nearest(&self, point: [f64; AXES]) -> Vec<(usize, f64)> {
+        let mut cells = vec![(0, 1.0)];
+        for axis in 0..AXES {
+            let count = self.cells[axis];
+            let along = if count == 1 { 0.0 } else { (point[axis] - self.origin[axis]) / self.spacing - 0.5 };
+            let ends = if self.periodic[axis] {
+                let lower = along.floor();
+                let index = lower.rem_euclid(count as f64) as usize % count;
+                [(index, 1.0 - (along - lower)), ((index + 1) % count, along - lower)]
+            } else {
+                let along = along.clamp(0.0, (count - 1) as f64);
+                let index = (along as usize).min(count.saturating_sub(2));
+                [(index, 1.0 - (along - index as f64)), ((index + 1).min(count - 1), along - index as f64)]
+            };
+            let pairs = cells.iter().flat_map(|&(cell, weight)| ends.map(|(index, part)| (cell * count + index, weight * part)));
+            cells = pairs.filter(|&(_, weight)| weight != 0.0).collect();
+        }
+        cells
+    }
+
+    /// A field that an item has: one number for all cells, or one for each, in their order.
+    ///
+    /// # Errors
+    /// If it is missing, of another shape, or not finite.
+    pub fn field(&self, item: &Item, name: &str) -> Result<RowTable<f64>> {
+        let length = self.row_length();
+        let Some(Value::Numbers(array)) = item.values.get(name) else {
+            let number = item.number(name)?;
+            return Ok(RowTable::new(self.rows(), length, number, |_, _| {}));
+        };
+        self.fits(item, name, array)?;
+        if let Some(index) = array.entries.iter().position(|number| !number.is_finite()) {
+            let path = format!("{name} at {}", self.name(index));
+            return Err(item.wrong(&path, "a finite number", Some(&Value::Number(array.entries[index]))));
+        }
+        Ok(RowTable::new(self.rows(), length, 0.0, |row, values| {
+            values.copy_from_slice(&array.entries[row * length..][..length]);
+        }))
+    }
+
+    /// A mask that an item may have.
+    ///
+    /// # Errors
+    /// If it is of another shape.
+    pub fn mask<'a>(&self, item: &'a Item, name: &str) -> Result<Option<&'a [bool]>> {
+        match item.values.get(name) {
+            None => Ok(None),
+            Some(Value::Flags(array)) => self.fits(item, name, array).map(|()| Some(array.entries.as_slice())),
+            other => Err(item.wrong(name, "true or false for each cell", other)),
+        }
+    }
+
+    fn fits<T>(&self, item: &Item, name: &str, array: &Array<T>) -> Result<()> {
+        let expected = || format!("an array of shape {:?}", self.shape());
+        if array.shape == self.shape() { Ok(()) } else { Err(item.wrong(name, &expected(), item.values.get(name))) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,264 @@
+//! A step of y' = f(y) by the tableau of an explicit method, number by number: in registers where f is known there.
+//!
+//! ```text
+//!     Yᵢ = y₀ + Σ (h aᵢⱼ) kⱼ,   kᵢ = f(Yᵢ),   y = y₀ + Σ (h bᵢ) kᵢ
+//! ```
+
+use std::marker::PhantomData;
+
+pub use super::bogacki_shampine_3::BogackiShampine;
+pub use super::dormand_prince_5::DormandPrince;
+pub use super::explicit_euler::Euler;
+pub use super::runge_kutta_4::Kutta;
+pub use super::runge_kutta_chebyshev::TwoStages;
+use super::tableau::Tableau;
+use crate::simd::Number;
+
+/// The most slopes of a tableau, that at the step's end included.
+pub const SLOPES: usize = 7;
+
+/// The registry of methods of first order: binds `$S` to the tableau of a name and evaluates `$body`, or `$otherwise`.
+macro_rules! with_tableau {
+    ($name:expr, $S:ident => $body:expr, $otherwise:expr) => {
+        $crate::integrators::explicit::with_tableau!(@each $name, $S, $body, $otherwise;
+            Euler, BogackiShampine, Kutta, DormandPrince, TwoStages)
+    };
+    (@each $name:expr, $S:ident, $body:expr, $otherwise:expr; $($tableau:ident),+) => {
+        match $name {
+            $(name if name == <$crate::integrators::explicit::$tableau as $crate::integrators::Tableau>::NAME => {
+                type $S = $crate::integrators::explicit::$tableau;
+                $body
+            })+
+            _ => $otherwise,
+        }
+    };
+}
+pub(crate) use with_tableau;
+
+/// A tableau as a step of first order takes it.
+pub trait Explicit: Tableau {
+    /// The number of slopes that the step's end depends on.
+    const EVALUATIONS: usize = {
+        let mut last = Self::B.len();
+        while last > 1 && Self::B[last - 1] == 0.0 {
+            last -= 1;
+        }
+        last
+    };
+    /// The weights of the slopes in the states at which they are taken, and in the step's end.
+    const ROWS: &'static [&'static [f64]; SLOPES + 1] = &{
+        let mut rows: [&'static [f64]; SLOPES + 1] = [&[]; SLOPES + 1];
+        let mut row = 0;
+        while row < Self::EVALUATIONS {
+            rows[row] = Self::A[row];
+            row += 1;
+        }
+        rows[Self::EVALUATIONS] = Self::B.split_at(Self::EVALUATIONS).0;
+        rows
+    };
+}
+
+impl<S: Tableau> Explicit for S {}
+
+/// The coefficients of a tableau.
+#[derive(Debug, Clone, Copy)]
+pub struct Coefficients {
+    /// [`Tableau::NAME`].
+    pub name: &'static str,
+    /// [`Explicit::EVALUATIONS`].
+    pub evaluations: usize,
+    /// [`Explicit::ROWS`].
+    pub rows: &'static [&'static [f64]; SLOPES + 1],
+    /// [`Tableau::ERRORS`].
+    pub errors: &'static [f64],
+    /// [`Tableau::C`].
+    pub nodes: &'static [f64],
+}
+
+impl Coefficients {
+    /// Those of the method of a name, if there is one.
+    pub fn named(name: &str) -> Option<Self> {
+        with_tableau!(name, S => Some(Self {
+            name: S::NAME,
+            evaluations: S::EVALUATIONS,
+            rows: S::ROWS,
+            errors: S::ERRORS,
+            nodes: S::C,
+        }), None)
+    }
+}
+
+/// start + Σ (h wⱼ) kⱼ over the weights that are not 0, slopes of equal weights in a row added first. It is written out,
+/// because slopes in a loop that the compiler does not unroll do not stay in registers.
+#[inline(always)]
+#[allow(unused_assignments, reason = "the last pass of a loop that is written out")]
+pub fn combine<N: Number>(weights: &[f64], start: N, slopes: &[N; SLOPES], h: f64) -> N {
+    let (mut sum, mut equal): (Option<N>, Option<N>) = (None, None);
+    macro_rules! add {
+        ($($slope:literal)*) => {
+            $(if $slope < weights.len() && weights[$slope] != 0.0 {
+                let equals = if let Some(equal) = equal { equal + slopes[$slope] } else { slopes[$slope] };
+                equal = Some(equals);
+                if $slope + 1 == weights.len() || weights[$slope + 1] != weights[$slope] {
+                    let term = N::constant(h * weights[$slope]) * equals;
+                    (sum, equal) = (Some(if let Some(sum) = sum { sum + term } else { term }), None);
+                }
+            })*
+        };
+    }
+    add!(0 1 2 3 4 5 6);
+    if let Some(sum) = sum { start + sum } else { start }
+}
+
+/// The same of several numbers with their slopes.
+#[inline(always)]
+pub fn combine_all<N: Number, const D: usize>(weights: &[f64], start: &[N; D], slopes: &[[N; D]; SLOPES], h: f64) -> [N; D] {
+    let mut result = *start;
+    for axis in 0..D {
+        let own = [
+            slopes[0][axis],
+            slopes[1][axis],
+            slopes[2][axis],
+            slopes[3][axis],
+            slopes[4][axis],
+            slopes[5][axis],
+            slopes[6][axis],
+        ];
+        result[axis] = combine(weights, start[axis], &own, h);
+    }
+    result
+}
+
+/// A tableau in loops that keep a state in registers for a whole step: compiled, or as [`Coefficients`].
+pub trait Rows: Copy + Send + Sync {
+    /// [`Explicit::EVALUATIONS`].
+    fn evaluations(self) -> usize;
+    /// [`Explicit::ROWS`].
+    fn row(self, stage: usize) -> &'static [f64];
+    /// [`Tableau::ERRORS`].
+    fn errors(self) -> &'static [f64];
+}
+
+/// A tableau that loops are compiled for.
+#[derive(Debug)]
+pub struct CompiledTableau<S>(PhantomData<fn() -> S>);
+
+impl<S> CompiledTableau<S> {
+    /// The tableau.
+    pub const NEW: Self = Self(PhantomData);
+}
+
+impl<S> Clone for CompiledTableau<S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S> Copy for CompiledTableau<S> {}
+
+impl<S: Explicit> Rows for CompiledTableau<S> {
+    #[inline(always)]
+    fn evaluations(self) -> usize {
+        S::EVALUATIONS
+    }
+
+    #[inline(always)]
+    fn row(self, stage: usize) -> &'static [f64] {
+        S::ROWS[stage]
+    }
+
+    #[inline(always)]
+    fn errors(self) -> &'static [f64] {
+        S::ERRORS
+    }
+}
+
+impl Rows for Coefficients {
+    #[inline(always)]
+    fn evaluations(self) -> usize {
+        self.evaluations
+    }
+
+    #[inline(always)]
+    fn row(self, stage: usize) -> &'static [f64] {
+        self.rows[stage]
+    }
+
+    #[inline(always)]
+    fn errors(self) -> &'static [f64] {
+        self.errors
+    }
+}
+
+/// The right-hand side of y' = f(y) in a step.
+pub trait Slope<N, const D: usize> {
+    /// The slope at a state, the one of that number in the step.
+    fn slope(&self, number: usize, state: [N; D]) -> [N; D];
+}
+
+/// The state after a step of `h` seconds, and the slopes of the step.
+#[inline(always)]
+pub fn step<N: Number, F: Slope<N, D>, const D: usize>(
+    method: impl Rows,
+    f: &F,
+    start: &[N; D],
+    h: f64,
+) -> ([N; D], [[N; D]; SLOPES]) {
+    let mut slopes = [[N::constant(0.0); D]; SLOPES];
+    macro_rules! stage {
+        ($($stage:literal)*) => {
+            $(if $stage < method.evaluations() {
+                slopes[$stage] = f.slope($stage, combine_all(method.row($stage), start, &slopes, h));
+            })*
+        };
+    }
+    stage!(0 1 2 3 4 5 6);
+    (combine_all(method.row(method.evaluations()), start, &slopes, h), slopes)
+}
+
+/// The estimated error of a step with these slopes, that at its end among them.
+#[inline(always)]
+pub fn estimate<N: Number, const D: usize>(method: impl Rows, slopes: &[[N; D]; SLOPES], h: f64) -> [N; D] {
+    combine_all(method.errors(), &[N::constant(0.0); D], slopes, h)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::first_order::{FirstOrder, NAMES};
+    use super::*;
+
+    /// y' = λ y.
+    struct Decay(f64);
+
+    impl Slope<f64, 1> for Decay {
+        fn slope(&self, _number: usize, [y]: [f64; 1]) -> [f64; 1] {
+            [self.0 * y]
+        }
+    }
+
+    /// Errors of steps are C h^(p + 1), and estimates O(hᵏ) with the order k of the better one of a pair.
+    #[test]
+    fn every_method_of_first_order_has_a_tableau_of_its_order() {
+        for name in NAMES {
+            let method = FirstOrder::named(name).unwrap();
+            let run = |h: f64| {
+                with_tableau!(name, S => {
+                    let method = CompiledTableau::<S>::NEW;
+                    let ([end], mut slopes) = step(method, &Decay(-1.0), &[1.0], h);
+                    slopes[S::EVALUATIONS.min(SLOPES - 1)] = [-end];
+                    let values = Coefficients::named(name).unwrap();
+                    assert_eq!(step(values, &Decay(-1.0), &[1.0], h).0, [end], "{name}");
+                    (end - libm::exp(-h), estimate(method, &slopes, h)[0], <S as Explicit>::EVALUATIONS)
+                }, panic!("{name} has none"))
+            };
+            let order = (run(0.2).0 / run(0.1).0).abs().log2() - 1.0;
+            assert!((order - f64::from(method.order)).abs() < 0.2, "{name}: {order}");
+            let stages = if method.is_stabilized() { 2 } else { method.stages(0.0, 0.0).len() };
+            assert_eq!(run(0.1).2, stages, "{name}");
+            if let Some(estimate) = &method.estimate {
+                let order = (run(0.2).1 / run(0.1).1).abs().log2();
+                assert!((order - f64::from(estimate.order)).abs() < 0.2, "{name}: {order}");
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Stages as kernels take them that sweep over columns: compiled for an integrator, or with the coefficients of a splitting at
+//! run time, which all splittings share.
+
+use std::marker::PhantomData;
+
+use super::splitting::{ACCELERATION, BEFORE};
+use super::{Component, Facts, Integrator};
+use crate::simd::Number;
+
+/// The stages of an integrator, with its constants under their names in [`Integrator`].
+pub trait Swept: Copy + Send + Sync {
+    /// [`Integrator::REGISTERS`].
+    const REGISTERS: usize;
+    /// [`Integrator::PERSISTENT`].
+    const PERSISTENT: usize;
+    /// [`Integrator::READABLE`].
+    const READABLE: usize;
+    /// [`Integrator::POSITION_REGISTER`].
+    const POSITION_REGISTER: Option<usize>;
+    /// [`Integrator::CORRECTED_WEIGHT`].
+    const CORRECTED_WEIGHT: f64;
+    /// [`Facts::drifts_by_register`].
+    const DRIFT_REGISTER: Option<usize>;
+    /// The number of stages that are compiled each for itself; 1 where their coefficients are values.
+    const COMPILED: usize;
+
+    /// The stages of an integrator.
+    fn of(facts: &Facts) -> Self;
+
+    /// [`Integrator::begin`].
+    fn begin<T: Number>(component: &mut Component<T>, a: T);
+
+    /// [`Integrator::stage_state`].
+    fn state<T: Number>(&self, stage: usize, component: &mut Component<T>, h: T);
+
+    /// [`Integrator::stage_update`].
+    fn update<T: Number>(&self, stage: usize, component: &mut Component<T>, a: T, h: T);
+}
+
+/// Stages that are compiled for an integrator.
+#[derive(Debug)]
+pub struct Compiled<I>(PhantomData<fn() -> I>);
+
+impl<I> Clone for Compiled<I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<I> Copy for Compiled<I> {}
+
+impl<I: Integrator> Swept for Compiled<I> {
+    const REGISTERS: usize = I::REGISTERS;
+    const PERSISTENT: usize = I::PERSISTENT;
+    const READABLE: usize = I::READABLE;
+    const POSITION_REGISTER: Option<usize> = I::POSITION_REGISTER;
+    const CORRECTED_WEIGHT: f64 = I::CORRECTED_WEIGHT;
+    const DRIFT_REGISTER: Option<usize> = match I::DRIFT_KICK {
+        Some(drift_kick) if drift_kick.velocity < I::REGISTERS => Some(drift_kick.velocity),
+        _ => None,
+    };
+    const COMPILED: usize = I::NODES.len();
+
+    fn of(_facts: &Facts) -> Self {
+        Self(PhantomData)
+    }
+
+    #[inline(always)]
+    fn begin<T: Number>(component: &mut Component<T>, a: T) {
+        I::begin(component, a);
+    }
+
+    #[inline(always)]
+    fn state<T: Number>(&self, stage: usize, component: &mut Component<T>, h: T) {
+        I::stage_state(stage, component, h);
+    }
+
+    #[inline(always)]
+    fn update<T: Number>(&self, stage: usize, component: &mut Component<T>, a: T, h: T) {
+        I::stage_update(stage, component, a, h);
+    }
+}
+
+/// The stages of a [`super::Splitting`], each a drift with the kick after it.
+#[derive(Debug, Clone, Copy)]
+pub struct DriftsAndKicks {
+    /// The drifts, in units of h.
+    drifts: &'static [f64],
+    /// The kicks after drifts, in units of h.
+    kicks: &'static [f64],
+    /// The kick that begins a step, if one does.
+    first: Option<f64>,
+}
+
+impl DriftsAndKicks {
+    /// The stages of drifts and kicks that alternate.
+    pub const fn new(drifts: &'static [f64], kicks: &'static [f64]) -> Self {
+        match kicks {
+            [first, kicks @ ..] if kicks.len() == drifts.len() => Self { drifts, kicks, first: Some(*first) },
+            _ => Self { drifts, kicks, first: None },
+        }
+    }
+}
+
+impl Swept for DriftsAndKicks {
+    const REGISTERS: usize = 2;
+    const PERSISTENT: usize = 1;
+    const READABLE: usize = 1;
+    const POSITION_REGISTER: Option<usize> = None;
+    const CORRECTED_WEIGHT: f64 = 0.0;
+    const DRIFT_REGISTER: Option<usize> = Some(BEFORE);
+    const COMPILED: usize = 1;
+
+    fn of(facts: &Facts) -> Self {
+        let drifts = facts.drift_kick.map_or(&[][..], |drift_kick| drift_kick.drifts);
+        let first = (drifts.len() == facts.stages()).then_some(facts.last_weight);
+        Self { drifts, kicks: facts.weights, first }
+    }
+
+    #[inline(always)]
+    fn begin<T: Number>(component: &mut Component<T>, a: T) {
+        component.registers[ACCELERATION] = a;
+    }
+
+    #[inline(always)]
+    fn state<T: Number>(&self, stage: usize, component: &mut Component<T>, h: T) {
+        let a = component.registers[ACCELERATION];
+        let before = match self.first {
+            Some(kick) if stage == 0 => component.v + T::constant(kick) * h * a,
+            _ => component.v,
+        };
+        let ends = self.first.is_some() && stage + 1 == self.kicks.len();
+        let half = if ends { self.kicks[stage] } else { 0.5 * self.kicks[stage] };
+        component.x += T::constant(self.drifts[stage]) * h * before;
+        component.v = before + T::constant(half) * h * a;
+        component.registers[BEFORE] = before;
+    }
+
+    #[inline(always)]
+    fn update<T: Number>(&self, stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.v = component.registers[BEFORE] + T::constant(self.kicks[stage]) * h * a;
+        component.registers[ACCELERATION] = a;
+        if self.first.is_none() && stage + 1 == self.kicks.len() {
+            component.x += T::constant(self.drifts[stage + 1]) * h * component.v;
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! An explicit integrator with its kernels as values: sweeps over particles are compiled once for all of them.
+
+use super::collisions::collide;
+use super::dynamics::Dynamics;
+use super::kernels::{self, Action, Evaluation};
+use crate::contacts::{Before, Contacts};
+use crate::forces::{InverseSquare, StateView};
+use crate::integrators::{Facts, Integrator};
+use crate::math::Vector;
+use crate::matter::Blocks;
+
+type Stage<V> = fn(&Dynamics<V>, &Facts, Option<&StateView<'_, V>>, &mut Blocks<'_, V>, &Evaluation<'_, V>, f64, Action) -> f64;
+type LinearSteps<V> = fn(&Dynamics<V>, &mut Blocks<'_, V>, f64, u64);
+type PointForceSteps<V> = fn(&Dynamics<V>, InverseSquare<'_, <V as Vector>::Scalar>, &mut Blocks<'_, V>, f64, u64);
+type Collide<V> = fn(&Dynamics<V>, &Contacts<V>, &mut Blocks<'_, V>, &Before<'_, V>, f64);
+
+/// An integrator as sweeps call it.
+#[derive(Debug)]
+pub struct Stepper<V: Vector> {
+    pub facts: Facts,
+    stage: Stage<V>,
+    /// Whole steps in registers under the linear force alone, where they are compiled.
+    pub linear_steps: Option<LinearSteps<V>>,
+    /// Whole steps in registers under an inverse-square force alone, where they are compiled.
+    pub point_force_steps: Option<PointForceSteps<V>>,
+    /// Contacts within the drift, where that comes first.
+    pub collide: Option<Collide<V>>,
+}
+
+impl<V: Vector> Stepper<V> {
+    /// The kernels of an integrator.
+    pub fn of<I: Integrator>() -> Self {
+        let (mut linear_steps, mut point_force_steps, mut collides) = (None, None, None);
+        // Conditions on constants in blocks, so that nothing is compiled that is not called.
+        if const { I::IN_REGISTERS } {
+            linear_steps = Some(kernels::steps::<V, I> as LinearSteps<V>);
+            point_force_steps = Some(kernels::point_force_steps::<V, I> as PointForceSteps<V>);
+        }
+        if const { I::DRIFTS_FIRST } {
+            collides = Some(collide::<V, I> as Collide<V>);
+        }
+        Self { facts: Facts::of::<I>(), stage: kernels::stage::<V, I::Swept>, linear_steps, point_force_steps, collide: collides }
+    }
+
+    /// Runs one stage of one block, from the state `at` or else from that in the block; returns the activity at the stage.
+    pub fn stage(
+        &self,
+        dynamics: &Dynamics<V>,
+        at: Option<&StateView<'_, V>>,
+        blocks: &mut Blocks<'_, V>,
+        evaluation: &Evaluation<'_, V>,
+        h: f64,
+        action: Action,
+    ) -> f64 {
+        (self.stage)(dynamics, &self.facts, at, blocks, evaluation, h, action)
+    }
+}

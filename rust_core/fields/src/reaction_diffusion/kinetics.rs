@@ -1,0 +1,194 @@
+//! Kinetics: the rates of reactions in a cell.
+
+use std::sync::Arc;
+
+use crate::error::{Error, Result};
+use crate::math::Real;
+use crate::scene::{self, Argument, Callback, Item, Value};
+
+/// The law of a reaction between two species, in one cell.
+pub trait Law<T>: Copy + Send + Sync {
+    /// The rates R(u, v).
+    fn rates(self, values: [T; 2]) -> [T; 2];
+
+    /// Their derivatives, `∂R_u/∂u`, `∂R_u/∂v`, `∂R_v/∂u` and `∂R_v/∂v`.
+    fn derivatives(self, values: [T; 2]) -> [T; 4];
+}
+
+/// Gray and Scott: `R_u` = −u v² + F (1 − u), `R_v` = u v² − (F + k) v.
+#[derive(Debug, Clone, Copy)]
+pub struct GrayScott<T> {
+    feed: T,
+    loss: T,
+}
+
+impl<T: Real> Law<T> for GrayScott<T> {
+    #[inline(always)]
+    fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
+        let converted = u * (v * v);
+        [self.feed * (T::ONE - u) - converted, converted - self.loss * v]
+    }
+
+    #[inline(always)]
+    fn derivatives(self, [u, v]: [T; 2]) -> [T; 4] {
+        let (by_u, by_v) = (v * v, (u + u) * v);
+        [-by_u - self.feed, -by_v, by_u, by_v - self.loss]
+    }
+}
+
+/// The kinetics of `FitzHugh` and Nagumo: `R_u` = u − u³/3 − v + I, `R_v` = ε (u + β − γ v).
+#[derive(Debug, Clone, Copy)]
+pub struct FitzHughNagumo<T> {
+    epsilon: T,
+    beta: T,
+    gamma: T,
+    current: T,
+}
+
+impl<T: Real> Law<T> for FitzHughNagumo<T> {
+    #[inline(always)]
+    fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
+        let cubic = u * (T::ONE - T::from_f64(1.0 / 3.0) * (u * u));
+        [cubic - v + self.current, self.epsilon * (u + self.beta - self.gamma * v)]
+    }
+
+    #[inline(always)]
+    fn derivatives(self, [u, _]: [T; 2]) -> [T; 4] {
+        [T::ONE - u * u, -T::ONE, self.epsilon, -(self.epsilon * self.gamma)]
+    }
+}
+
+/// Prigogine and Lefever: `R_u` = a − (b + 1) u + u² v, `R_v` = b u − u² v.
+#[derive(Debug, Clone, Copy)]
+pub struct Brusselator<T> {
+    a: T,
+    b: T,
+}
+
+impl<T: Real> Law<T> for Brusselator<T> {
+    #[inline(always)]
+    fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
+        let (formed, turned) = (u * u * v, self.b * u);
+        [self.a - u + (formed - turned), turned - formed]
+    }
+
+    #[inline(always)]
+    fn derivatives(self, [u, v]: [T; 2]) -> [T; 4] {
+        let (by_u, by_v) = ((u + u) * v, u * u);
+        [by_u - self.b - T::ONE, by_v, self.b - by_u, -by_v]
+    }
+}
+
+/// Schnakenberg: `R_u` = a − u + u² v, `R_v` = b − u² v.
+#[derive(Debug, Clone, Copy)]
+pub struct Schnakenberg<T> {
+    a: T,
+    b: T,
+}
+
+impl<T: Real> Law<T> for Schnakenberg<T> {
+    #[inline(always)]
+    fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
+        let formed = u * u * v;
+        [self.a - u + formed, self.b - formed]
+    }
+
+    #[inline(always)]
+    fn derivatives(self, [u, v]: [T; 2]) -> [T; 4] {
+        let (by_u, by_v) = ((u + u) * v, u * u);
+        [by_u - T::ONE, by_v, -by_u, -by_v]
+    }
+}
+
+/// A function of the user's, at that path.
+#[derive(Clone)]
+pub struct Function {
+    function: Arc<dyn Callback>,
+    path: String,
+}
+
+impl Function {
+    /// The rates of all species from their values in all cells, both one field after the other.
+    ///
+    /// # Errors
+    /// If the function fails, or gives a number that is not finite where the values are.
+    pub fn rates(&self, values: &[f64], shape: &[usize]) -> Result<Vec<f64>> {
+        let count = shape.iter().product::<usize>();
+        let arguments: Vec<_> = values.chunks_exact(count).map(|numbers| Argument::Array { numbers, shape }).collect();
+        let all: Vec<usize> = [arguments.len()].into_iter().chain(shape.iter().copied()).collect();
+        let rates = self.function.call(&arguments, "the rates of all species", &all);
+        let rates = rates.map_err(|failure| failure.at(self.path.clone()))?;
+        match rates.iter().position(|rate| !rate.is_finite()) {
+            Some(index) if values.iter().all(|value| value.is_finite()) => {
+                let cell = index % count;
+                let found = format!("{} for the species number {} in the cell number {cell}", rates[index], index / count);
+                Err(Error::parameter(self.path.clone(), "rates that are finite", found))
+            }
+            _ => Ok(rates),
+        }
+    }
+}
+
+/// The registry of kinetics.
+#[derive(Clone)]
+pub enum Kinetics<T> {
+    GrayScott(GrayScott<T>),
+    FitzHughNagumo(FitzHughNagumo<T>),
+    Brusselator(Brusselator<T>),
+    Schnakenberg(Schnakenberg<T>),
+    /// Of any number of species.
+    Function(Function),
+}
+
+/// Evaluates `$body` with the law of built-in kinetics as `$law`, or `$otherwise` with the user's function.
+macro_rules! with_law {
+    ($kinetics:expr, $law:ident => $body:expr, $function:ident => $otherwise:expr) => {
+        match $kinetics {
+            $crate::reaction_diffusion::kinetics::Kinetics::GrayScott($law) => $body,
+            $crate::reaction_diffusion::kinetics::Kinetics::FitzHughNagumo($law) => $body,
+            $crate::reaction_diffusion::kinetics::Kinetics::Brusselator($law) => $body,
+            $crate::reaction_diffusion::kinetics::Kinetics::Schnakenberg($law) => $body,
+            $crate::reaction_diffusion::kinetics::Kinetics::Function($function) => $otherwise,
+        }
+    };
+}
+pub(super) use with_law;
+
+impl<T: Real> Kinetics<T> {
+    /// The kinetics that an item declares, and the names of its species.
+    ///
+    /// # Errors
+    /// If a value is missing or out of range.
+    pub fn declared(item: &Item) -> Result<(Self, Vec<String>)> {
+        let real = |name: &str| item.number(name).map(T::from_f64);
+        let kinetics = match item.kind.as_str() {
+            "GrayScott" => {
+                let (feed, kill) = (item.non_negative("feed")?, item.non_negative("kill")?);
+                Self::GrayScott(GrayScott { feed: T::from_f64(feed), loss: T::from_f64(feed + kill) })
+            }
+            "FitzHughNagumo" => Self::FitzHughNagumo(FitzHughNagumo {
+                epsilon: real("epsilon")?,
+                beta: real("beta")?,
+                gamma: real("gamma")?,
+                current: real("current")?,
+            }),
+            "Brusselator" => Self::Brusselator(Brusselator { a: real("a")?, b: real("b")? }),
+            "Schnakenberg" => Self::Schnakenberg(Schnakenberg { a: real("a")?, b: real("b")? }),
+            "Reaction" => {
+                let species = match item.values.get("species") {
+                    Some(Value::Texts(names)) if !names.is_empty() => names.clone(),
+                    other => return Err(item.wrong("species", "names", other)),
+                };
+                let function = Function { function: item.callback("function")?, path: format!("{}.function", item.path) };
+                return Ok((Self::Function(function), species));
+            }
+            _ => return Err(scene::unknown(item, "a kind of reaction")),
+        };
+        Ok((kinetics, vec!["u".to_owned(), "v".to_owned()]))
+    }
+
+    /// Whether it is a function of the user's.
+    pub fn calls_back(&self) -> bool {
+        matches!(self, Self::Function(_))
+    }
+}

@@ -1,0 +1,39 @@
+//! Reactions and diffusion: passes of several stages. `engine/tests/` has the other tests.
+
+use crate::history::{Archive, History};
+use crate::integrators::first_order::{FirstOrder, NAMES};
+use crate::parallel::{Executor, ThreadPool};
+use crate::reaction_diffusion::ReactionDiffusion;
+use crate::scene::Item;
+use crate::scenes::reaction_diffusion::*;
+use crate::systems::{Interval, Record, System};
+
+/// What a method makes of a dish in 21 steps, in passes of that many stages: the state, the tallies and the activity.
+fn passes(item: &Item, method: &str, depth: Option<usize>, threads: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut system = ReactionDiffusion::<f64>::new(item, FirstOrder::named(method).unwrap()).unwrap();
+    if let Some(depth) = depth {
+        (system.depth, system.workspace.activity) = (depth, vec![0.0; depth * system.law.grid.rows()]);
+    }
+    let interval = Interval { start: 0.0, first: 0, h: 0.9, steps: 21 };
+    let advance = |executor: &Executor| system.advance(interval, Record::EveryStep, executor).unwrap();
+    ThreadPool::new(threads).run(&|| false, advance).unwrap();
+    let mut archive = Archive::default();
+    system.capture(&mut archive);
+    archive.write(system.tallies());
+    (archive.into_numbers(), system.activity().to_vec())
+}
+
+#[test]
+fn passes_of_several_stages_change_no_bit() {
+    let flat = noisy(&[150, 37], &["fixed", "free", "periodic", "periodic"], gray_scott());
+    let solid = noisy(&[130, 4, 5], &["free", "fixed", "periodic", "periodic", "free", "fixed"], gray_scott());
+    for item in [flat, solid] {
+        for method in NAMES {
+            let expected = passes(&item, method, Some(1), 1);
+            assert_eq!(expected.1.len(), 21);
+            for (depth, threads) in [(None, 1), (None, 2), (Some(7), 1), (Some(7), 3), (Some(2), 8), (Some(1), 2)] {
+                assert_eq!(passes(&item, method, depth, threads), expected, "{method} {depth:?} {threads}");
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Grids and their edges as items.
+
+use glam::DVec3;
+use physcore_base::scene::{Item, Value};
+
+/// A grid of up to three axes with its lower corner in the origin, periodic along the axes whose edges say so.
+pub fn grid(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
+    let vector = |of: &dyn Fn(usize) -> f64| {
+        let mut entries = [0.0; 3];
+        (0..cells.len()).for_each(|axis| entries[axis] = of(axis));
+        Value::Vector(DVec3::from_array(entries))
+    };
+    Item::new(
+        "Grid",
+        [
+            ("cells", vector(&|axis| cells[axis] as f64)),
+            ("spacing", Value::Number(spacing)),
+            ("origin", vector(&|_| 0.0)),
+            ("periodic", vector(&|axis| f64::from(u8::from(edges[2 * axis] == "periodic")))),
+        ],
+    )
+}
+
+/// The conditions on the edges of a system, two along each axis.
+pub fn on_edges(words: &[&str]) -> Value {
+    Value::Texts(words.iter().map(|&word| word.to_owned()).collect())
+}

@@ -1,0 +1,74 @@
+//! The parameters of a wave, read from its item and checked.
+
+use super::absorbing::{self, Absorption};
+use crate::error::Result;
+use crate::grid::{Edges, Grid, Padding, RowTable};
+use crate::integrators::Facts;
+use crate::scene::{Item, Value};
+
+/// What the item of a wave says, but for its sources and its initial state.
+#[derive(Debug)]
+pub struct Parameters {
+    /// All cells, those of layers included; all fields have a value for each.
+    pub grid: Grid,
+    /// Where the user's cells are.
+    pub padding: Padding,
+    pub absorption: Option<Absorption>,
+    pub edges: Edges,
+    /// Speed c [m/s].
+    pub speed: RowTable<f64>,
+    /// Damping γ [1/s].
+    pub damping: RowTable<f64>,
+    /// Density ρ [kg/m^D].
+    pub density: f64,
+    /// Cells that are cut out.
+    pub walls: Option<Vec<bool>>,
+    /// The order of the differences: 2 or 4.
+    pub order: u32,
+}
+
+impl Parameters {
+    /// The parameters that an item declares.
+    ///
+    /// # Errors
+    /// If a value is missing or out of range.
+    pub fn declared(item: &Item, method: &Facts) -> Result<Self> {
+        let grid = Grid::declared(item)?;
+        let edges = Edges::declared(item, &grid)?;
+        let absorption = Absorption::declared(item, edges, method)?;
+        let padding = Padding::new(&grid, absorbing::layers(edges, absorption));
+        let density = item.non_negative("density")?;
+        if density == 0.0 {
+            return Err(item.wrong("density", "a number > 0", item.values.get("density")));
+        }
+        let order = match item.number("order")? {
+            2.0 => 2,
+            4.0 => 4,
+            _ => return Err(item.wrong("order", "2 or 4", item.values.get("order"))),
+        };
+        if order == 4 && absorption.is_some() {
+            return Err(item.wrong("order", "2 beside absorbing edges", item.values.get("order")));
+        }
+        let walls = grid.mask(item, "walls")?.filter(|walls| walls.contains(&true));
+        Ok(Self {
+            speed: padding.extend(&non_negative(item, &grid, "speed")?),
+            damping: padding.extend(&non_negative(item, &grid, "damping")?),
+            walls: walls.map(|walls| (0..padding.outer.count()).map(|cell| walls[padding.nearest(cell)]).collect()),
+            density,
+            order,
+            edges,
+            absorption,
+            grid: padding.outer.clone(),
+            padding,
+        })
+    }
+}
+
+/// A field without negative values.
+fn non_negative(item: &Item, grid: &Grid, name: &str) -> Result<RowTable<f64>> {
+    let table = grid.field(item, name)?;
+    match table.different().iter().find(|&&value| value < 0.0) {
+        Some(&value) => Err(item.wrong(name, "numbers ≥ 0", Some(&Value::Number(value)))),
+        None => Ok(table),
+    }
+}

@@ -1,0 +1,319 @@
+//! One stage of a step, cell by cell.
+
+use super::state::Cells;
+use crate::grid::{Groups, PlaneRow, load};
+use crate::integrators::REGISTERS;
+use crate::integrators::{Component, ComponentGroup, Facts, Integrator, Swept};
+use crate::math::Real;
+use crate::simd::{Isa, Kernel, LANES, dispatch};
+
+/// The operation of a stage on the state.
+#[derive(Debug, Clone, Copy)]
+pub enum Action {
+    /// Fills the persistent registers at the start of a run.
+    Begin,
+    /// Computes the state of the first stage.
+    Start,
+    /// Updates the state by the acceleration of a stage, then computes the state of the next one; after the last stage that
+    /// of the first, unless the batch ends.
+    Update { stage: usize, ends: bool },
+}
+
+/// What a stage reads.
+#[derive(Debug)]
+pub struct Input<'a, T, A> {
+    /// Displacement u.
+    pub displacement: &'a [T],
+    /// The rate and the persistent registers at the start of a batch; later they are in the cells.
+    pub rate: &'a [T],
+    pub persistent: [&'a [T]; REGISTERS],
+    /// The acceleration without damping.
+    pub acceleration: A,
+    /// Damping γ; None where the stage need not know the rate.
+    pub damping: Option<&'a [T]>,
+}
+
+impl<'a, T> Input<'a, T, ()> {
+    /// The same with accelerations.
+    pub fn with<A>(self, acceleration: A) -> Input<'a, T, A> {
+        let Self { displacement, rate, persistent, damping, .. } = self;
+        Input { displacement, rate, persistent, acceleration, damping }
+    }
+}
+
+/// Sums over the cells.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sums {
+    /// Σ v² at the end of a step; NaN where the batch ends and u is not finite.
+    pub squares: f64,
+    /// Σ γ v² at the stage.
+    pub damping: f64,
+}
+
+/// A stage of some cells with accelerations in a buffer.
+pub type BufferedStage<T> = fn(&Facts, Cells<'_, T>, Input<'_, T, &[T]>, f64, Action) -> Sums;
+/// A stage of some cells that computes their accelerations.
+type FusedStage<T> = fn(&Facts, Cells<'_, T>, Input<'_, T, PlaneRow<'_, T>>, f64, Action) -> Sums;
+
+/// The kernels of an integrator.
+#[derive(Debug)]
+pub struct Kernels<T> {
+    pub buffered: BufferedStage<T>,
+    /// Where it is the faster one: in double precision, with drifts by register.
+    pub fused: Option<FusedStage<T>>,
+}
+
+impl<T: Real> Kernels<T> {
+    /// The kernels of an integrator.
+    pub fn of<I: Integrator>() -> Self {
+        let fused: Option<FusedStage<T>> = if const { size_of::<T>() == 8 && I::Swept::DRIFT_REGISTER.is_some() } {
+            Some(|method, cells, input, h, action| run::<T, I::Swept, _>(method, cells, input, h, action))
+        } else {
+            None
+        };
+        Self { buffered: |method, cells, input, h, action| run::<T, I::Swept, _>(method, cells, input, h, action), fused }
+    }
+}
+
+/// Runs a stage of some cells.
+fn run<T: Real, S: Swept, A: Groups<T>>(
+    method: &Facts,
+    cells: Cells<'_, T>,
+    input: Input<'_, T, A>,
+    h: f64,
+    action: Action,
+) -> Sums {
+    dispatch(Stage { cells, input, h: T::from_f64(h), action, stages: method.stages(), swept: S::of(method) })
+}
+
+/// The number of columns besides the displacement that stages hold without damping.
+pub fn columns(method: &Facts) -> usize {
+    if method.drifts_by_register().is_some() { 1 } else { 1 + method.registers }
+}
+
+/// Whether a register is kept from one stage to the next.
+const fn is_kept<S: Swept>(register: usize) -> bool {
+    match S::DRIFT_REGISTER {
+        Some(velocity) => register == velocity,
+        None => register < S::REGISTERS,
+    }
+}
+
+struct Stage<'a, T, S, A> {
+    cells: Cells<'a, T>,
+    input: Input<'a, T, A>,
+    h: T,
+    action: Action,
+    /// The number of stages of a step.
+    stages: usize,
+    swept: S,
+}
+
+#[inline(always)]
+fn store<T: Real, const W: usize>(column: &mut [T], at: usize, lanes: &[T; W]) {
+    column[at..at + W].copy_from_slice(lanes);
+}
+
+/// Sums lane by lane: cell i of a row adds to lane i mod 16, whether it is computed in a group or alone.
+#[derive(Clone, Copy)]
+struct LaneSums<T, const W: usize = LANES> {
+    squares: [T; W],
+    damping: [T; W],
+}
+
+impl<T: Real, const W: usize> LaneSums<T, W> {
+    const ZERO: Self = Self { squares: [T::ZERO; W], damping: [T::ZERO; W] };
+
+    /// The sums over all lanes, in pairs; the second only where there is damping.
+    #[inline(always)]
+    fn sums(self, damped: bool) -> Sums {
+        let sum = |lanes: [T; W]| {
+            let mut sums = lanes.map(T::to_f64);
+            let mut count = W;
+            while count > 1 {
+                count /= 2;
+                for lane in 0..count {
+                    sums[lane] += sums[lane + count];
+                }
+            }
+            sums[0]
+        };
+        Sums { squares: sum(self.squares), damping: if damped { sum(self.damping) } else { 0.0 } }
+    }
+}
+
+impl<T: Real> LaneSums<T> {
+    /// Adds those of a single cell.
+    fn add(&mut self, lane: usize, cell: LaneSums<T, 1>) {
+        self.squares[lane] += cell.squares[0];
+        self.damping[lane] += cell.damping[0];
+    }
+}
+
+impl<T: Real, S: Swept, A: Groups<T>> Kernel for Stage<'_, T, S, A> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn run<L: Isa>(mut self, _isa: L) -> Sums {
+        match self.action {
+            Action::Begin => self.begin(),
+            Action::Start => {
+                self.start();
+                Sums::default()
+            }
+            Action::Update { stage, ends } => match stage.min(S::COMPILED - 1) {
+                0 => self.update::<0>(stage, ends),
+                1 => self.update::<1>(stage, ends),
+                2 => self.update::<2>(stage, ends),
+                3 => self.update::<3>(stage, ends),
+                4 => self.update::<4>(stage, ends),
+                _ => self.update::<5>(stage, ends),
+            },
+        }
+    }
+}
+
+impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
+    #[inline(always)]
+    fn begin(&mut self) -> Sums {
+        let mut sums = LaneSums::<T>::ZERO;
+        for at in 0..self.cells.rate.len() {
+            let Self { cells, input, .. } = self;
+            let (x, v) = (load::<T, 1>(input.displacement, at), load::<T, 1>(cells.rate, at));
+            let mut a = input.acceleration.any(at);
+            if let Some(gamma) = input.damping {
+                let mut cell = LaneSums::ZERO;
+                damp(&mut a, &load(gamma, at), &v, &mut cell.damping);
+                sums.add(at % LANES, cell);
+            }
+            let mut group = ComponentGroup::new(x, v, |_| [T::ZERO]);
+            group.each(|component, _| S::begin(component, a[0]));
+            store(cells.displacement, at, &x);
+            (0..S::PERSISTENT).for_each(|register| store(cells.registers[register], at, &group.register(register)));
+        }
+        sums.sums(true)
+    }
+
+    #[inline(always)]
+    fn start(&mut self) {
+        let count = self.cells.rate.len();
+        let whole = count / LANES * LANES;
+        for at in (0..whole).step_by(LANES) {
+            self.start_group::<LANES>(at);
+        }
+        for at in whole..count {
+            self.start_group::<1>(at);
+        }
+    }
+
+    #[inline(always)]
+    fn start_group<const W: usize>(&mut self, at: usize) {
+        let Self { cells, input, h, swept, .. } = self;
+        let registers =
+            |register: usize| if register < S::PERSISTENT { load(input.persistent[register], at) } else { [T::ZERO; W] };
+        let mut group = ComponentGroup::new(load(input.displacement, at), load(input.rate, at), registers);
+        group.each(|component, _| swept.state(0, component, *h));
+        keep::<T, S, W>(cells, &group, at, input.damping.is_some());
+    }
+
+    /// Updates by a stage: the one that is compiled as `STAGE`, or any one of those with coefficients at run time.
+    #[inline(always)]
+    fn update<const STAGE: usize>(&mut self, stage: usize, ends: bool) -> Sums {
+        const { assert!(S::COMPILED <= 6, "more stages than are written out") };
+        // Conditions on constants in blocks, so that only stages that there are are compiled.
+        if const { STAGE >= S::COMPILED } {
+            return Sums::default();
+        }
+        let stage = if const { S::COMPILED > 1 } { STAGE } else { stage };
+        let last = if const { S::COMPILED > 1 } { STAGE + 1 == S::COMPILED } else { stage + 1 == self.stages };
+        if const { S::COMPILED > 1 && STAGE + 1 < S::COMPILED } || !last {
+            return self.update_cells::<false, false>(stage);
+        }
+        if ends { self.update_cells::<true, true>(stage) } else { self.update_cells::<true, false>(stage) }
+    }
+
+    #[inline(always)]
+    fn update_cells<const LAST: bool, const ENDS: bool>(&mut self, stage: usize) -> Sums {
+        let mut sums = LaneSums::ZERO;
+        let count = self.cells.rate.len();
+        let whole = count / LANES * LANES;
+        for at in (0..whole).step_by(LANES) {
+            let acceleration = &self.input.acceleration;
+            // Two calls: accelerations that wait for the choice cost double precision a tenth.
+            if acceleration.is_inner::<LANES>(at) {
+                self.update_group::<LAST, ENDS, LANES>(stage, at, acceleration.inner(at), &mut sums);
+            } else {
+                self.update_group::<LAST, ENDS, LANES>(stage, at, acceleration.any(at), &mut sums);
+            }
+        }
+        for at in whole..count {
+            let mut cell = LaneSums::ZERO;
+            self.update_group::<LAST, ENDS, 1>(stage, at, self.input.acceleration.any(at), &mut cell);
+            sums.add(at % LANES, cell);
+        }
+        sums.sums(self.input.damping.is_some())
+    }
+
+    #[inline(always)]
+    fn update_group<const LAST: bool, const ENDS: bool, const W: usize>(
+        &mut self,
+        stage: usize,
+        at: usize,
+        mut a: [T; W],
+        sums: &mut LaneSums<T, W>,
+    ) {
+        let Self { cells, input, h, swept, .. } = self;
+        let (h, swept) = (*h, *swept);
+        let knows_rate = input.damping.is_some() || S::DRIFT_REGISTER.is_none();
+        let (x, v) = (load(input.displacement, at), if knows_rate { load(cells.rate, at) } else { [T::ZERO; W] });
+        if let Some(gamma) = input.damping {
+            damp(&mut a, &load(gamma, at), &v, &mut sums.damping);
+        }
+        let registers = |register: usize| if is_kept::<S>(register) { load(cells.registers[register], at) } else { [T::ZERO; W] };
+        let mut group = ComponentGroup::new(x, v, registers);
+        let mut squares = sums.squares;
+        group.each(|component: &mut Component<T>, lane| {
+            swept.update(stage, component, a[lane], h);
+            if LAST {
+                squares[lane] += component.v * component.v;
+            }
+            if ENDS {
+                squares[lane] += T::ZERO * component.x;
+            } else {
+                swept.state(if LAST { 0 } else { stage + 1 }, component, h);
+            }
+        });
+        sums.squares = squares;
+        if ENDS {
+            store(cells.displacement, at, &group.x);
+            store(cells.rate, at, &group.v);
+            (0..S::READABLE).for_each(|register| store(cells.registers[register], at, &group.register(register)));
+        } else {
+            keep::<T, S, W>(cells, &group, at, input.damping.is_some());
+        }
+    }
+}
+
+/// a − γv, and Σ γ v² lane by lane.
+#[inline(always)]
+fn damp<T: Real, const W: usize>(a: &mut [T; W], gamma: &[T; W], v: &[T; W], sums: &mut [T; W]) {
+    for lane in 0..W {
+        let braking = gamma[lane] * v[lane];
+        a[lane] -= braking;
+        sums[lane] += braking * v[lane];
+    }
+}
+
+/// Stores what the next stage needs.
+#[inline(always)]
+fn keep<T: Real, S: Swept, const W: usize>(cells: &mut Cells<'_, T>, group: &ComponentGroup<T, W>, at: usize, damped: bool) {
+    store(cells.displacement, at, &group.x);
+    if damped || S::DRIFT_REGISTER.is_none() {
+        store(cells.rate, at, &group.v);
+    }
+    for register in 0..S::REGISTERS {
+        if is_kept::<S>(register) {
+            store(cells.registers[register], at, &group.register(register));
+        }
+    }
+}

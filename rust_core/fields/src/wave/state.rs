@@ -1,0 +1,121 @@
+//! The state of a wave, and the buffers of its steps.
+
+use std::ops::Range;
+
+use crate::grid::Block;
+use crate::integrators::Facts;
+use crate::integrators::REGISTERS;
+use crate::math::Real;
+
+/// The number of sinks and sources of energy, and which they are.
+pub const SINKS: usize = 3;
+pub const DAMPING: usize = 0;
+pub const SOURCE: usize = 1;
+pub const EDGES: usize = 2;
+
+/// The energy through each sink in one row.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tally {
+    /// Time integral of the power [J].
+    pub energy: [f64; SINKS],
+    /// Power at the last evaluation [W].
+    pub last: [f64; SINKS],
+}
+
+/// Displacement and rate of all cells, the persistent registers of the integrator, and the tallies of all rows.
+#[derive(Debug, Clone)]
+pub struct State<T> {
+    pub displacement: Vec<T>,
+    pub rate: Vec<T>,
+    pub persistent: Vec<Vec<T>>,
+    pub tallies: Vec<Tally>,
+}
+
+impl<T: Real> State<T> {
+    /// The columns of numbers, in a fixed order.
+    pub fn columns(&self) -> impl Iterator<Item = &Vec<T>> {
+        [&self.displacement, &self.rate].into_iter().chain(&self.persistent)
+    }
+
+    /// The same, to be changed.
+    pub fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<T>> {
+        [&mut self.displacement, &mut self.rate].into_iter().chain(&mut self.persistent)
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        self.columns().map(|column| size_of_val(column.as_slice())).sum::<usize>() + size_of_val(self.tallies.as_slice())
+    }
+}
+
+/// What stages need besides the state.
+#[derive(Debug)]
+pub struct Workspace<T> {
+    /// The displacement at the stage before, which the neighbors still read.
+    pub before: Vec<T>,
+    /// The registers that do not persist.
+    pub registers: Vec<Vec<T>>,
+    /// Kinetic energy of each row at each stage of a pass [J].
+    pub kinetic: Vec<f64>,
+    /// The amplitudes of the sources at each stage of a batch.
+    pub amplitudes: Vec<f64>,
+}
+
+impl<T: Real> Workspace<T> {
+    /// Buffers for an integrator.
+    pub fn new(method: &Facts, cells: usize, rows: usize, stages: usize) -> Self {
+        let registers = vec![vec![T::ZERO; cells]; method.registers - method.persistent];
+        Self { before: vec![T::ZERO; cells], registers, kinetic: vec![0.0; rows * stages], amplitudes: Vec::new() }
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        let columns = self.registers.iter().chain([&self.before]).map(|column| size_of_val(column.as_slice())).sum::<usize>();
+        columns + size_of_val(self.kinetic.as_slice()) + size_of::<f64>() * self.amplitudes.capacity()
+    }
+}
+
+/// All rows of a state, as stages write them: the first column is the rate, after it come the registers.
+pub fn block<'a, T>(
+    state: &'a mut State<T>,
+    workspace: &'a mut Workspace<T>,
+    length: usize,
+    stages: usize,
+) -> Block<'a, T, Tally> {
+    let rows = state.tallies.len();
+    let mut columns =
+        std::iter::once(&mut state.rate).chain(&mut state.persistent).chain(&mut workspace.registers).map(Vec::as_mut_slice);
+    Block {
+        first: 0,
+        field: &mut state.displacement,
+        before: &mut workspace.before,
+        columns: std::array::from_fn(|_| columns.next().unwrap_or_default()),
+        tallies: &mut state.tallies,
+        activity: &mut workspace.kinetic,
+        rows,
+        length,
+        stages,
+    }
+}
+
+/// Neighboring cells of a row, as a stage writes them.
+#[derive(Debug)]
+pub struct Cells<'a, T> {
+    pub displacement: &'a mut [T],
+    pub rate: &'a mut [T],
+    pub registers: [&'a mut [T]; REGISTERS],
+}
+
+impl<'a, T> Cells<'a, T> {
+    /// Some cells of the row `row` of a block.
+    #[inline(always)]
+    pub fn of(block: &'a mut Block<'_, T, Tally>, row: usize, range: Range<usize>) -> Self {
+        let range = row * block.length + range.start..row * block.length + range.end;
+        let [rate, registers @ ..] = &mut block.columns;
+        Self {
+            displacement: &mut block.field[range.clone()],
+            rate: &mut rate[range.clone()],
+            registers: registers.each_mut().map(|column| if column.is_empty() { &mut [] } else { &mut column[range.clone()] }),
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! A wave as a system: its history, its plan, its budget and its fields.
+
+use super::absorbing::{Absorption, Layers};
+use super::stage::Action;
+use super::state::{DAMPING, EDGES, SINKS, SOURCE};
+use super::sweep::Pass;
+use super::{Wave, budget, limit};
+use crate::error::{Error, Result};
+use crate::history::{Archive, History};
+use crate::ledger::{Class, Ledger};
+use crate::math::Real;
+use crate::parallel::Executor;
+use crate::plan::Stages;
+use crate::stability::{Horizon, Limit};
+use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+
+/// Duration of a batch of steps [s].
+const BATCH: f64 = 0.05;
+/// The fewest and the most steps of a batch: the state at its start costs a sweep, and its activities memory.
+const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
+/// Estimated duration of a stage of a cell [s].
+const COST: f64 = 6e-10;
+
+impl<T: Real> Wave<T> {
+    fn element(&self, index: usize) -> Element {
+        let padding = &self.dynamics.padding;
+        let nearest = padding.nearest(index);
+        let name = padding.inner.name(nearest);
+        Element {
+            name: if padding.outward(nearest) == index { name } else { format!("the layer beyond {name}") },
+            index: nearest,
+        }
+    }
+}
+
+/// Displacement, rate, and the persistent registers of the integrator.
+impl<T: Real> History for Wave<T> {
+    /// Steps read the saved state and write the other.
+    fn save(&mut self) {
+        std::mem::swap(&mut self.saved, &mut self.state);
+        self.dynamics.layers.iter_mut().for_each(Layers::save);
+    }
+
+    fn rollback(&mut self) {
+        std::mem::swap(&mut self.saved, &mut self.state);
+        self.dynamics.layers.iter_mut().for_each(Layers::rollback);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        self.state.columns().for_each(|column| archive.write(column.iter().map(|number| number.to_f64())));
+        self.dynamics.layers.iter().for_each(|layers| layers.capture(archive));
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        let count = self.state.columns().map(Vec::len).sum();
+        // Read as a whole, so that an archive that is too short changes no state.
+        let mut numbers = archive.read(count)?.iter();
+        for column in self.state.columns_mut() {
+            column.iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
+        }
+        self.dynamics.layers.iter_mut().try_for_each(|layers| layers.restore(archive))
+    }
+}
+
+impl<T: Real> System for Wave<T> {
+    fn stages(&self) -> Vec<Stages> {
+        let medium = &self.dynamics.medium;
+        let (damped, driven) = (self.is_damped(), self.dynamics.sources.count() > 0);
+        let mut names = vec![format!("wave operator of order {}", if medium.fourth.is_some() { 4 } else { 2 })];
+        names.extend(damped.then(|| "damping".to_owned()));
+        names.extend(driven.then(|| "sources".to_owned()));
+        names.extend(self.absorption.map(|_| "absorbing edges".to_owned()));
+        names.push("update of displacement and rate".to_owned());
+        let open = self.absorption.is_some();
+        let absent = [(damped, "damping"), (driven, "sources"), (self.walls.is_some(), "walls"), (open, "absorbing edges")];
+        let note = |Absorption { width, reflection }| {
+            format!("absorbing edges: layers of {width} cells, of which {reflection:e} comes back at normal incidence")
+        };
+        let layout = match self.depth {
+            1 => "a sweep over all cells per evaluation".to_owned(),
+            depth => format!("{depth} evaluations in one pass over memory, row by row"),
+        };
+        vec![Stages {
+            item: String::new(),
+            names,
+            dimension: medium.laplacian.grid.dimension,
+            precision: T::NAME,
+            method: self.method.name,
+            order: if damped || open { self.method.order_dissipative } else { self.method.order },
+            evaluations: self.method.stages(),
+            pairs: 0,
+            force_error: 0.0,
+            limit_varies: false,
+            layout,
+            left_out: absent.into_iter().filter(|(present, _)| !present).map(|(_, name)| name).collect(),
+            notes: self.absorption.map(note).into_iter().collect(),
+        }]
+    }
+
+    fn bytes(&self) -> usize {
+        let walls = self.walls.as_ref().map_or(0, Vec::len);
+        let dynamics = &self.dynamics;
+        let layers = dynamics.layers.as_ref().map_or(0, Layers::bytes);
+        let coefficients = layers + dynamics.medium.bytes() + dynamics.damping.bytes() + dynamics.sources.bytes();
+        self.state.bytes() + self.saved.bytes() + self.workspace.bytes() + coefficients + walls
+    }
+
+    fn cost(&self) -> f64 {
+        let stages = self.method.stages() as f64;
+        stages * (1e-7 + COST * self.dynamics.medium.laplacian.grid.count() as f64)
+    }
+
+    /// A user-defined function is called in the order of time and once per evaluation, so it takes one step at a time.
+    fn most_steps(&self) -> u64 {
+        if self.dynamics.sources.calls_back() { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
+    }
+
+    fn most_recorded(&self) -> u64 {
+        *STEPS.end()
+    }
+
+    fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
+        self.workspace.amplitudes.clear();
+        let Self { dynamics, workspace, .. } = self;
+        dynamics.sources.amplitudes(time, &mut workspace.amplitudes)?;
+        let amplitudes = std::mem::take(&mut workspace.amplitudes);
+        std::mem::swap(&mut self.state.displacement, &mut self.workspace.before);
+        self.sweep(Pass { action: Action::Begin, h: 0.0, amplitudes: &amplitudes }, executor);
+        self.workspace.amplitudes = amplitudes;
+        executor.check()
+    }
+
+    fn advance(&mut self, interval: Interval, _record: Record, executor: &Executor) -> Result<()> {
+        self.save();
+        self.activity.clear();
+        let outcome = self.steps(interval, executor);
+        if outcome.is_err() {
+            self.rollback();
+        }
+        outcome
+    }
+
+    fn activity(&self) -> &[f64] {
+        &self.activity
+    }
+
+    fn is_linear(&self) -> bool {
+        self.dynamics.sources.count() == 0 && self.absorption.is_none()
+    }
+
+    fn gains_energy(&self) -> bool {
+        self.method.gains_energy()
+    }
+
+    fn limit(&self, _horizon: Horizon, _time: f64, _executor: &Executor) -> Result<Limit> {
+        Ok(*self.limit.get_or_init(|| limit::limit(&self.dynamics, &self.method)))
+    }
+
+    fn error(&self, h: f64) -> Option<(f64, u32)> {
+        let [x, v] = self.method.error?.map(|register| {
+            let persistent = self.state.persistent.len();
+            if register < persistent {
+                &self.state.persistent[register]
+            } else {
+                &self.workspace.registers[register - persistent]
+            }
+        });
+        let of = |(x, v): (&T, &T)| x.to_f64().abs().max(h * v.to_f64().abs());
+        Some((x.iter().zip(v).map(of).fold(0.0, f64::max), self.method.order))
+    }
+
+    fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
+        let energies = self.dynamics.energies(&self.state, executor);
+        executor.check()?;
+        let mut ledger = Ledger::new(self.state.tallies.len(), 1);
+        let sum = |of: fn(&budget::RowEnergy) -> f64| self.dynamics.mass * energies.iter().map(of).sum::<f64>();
+        let tallied = |sink: usize| self.state.tallies.iter().map(|tally| tally.energy[sink]).sum();
+        ledger.add(Class::Kinetic, "kinetic", sum(|row| row.kinetic));
+        ledger.add(Class::Potential, "wave", sum(|row| row.potential));
+        ledger.add(Class::Dissipated, "damping", tallied(DAMPING));
+        ledger.add(Class::Dissipated, "edges", tallied(EDGES));
+        ledger.add(Class::Work, "source", tallied(SOURCE));
+        Ok(ledger)
+    }
+
+    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
+        let ledger = self.audit(time, executor)?;
+        if ledger.balance().is_finite() {
+            return Ok(ledger);
+        }
+        let error = Error::parameter("scene", "an energy that is finite", ledger.balance());
+        Err(error.with_hint("smaller displacements, rates, speeds or densities"))
+    }
+
+    /// It is a sum of squares.
+    fn lowest_potential(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn resolvable(&self, _time: f64, h: f64) -> f64 {
+        0.5 * self.dynamics.mass * h * h * self.dynamics.squared_accelerations(&self.state)
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        let columns = [("displacement", &self.state.displacement), ("rate", &self.state.rate)];
+        columns.into_iter().find_map(|(quantity, column)| {
+            let index = column.iter().position(|value| !value.is_finite())?;
+            Some(Fault { element: self.element(index), quantity })
+        })
+    }
+
+    fn fastest(&self) -> Element {
+        let rate = |index: &usize| self.state.rate[*index].to_f64().abs();
+        let fastest = (0..self.state.rate.len()).max_by(|one, other| rate(one).total_cmp(&rate(other)));
+        self.element(fastest.unwrap_or(0))
+    }
+
+    fn fields(&self) -> Vec<FieldInfo> {
+        self.field_infos()
+    }
+
+    fn read(&self, field: usize) -> Vec<f64> {
+        self.values(field)
+    }
+
+    fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
+        self.replace(fields, time, executor)
+    }
+
+    fn tallies(&self) -> Vec<f64> {
+        self.state.tallies.iter().flat_map(|tally| tally.energy.into_iter().chain(tally.last)).collect()
+    }
+
+    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
+        if numbers.len() != 2 * SINKS * self.state.tallies.len() {
+            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
+        }
+        for (tally, numbers) in self.state.tallies.iter_mut().zip(numbers.chunks_exact(2 * SINKS)) {
+            let slots = tally.energy.iter_mut().chain(&mut tally.last);
+            slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
+        }
+        Ok(())
+    }
+}
