@@ -17,6 +17,7 @@ LAYERS = [
     "memory",
     "units",
     "checks",
+    "arithmetic",
     "progress",
     "markup",
     "storage",

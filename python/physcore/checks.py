@@ -42,6 +42,9 @@ MANY = 10**6
 DEEPEST = 8
 """How deep lists are nested at most."""
 
+DIGITS_PER_BIT = 0.30103
+"""The decimal logarithm of 2."""
+
 LONG_INTEGER = 10**40
 """Whole numbers beyond are quoted by their number of digits: Python refuses to write out very long ones."""
 
@@ -57,7 +60,7 @@ class _Short(Repr):
         """A whole number, or how long it is."""
         if abs(x) < LONG_INTEGER:
             return super().repr_int(x, level)
-        return f"a whole number of about {math.ceil(x.bit_length() * math.log10(2.0))} digits"
+        return f"a whole number of about {math.ceil(x.bit_length() * DIGITS_PER_BIT)} digits"
 
 
 _SHORT = _Short()

@@ -113,7 +113,7 @@ def torn(side: int = 9) -> pc.Scene:
         sheet.stiffness,
         sheet.damping,
         mass=0.01,
-        velocities=sites @ [[0.4, 1.0], [0.3, 9.0]],
+        velocities=sites[:, :1] * [0.4, 1.0] + sites[:, 1:] * [0.3, 9.0],
         fixed=[0],
         breaking_strain=_random().uniform(0.02, 0.12, len(sheet.pairs)),
     )
@@ -343,7 +343,7 @@ def packet(cells: tuple[int, ...] = (24, 20), **options: Any) -> pc.Scene:
     dimension = len(cells)
     grid = pc.Grid(cells, 0.5, periodic=(False, True, False)[:dimension])
     middle = 0.5 * np.array(grid.upper)
-    psi = _rounded(pc.wave_packet(grid, 0.8 * middle, 0.6 * (-1.0) ** np.arange(dimension), 1.2))
+    psi = pc.wave_packet(grid, 0.8 * middle, 0.6 * (-1.0) ** np.arange(dimension), 1.2)
 
     def trap(*place: np.ndarray) -> np.ndarray:
         return sum(0.05 * (x - center) ** 2 for x, center in zip(place, middle.tolist(), strict=True))

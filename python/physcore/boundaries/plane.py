@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from physcore.arithmetic import lengths
 from physcore.checks import Vector, number, vector
 from physcore.errors import SceneError
 from physcore.scene.items import Boundary
@@ -44,7 +45,7 @@ class Plane(Boundary):
         del dimension
         normal = np.array(self.normal)
         normal /= np.abs(normal).max()
-        return replace(self, normal=tuple((normal / np.linalg.norm(normal)).tolist()))
+        return replace(self, normal=tuple((normal / lengths(normal)).tolist()))
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import ClassVar, cast
 
 import numpy as np
 
+from physcore.arithmetic import lengths
 from physcore.checks import number, shown
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
@@ -93,7 +94,7 @@ def _check_surface(body: object, path: str, thickness: float) -> None:
         check_areas(body, path)
     ends = body.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2) if len(body.faces) else body.pairs
     sides = np.diff(body.positions[ends], axis=1)
-    shortest = float(np.sqrt((sides**2).sum(axis=2).min()))
+    shortest = float(lengths(sides).min())
     if thickness >= shortest:
         raise SceneError(
             f"SelfContact.thickness: must be below the length of the shortest edge, {shortest:g} m, got {thickness:g}; "

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from physcore.arithmetic import arctan2, dots, lengths
 from physcore.checks import FloatArray, IntArray, frozen, number, shown
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
@@ -101,13 +102,10 @@ def _hinges(body: object, path: str) -> tuple[IntArray, FloatArray, FloatArray]:
     check_areas(body, path)
     start, end, one, other = np.moveaxis(body.positions[hinges], 1, 0)
     edge = end - start
-    length = np.linalg.norm(edge, axis=1)
+    length = lengths(edge)
     normals = np.cross(edge, one - start), np.cross(other - start, edge)
-    sine = length * (normals[0] * (other - start)).sum(axis=1)
-    cosine = (normals[0] * normals[1]).sum(axis=1)
-    # The last bits of NumPy's function depend on the CPU.
-    angle = np.array([math.atan2(*pair) for pair in zip(sine.tolist(), cosine.tolist(), strict=True)])
-    return hinges, angle, length**2 / (0.5 * sum(np.linalg.norm(normal, axis=1) for normal in normals))
+    angle = arctan2(length * dots(normals[0], other - start), dots(*normals))
+    return hinges, angle, length * length / (0.5 * sum(lengths(normal) for normal in normals))
 
 
 def _edges(faces: IntArray, path: str) -> IntArray:

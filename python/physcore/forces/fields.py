@@ -192,7 +192,7 @@ class CurrentLoop(ReadyField):
         self._number("current")
         self._vector("center")
         self._vector("axis")
-        if math.hypot(*self.axis) == 0.0:
+        if not any(self.axis):
             raise SceneError(f"CurrentLoop.axis: must not be zero, got {self.axis}")
 
 

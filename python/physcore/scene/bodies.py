@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physcore.arithmetic import lengths
 from physcore.checks import (
     DIMENSIONS,
     BoolArray,
@@ -213,7 +214,7 @@ class SpringNetwork(Body):
         self._set(faces=_indices([] if faces is None else faces, 3, len(self), "SpringNetwork.faces"))
         if rest_length is None:
             with np.errstate(over="ignore"):  # A length that is too large is refused as infinite.
-                rest_length = np.linalg.norm(self.positions[links[:, 1]] - self.positions[links[:, 0]], axis=1)
+                rest_length = lengths(self.positions[links[:, 1]] - self.positions[links[:, 0]])
         springs = {
             "stiffness": stiffness,
             "damping": damping,
@@ -254,7 +255,7 @@ class SpringNetwork(Body):
                 )
         limited = np.flatnonzero(np.isfinite(self.strain_limit))
         ends = self.positions[self.pairs[limited]]
-        apart = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        apart = lengths(ends[:, 1] - ends[:, 0])
         with np.errstate(over="ignore"):  # the greatest numbers limit nothing, as infinity does
             longest = (1.0 + self.strain_limit[limited]) * self.rest_length[limited]
             beyond = apart > (1.0 + BEYOND) * longest
@@ -268,14 +269,14 @@ class SpringNetwork(Body):
     def _check_rods(self) -> None:
         """Rods are as long as their ends are apart, but for rounding, and that is not zero."""
         rods = np.flatnonzero(self.rods)
-        ends, lengths = self.positions[self.pairs[rods]], self.rest_length[rods]
-        apart = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        ends, rest_length = self.positions[self.pairs[rods]], self.rest_length[rods]
+        apart = lengths(ends[:, 1] - ends[:, 0])
         path = "SpringNetwork.rest_length"
-        wrong = ~(np.abs(apart - lengths) <= ROUNDED * lengths) | (lengths == 0.0)
+        wrong = ~(np.abs(apart - rest_length) <= ROUNDED * rest_length) | (rest_length == 0.0)
         if wrong.any():
             row = int(np.argmax(wrong))
             raise SceneError(
-                f"{path}[{rods[row]}]: a rod of {lengths[row]:g} m, whose ends are {apart[row]:g} m apart; "
+                f"{path}[{rods[row]}]: a rod of {rest_length[row]:g} m, whose ends are {apart[row]:g} m apart; "
                 "leave rest_length out, and place its ends at the length that it has to have"
             )
 

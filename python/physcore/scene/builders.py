@@ -16,6 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physcore.arithmetic import combined, lengths
 from physcore import memory
 from physcore.checks import (
     LONGEST,
@@ -207,7 +208,7 @@ def cloth(
         _Kind(((2, 0), (0, 2)), 2.0 * step, *bend),
     ]
     if mass is None:
-        mass = 1.0 if material is None else material.areal_density * step**2 * _shares((columns, rows), (0, 0))
+        mass = 1.0 if material is None else material.areal_density * step * step * _shares((columns, rows), (0, 0))
     grid = np.arange(columns * rows).reshape(rows, columns)
     edges = {
         "bottom": grid[0],
@@ -220,7 +221,7 @@ def cloth(
     }
     return _lattice(
         (columns, rows),
-        corner + _grid((columns, rows), step) @ directions,
+        corner + combined(_grid((columns, rows), step), directions),
         kinds,
         faces=_faces(grid),
         mass=mass,
@@ -307,7 +308,7 @@ def soft_body(
         faces = np.concatenate([_faces(side if name in outward else side.T) for name, side in edges.items()])
     return _lattice(
         nodes,
-        corner + _grid(nodes, step) @ directions,
+        corner + combined(_grid(nodes, step), directions),
         kinds,
         faces=faces,
         mass=mass,
@@ -423,8 +424,8 @@ def _frame(
         raise SceneError(f"{axes_path}: a direction must not be zero")
     if not ((largest >= SHORTEST) & (largest <= LONGEST)).all():
         matrix /= largest  # Squares would be out of the range of numbers.
-    matrix /= np.linalg.norm(matrix, axis=1)[:, None]
-    if np.abs(matrix @ matrix.T - np.eye(rank)).max() > 1e-9:
+    matrix /= lengths(matrix)[:, None]
+    if np.abs(combined(matrix, matrix.T) - np.eye(rank)).max() > 1e-9:
         raise SceneError(f"{axes_path}: must be perpendicular, got {shown(axes)}")
     return np.zeros(dimension) if start is None else np.array(start), matrix
 

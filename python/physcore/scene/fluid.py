@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physcore.arithmetic import lengths
 from physcore.checks import FloatArray, Vector, flag, number, span
 from physcore.errors import SceneError, warn
 from physcore.scene.bodies import Body
@@ -173,7 +174,7 @@ class Fluid(Body):
 def describe_pair(points: FloatArray, pair: tuple[int, int], spacing: float) -> str:
     """How close two particles are, in words."""
     one, other = pair
-    separation = float(np.linalg.norm(points[one] - points[other]))
+    separation = float(lengths(points[one] - points[other]))
     return f"{one} and {other} are {separation:.3g} m apart, which is less than half the spacing of {spacing:g} m"
 
 
@@ -184,7 +185,7 @@ def _mass(density: float, spacing: float, dimension: int) -> float:
         SceneError: it is too large or too small for a number.
     """
     try:
-        mass = density * spacing**dimension
+        mass = density * math.prod([spacing] * dimension)
     except OverflowError:
         mass = math.inf
     if not 0.0 < mass < math.inf:

@@ -60,9 +60,9 @@ class Material:
 
 def _elastic(density: float, modulus: float, ratio: float, thickness: float, source: str) -> Material:
     """A sheet of an isotropic solid: density [kg/m³], Young's modulus [Pa], Poisson's ratio, thickness [m]."""
-    stretch = modulus * thickness / (1.0 - ratio**2)
+    stretch = modulus * thickness / (1.0 - ratio * ratio)
     shear = 0.5 * modulus * thickness / (1.0 + ratio)
-    return Material(density * thickness, stretch, stretch, shear, stretch * thickness**2 / 12.0, thickness, source)
+    return Material(density * thickness, stretch, stretch, shear, stretch * thickness * thickness / 12.0, thickness, source)
 
 
 _KAWABATA = (

@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 
+from physcore.arithmetic import dots
 from physcore.checks import FloatArray, IntArray
 
 FARTHEST = 1e300
@@ -46,8 +47,8 @@ def close_pairs(points: FloatArray, distance: float) -> Iterator[tuple[IntArray,
     keys, sorted_points = keys[order], points[order]
     for first, second in _candidates(keys, strides):
         separation = sorted_points[first] - sorted_points[second]
-        squared = np.einsum("nd,nd->n", separation, separation)
-        close = squared < distance**2
+        squared = dots(separation, separation)
+        close = squared < distance * distance
         if close.any():
             yield order[first[close]], order[second[close]], np.sqrt(squared[close])
 
@@ -63,14 +64,14 @@ def _keys(points: FloatArray, size: float) -> tuple[IntArray, IntArray]:
             cells[:, axis] = np.cumsum(steps)[inverse]
     counts = cells.max(axis=0).astype(np.int64) + 3
     strides = np.concatenate([[1], np.cumprod(counts[:-1])]).astype(np.int64)
-    return (cells.astype(np.int64) + 1) @ strides, strides
+    return ((cells.astype(np.int64) + 1) * strides).sum(axis=1), strides
 
 
 def _candidates(keys: IntArray, strides: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
     """Index pairs, each cell with itself and with half of its neighbors; a few of them at a time."""
     here = np.arange(len(keys))
     for offset in product((-1, 0, 1), repeat=len(strides)):
-        step = int(np.dot(offset, strides))
+        step = int((np.array(offset) * strides).sum())
         if step < 0 or (step == 0 and any(offset)):
             continue
         # Points in a cell are consecutive: go through them until no cell has any left.

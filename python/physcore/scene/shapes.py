@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from physcore.arithmetic import dots
 from physcore import memory
 from physcore.checks import MOST, FloatArray, Vector, span, vector
 from physcore.errors import SceneError
@@ -129,9 +130,9 @@ def _round(radius: float, spacing: float, dimension: int, path: str) -> FloatArr
     """The cells of a lattice around the origin whose centers are within a radius."""
     step = span(spacing, f"{path}.spacing")
     half = _cells(radius, step, math.floor) + 1
-    _require_memory((2 * half) ** dimension, dimension, f"{path}.spacing")
+    _require_memory(math.prod([2 * half] * dimension), dimension, f"{path}.spacing")
     points: FloatArray = step * (_centers([2 * half] * dimension) - half)
-    inside: FloatArray = points[np.einsum("nd,nd->n", points, points) <= radius**2]
+    inside: FloatArray = points[dots(points, points) <= radius * radius]
     if len(inside) == 0:
         raise SceneError(f"{path}.radius: a radius of {radius:g} m has no room for a cell of {step:g} m")
     return inside

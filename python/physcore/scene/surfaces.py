@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from physcore.arithmetic import dots, lengths
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
 
@@ -16,8 +17,8 @@ def check_areas(network: SpringNetwork, path: str) -> None:
     corners = network.positions[network.faces]
     sides = np.roll(corners, -1, axis=1) - corners
     with np.errstate(over="ignore", invalid="ignore"):
-        longest = (sides**2).sum(axis=2).max(axis=1)
-        area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        longest = dots(sides, sides).max(axis=1)
+        area = lengths(np.cross(sides[:, 0], sides[:, 1]))
         flat = ~(area > LEAST_AREA * longest)
     if flat.any():
         row = int(np.argmax(flat))

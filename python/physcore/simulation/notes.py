@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from physcore.arithmetic import dots, lengths, row_space
 from physcore.boundaries import Box, Plane, Sphere
 from physcore.checks import FloatArray
 from physcore.forces import Dihedral, Drag, Gravity
@@ -50,8 +51,8 @@ def _untouched(recording: Recording) -> Iterator[str]:
         for body in scene.targets(boundary):
             part = scene.slice(scene.index(body))
             normal = np.array(plane.normal)
-            height = (channels["positions"][:, part] - np.array(plane.point)) @ normal
-            fastest = np.abs(channels["velocities"][:, part] @ normal).max(axis=0, initial=0.0)
+            height = dots(channels["positions"][:, part] - np.array(plane.point), normal)
+            fastest = np.abs(dots(channels["velocities"][:, part], normal)).max(axis=0, initial=0.0)
             size = body.spacing if isinstance(body, Fluid) else body.radius
             room = height.min(axis=0, initial=np.inf) - size - 0.5 * fastest / recording.fps
             nearest = min(nearest, float(room.min(initial=np.inf)))
@@ -66,7 +67,7 @@ def of_scene(scene: Scene) -> list[str]:
     if not isinstance(network, SpringNetwork) or network.fixed.any() or not scene.boundaries:
         return []
     normal = _normal(network.positions)
-    if normal is None or network.velocities.dot(normal).any():
+    if normal is None or dots(network.velocities, normal).any():
         return []
     pull = np.zeros(scene.dimension)
     for force in scene.forces:
@@ -76,7 +77,7 @@ def of_scene(scene: Scene) -> list[str]:
             return []
     middle = network.positions.mean(axis=0)
     symmetric = all(_is_symmetric(boundary.resolved(scene.dimension), middle, normal) for boundary in scene.boundaries)
-    if not pull.any() or abs(pull @ normal) > ROUNDING * np.linalg.norm(pull) or not symmetric:
+    if not pull.any() or abs(dots(pull, normal)) > ROUNDING * lengths(pull) or not symmetric:
         return []
     return [
         f"{scene.path(0)}: falls edge-on, and nothing acts across its plane: it stays flat, in unstable balance, "
@@ -88,16 +89,18 @@ def _normal(positions: FloatArray) -> FloatArray | None:
     """The direction across the plane, or in 2D the line, of all positions; None where there is none, or several."""
     if len(positions) <= positions.shape[1]:
         return None
-    _, extents, directions = np.linalg.svd(positions - positions.mean(axis=0), full_matrices=False)
-    flat = extents < ROUNDING * extents[0]
-    direction: FloatArray = directions[-1]
-    return direction if flat[-1] and not flat[:-1].any() else None
+    away = positions - positions.mean(axis=0)
+    within = row_space(away / (lengths(away).max() or 1.0), ROUNDING)
+    if len(within) != positions.shape[1] - 1:
+        return None
+    normal: FloatArray = np.cross(*within) if len(within) == 2 else within[0, ::-1] * (-1.0, 1.0)
+    return normal
 
 
 def _is_symmetric(boundary: SceneItem, middle: FloatArray, normal: FloatArray) -> bool:
     """Whether a boundary looks the same from both sides of a plane, as far as what falls along it can meet it."""
     if isinstance(boundary, Plane):
-        return bool(abs(np.array(boundary.normal) @ normal) < ROUNDING)
+        return bool(abs(dots(np.array(boundary.normal), normal)) < ROUNDING)
     if isinstance(boundary, Sphere):
-        return bool(abs((np.array(boundary.center) - middle) @ normal) < ROUNDING * boundary.radius)
+        return bool(abs(dots(np.array(boundary.center) - middle, normal)) < ROUNDING * boundary.radius)
     return isinstance(boundary, Box) and boundary.inside and bool(np.abs(normal).max() > 1.0 - ROUNDING)

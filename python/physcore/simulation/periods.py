@@ -26,7 +26,7 @@ def period_of(times: FloatArray, positions: FloatArray, domain: Periodic | None)
 
     def apart(lag: int) -> float:
         shift = some[lag:] - some[: len(some) - lag]
-        return float(np.mean((shift if domain is None else domain.nearest(shift)) ** 2))
+        return float(np.mean(np.square(shift if domain is None else domain.nearest(shift))))
 
     lags = np.arange(1, len(some) // 2 + 1)
     squares = np.array([apart(int(lag)) for lag in lags])
@@ -39,6 +39,6 @@ def period_of(times: FloatArray, positions: FloatArray, domain: Periodic | None)
         if squares[:index].max() > 0.25 * largest and here <= before and here < after:
             curvature = before - 2.0 * here + after
             offset = 0.5 * (before - after) / curvature
-            if here - 0.25 * (before - after) * offset <= CLOSE**2 * largest:
+            if here - 0.25 * (before - after) * offset <= CLOSE * CLOSE * largest:
                 return float((lags[index] + offset) * step)
     return None

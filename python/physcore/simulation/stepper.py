@@ -325,7 +325,7 @@ class Stepper:
         self._mach_warned = True
         message = (
             f"{share:.1%} of a fluid's particles are faster than Mach {mach} where sound has {sound:.3g} m/s: there "
-            f"density is off by about Mach squared, {mach**2:.1%} and more, and one percent is meant; raise "
+            f"density is off by about Mach squared, {mach * mach:.1%} and more, and one percent is meant; raise "
             "sound_speed in fluids=pc.WeaklyCompressible(…)"
         )
         warn(message, MachWarning)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import copy
 import math
-import time
 import warnings
 from dataclasses import dataclass
 
+from physcore.studies import clock
 from physcore.errors import SimulationDiverged
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.stepper import unwarned
@@ -40,11 +40,11 @@ def forecast(simulation: Simulation, duration: float) -> Forecast:
         warnings.simplefilter("ignore")
         try:
             trial.run(trial.dt)  # The first step builds lists of neighbors.
-            begun, before = time.perf_counter(), trial.steps
+            begun, before = clock.seconds(), trial.steps
             while taken < TRIAL or taken < min(PART * steps * taken / (trial.steps - before), LONGEST):
-                begun, before = time.perf_counter(), trial.steps
+                begun, before = clock.seconds(), trial.steps
                 trial.run(count * trial.dt)
-                taken, count = time.perf_counter() - begun, 2 * count
+                taken, count = clock.seconds() - begun, 2 * count
         except SimulationDiverged:
             return Forecast(steps, simulation.dt, 0.0)
     return Forecast(steps, simulation.dt, steps * taken / max(trial.steps - before, 1))
@@ -52,9 +52,9 @@ def forecast(simulation: Simulation, duration: float) -> Forecast:
 
 def rehearsed(simulation: Simulation, duration: float) -> float:
     """How many times as long a run takes as was forecast, which is taken."""
-    ahead, begun = forecast(simulation, duration), time.perf_counter()
+    ahead, begun = forecast(simulation, duration), clock.seconds()
     simulation.run(duration)
-    return (time.perf_counter() - begun) / ahead.seconds if ahead.seconds > 0.0 else 1.0
+    return (clock.seconds() - begun) / ahead.seconds if ahead.seconds > 0.0 else 1.0
 
 
 def words(seconds: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
@@ -9,6 +10,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from physcore.arithmetic import arctan2, cos, exp, sin
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, number, regular, require, shown, text
 from physcore.errors import SceneError
 from physcore.scene.grid import Absorbing, Field, Grid, GridSystem
@@ -56,15 +58,16 @@ def wave_packet(
             if grid.periodic[axis]:
                 length = grid.cells[axis] * grid.spacing
                 away = away - length * np.rint(away / length)
-            envelope -= (away / widths[axis]) ** 2 / 4.0
+            envelope -= np.square(away / widths[axis]) / 4.0
             phase += momenta[axis] * away * (1.0 / unit)
     if not np.isfinite(phase).all():
         raise SceneError(f"wave_packet.momentum: p x/ħ must be finite, got {shown(momentum)} with ħ = {unit:g} J·s")
-    packet: ComplexArray = np.exp(envelope + 1j * phase)
-    norm = float(np.sum(np.abs(packet) ** 2)) * grid.spacing**grid.dimension
+    size = exp(envelope)
+    norm = float(np.square(size).sum()) * math.prod([grid.spacing] * grid.dimension)
     if not norm > 0.0:
         raise SceneError(f"wave_packet.center: must be on the grid or near it, got {shown(center)}")
-    packet /= np.sqrt(norm)
+    size /= math.sqrt(norm)
+    packet: ComplexArray = np.stack([size * cos(phase), size * sin(phase)], axis=-1).view(np.complex128)[..., 0]
     return packet
 
 
@@ -169,7 +172,7 @@ class Schrodinger(GridSystem):
         if "wave_function" not in fields:
             return fields
         complete = np.ascontiguousarray(fields["wave_function"]).view(np.complex128)[..., 0]
-        return {**fields, "wave_function": complete, "phase": np.angle(complete)}
+        return {**fields, "wave_function": complete, "phase": arctan2(complete.imag, complete.real)}
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""

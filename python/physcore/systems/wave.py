@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physcore.arithmetic import exp
 from physcore.checks import (
     BoolArray,
     FloatArray,
@@ -61,8 +62,8 @@ class Ricker:
 
     def __call__(self, time: ArrayLike) -> FloatArray:
         """The values at some times [s]."""
-        square = (np.pi * self.frequency * (np.asarray(time, dtype=float) - 1.5 / self.frequency)) ** 2
-        pulse: FloatArray = (1.0 - 2.0 * square) * np.exp(-square)
+        square = np.square(np.pi * self.frequency * (np.asarray(time, dtype=float) - 1.5 / self.frequency))
+        pulse: FloatArray = (1.0 - 2.0 * square) * exp(-square)
         return pulse
 
 

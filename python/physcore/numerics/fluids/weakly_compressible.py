@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from physcore.arithmetic import lengths
 from physcore.errors import MachWarning, SceneError, SceneWarning, warn
 from physcore.numerics.fluids.base import FluidMethod
 from physcore.scene.compressible import CHECKS
@@ -112,7 +113,7 @@ class WeaklyCompressible(FluidMethod):
         """As of FluidMethod."""
         if self.sound_speed == "auto" or len(fluid) == 0:
             return
-        fastest = float(np.linalg.norm(fluid.velocities, axis=1).max())
+        fastest = float(lengths(fluid.velocities).max())
         if fastest >= self.sound_speed:
             warn(
                 f"{path}.sound_speed: {self.sound_speed:g} m/s are less than the speed of the flow, {fastest:.3g} m/s "

@@ -36,8 +36,7 @@ class Flow:
         limit = self._run.plan.dt_limit
         self._interval = interval or (20.0 * limit if np.isfinite(limit) else self._run.dt)
         self.intervals = steps_to(before, self._interval, 1e-9), max(1, steps_to(average, self._interval, 1e-9))
-        frame, _ = np.linalg.qr(random_frame(dimension, dimension))
-        self._frames = np.broadcast_to(frame, (len(tracers), dimension, dimension))
+        self._frames = np.broadcast_to(random_frame(dimension, dimension), (len(tracers), dimension, dimension))
 
     @property
     def time(self) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from physcore.arithmetic import lengths, row_space
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.numerics.choices import Options, StepRule, steps_to
@@ -21,7 +22,7 @@ INTERVALS = 1000
 """Orthonormalizations over the duration, unless their interval is given."""
 
 SINGULAR = 1e-9
-"""Constraints are independent where their singular values are above this fraction of the largest."""
+"""Constraints, of length 1, are independent where more than this is left of them beside the others."""
 
 
 class Mechanics:
@@ -56,13 +57,11 @@ class Mechanics:
         with unwarned():  # The pilot has said it.
             self._run, *self._neighbors = (Simulation(scene, **options) for _ in range(1 + exponents))
         self._free = ~np.concatenate([body.fixed for body in scene.bodies])
-        forbidden = _row_space(self._constraints())
+        forbidden = row_space(self._constraints(), SINGULAR)
         self.directions = forbidden.shape[1] - len(forbidden)
         if exponents > self.directions:
             raise SceneError(f"lyapunov.exponents: must be at most {self.directions} in this scene, got {exponents}")
-        frame = random_frame(exponents, forbidden.shape[1])
-        frame -= frame @ forbidden.T @ forbidden
-        self._frames: FloatArray = np.linalg.qr(frame.T)[0].T[np.newaxis]
+        self._frames = random_frame(exponents, forbidden.shape[1], forbidden)[np.newaxis]
 
     @property
     def time(self) -> float:
@@ -95,7 +94,7 @@ class Mechanics:
         return np.concatenate([(apart / self._pilot.extent).ravel(), (faster / self._pilot.speed).ravel()])
 
     def _constraints(self) -> FloatArray:
-        """What rods forbid offsets at the start, a row for each equation (2 M, P): r·δr = 0 and r·δv + v·δr = 0, with
+        """What rods forbid offsets at the start, a row of length 1 or 0 for each equation (2 M, P): r·δr = 0 and r·δv + v·δr = 0, with
         the separation r of the ends of a rod and its rate v.
         """
         places, speeds = self._run.positions, self._run.velocities
@@ -115,17 +114,8 @@ class Mechanics:
             rows[1, at, 0, end] = v * self._pilot.extent
         free = 2 * int(self._free.sum()) * self._scene.dimension
         equations: FloatArray = rows[:, :, :, self._free].reshape(2 * count, free)
-        return equations
-
-
-def _row_space(equations: FloatArray) -> FloatArray:
-    """An orthonormal basis of the rows (R, P) of linear equations (M, P)."""
-    if not equations.any():
-        return equations[:0]
-    lengths = np.linalg.norm(equations, axis=1, keepdims=True)
-    _, sizes, rows = np.linalg.svd(equations / np.where(lengths > 0.0, lengths, 1.0), full_matrices=False)
-    basis: FloatArray = rows[sizes > SINGULAR * sizes[0]]
-    return basis
+        sizes = lengths(equations)[:, np.newaxis]
+        return equations / np.where(sizes > 0.0, sizes, 1.0)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from physcore.arithmetic import lengths, log, orthonormal
 from physcore.checks import FloatArray
 from physcore.errors import PhyscoreError
 
@@ -44,17 +45,23 @@ def orthonormalized(offsets: FloatArray, interval: float) -> tuple[FloatArray, F
     Raises:
         PhyscoreError: neighbors have parted too far.
     """
-    q, r = np.linalg.qr(offsets.swapaxes(1, 2))
-    diagonal = np.diagonal(r, axis1=1, axis2=2)
-    if not np.abs(r).max() <= FARTHEST:
+    farthest = float(lengths(offsets).max())
+    if not farthest <= FARTHEST:
         raise PhyscoreError(
-            f"lyapunov.interval: neighbors parted by {np.abs(r).max():.1e} in {interval:g} s; take a shorter interval"
+            f"lyapunov.interval: neighbors parted by {farthest:.1e} in {interval:g} s; take a shorter interval"
         )
-    growth: FloatArray = np.log(np.abs(diagonal))
-    turned: FloatArray = (q * np.sign(diagonal)[:, np.newaxis, :]).swapaxes(1, 2)
-    return growth, turned
+    frames, growth = orthonormal(offsets)
+    return log(growth), frames
 
 
-def random_frame(rows: int, columns: int) -> FloatArray:
-    """Normal deviates (rows, columns): along no axis, which may be a direction in which all stay that are on it."""
-    return np.random.default_rng(0).normal(size=(rows, columns))
+def random_frame(count: int, columns: int, forbidden: FloatArray | None = None) -> FloatArray:
+    """Orthonormal rows (count, columns), along no axis, which may be a direction in which all stay that are on it.
+
+    Args:
+        count: of rows.
+        columns: of each.
+        forbidden: orthonormal rows to which they are perpendicular.
+    """
+    rows = np.random.default_rng(0).uniform(-1.0, 1.0, size=(count, columns))
+    first = np.zeros((0, columns)) if forbidden is None else forbidden
+    return orthonormal(np.concatenate([first, rows]))[0][len(first) :]

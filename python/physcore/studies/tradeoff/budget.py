@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import time
+from physcore.studies import clock
+
 
 
 class Budget:
@@ -10,11 +11,11 @@ class Budget:
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds
-        self._start = time.perf_counter()
+        self._start = clock.seconds()
 
     def spent(self) -> float:
         """[s]"""
-        return time.perf_counter() - self._start
+        return clock.seconds() - self._start
 
     def left(self) -> float:
         """[s]; below 0 where more was spent than there was."""

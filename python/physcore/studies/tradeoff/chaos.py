@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from physcore.arithmetic import log
 from physcore.checks import FloatArray
 from physcore.simulation.simulation import Simulation
 from physcore.studies.state import motion, nudge
@@ -58,7 +59,7 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
     parts = [(0, max(speed, scales[0])), (1, scales[1])] if experiment.observer is None else [(1, scales[1])]
     distances = [
         math.sqrt(
-            sum(_mean_square(state[part], twin[part], experiment, part) / scale**2 for part, scale in parts if scale)
+            sum(_mean_square(state[part], twin[part], experiment, part) / (scale * scale) for part, scale in parts if scale)
         )
         for state, twin in zip(states, _states(experiment, other, choice), strict=True)
     ]
@@ -66,7 +67,7 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
     start = distances[0] if experiment.observer is None else NUDGE
     growth: FloatArray = np.maximum.accumulate(np.array(distances) / start) if start > 0.0 else np.ones(len(states))
     times: FloatArray = experiment.interval * np.arange(len(growth), dtype=np.float64)
-    return judge(times, growth, FAR / max(start, NUDGE**2))
+    return judge(times, growth, FAR / max(start, NUDGE * NUDGE))
 
 
 def judge(times: FloatArray, growth: FloatArray, saturated: float) -> Chaos:
@@ -79,12 +80,18 @@ def judge(times: FloatArray, growth: FloatArray, saturated: float) -> Chaos:
         return regular
     # Over the last octave before it is far away; no power of time gets there within two intervals.
     half = last // 2
-    power = math.log(growth[last] / growth[half]) / math.log(2.0) if half > 0 else math.inf
-    if power <= STEEPEST:
+    octave = float(log(growth[last] / growth[half]) / log(2.0)) if half > 0 else math.inf
+    if octave <= STEEPEST:
         return regular
     ends = slice(last // 4, last + 1) if last > 1 else slice(0, int(lost[0]) + 1)
-    exponent = float(np.polyfit(times[ends], np.log(growth[ends]), 1)[0])
+    exponent = _slope(times[ends], log(growth[ends]))
     return Chaos(times, growth, True, exponent, float(times[int(lost[0]) - 1]))
+
+
+def _slope(x: FloatArray, y: FloatArray) -> float:
+    """The slope of the line of least squares."""
+    from_mean = x - x.mean()
+    return float((from_mean * y).sum() / (from_mean * from_mean).sum())
 
 
 def _states(experiment: Experiment, simulation: Simulation, choice: Choice) -> Iterator[tuple[FloatArray, FloatArray]]:
@@ -97,4 +104,4 @@ def _states(experiment: Experiment, simulation: Simulation, choice: Choice) -> I
 
 def _mean_square(one: FloatArray, other: FloatArray, experiment: Experiment, part: int) -> float:
     change = experiment.difference(one[None], other[None]) if part == 1 else one - other
-    return float(np.mean(change**2))
+    return float(np.mean(change * change))

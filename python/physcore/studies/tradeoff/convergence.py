@@ -14,6 +14,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from physcore.arithmetic import log, power
+
 AGREEMENT = 0.5
 """How far the measured order may be from the order of the method for the latter to be believed."""
 NEXT = 2.0
@@ -64,12 +66,12 @@ def convergence(
         certain: the order that is certain where the motion is not smooth: one with impacts; None: it is smooth.
     """
     ratio, change = min(steps[-1] / steps[-2], 2.0), differences[-1]
-    expected = min(SAFETY_FACTOR * change / (ratio ** (certain or order) - 1.0), change / (ratio - 1.0))
+    expected = min(SAFETY_FACTOR * change / (float(power(ratio, certain or order)) - 1.0), change / (ratio - 1.0))
     measured, asymptotic, regular = math.nan, False, len(steps) < 3
     if len(steps) > 2 and min(differences[-2:]) > 0.0:
-        shrunk = math.log2(differences[-2] / change)
-        measured = shrunk / math.log2(steps[-2] / steps[-3])
-        surplus = shrunk + math.log2(_shrinkage(steps[-3:-1], steps[-2:], order))
+        shrunk = _log2(differences[-2] / change)
+        measured = shrunk / _log2(steps[-2] / steps[-3])
+        surplus = shrunk + _log2(_shrinkage(steps[-3:-1], steps[-2:], order))
         asymptotic, regular = abs(surplus) < AGREEMENT, -AGREEMENT < surplus < NEXT + AGREEMENT
     envelope = max(
         earlier * _shrinkage(steps[at : at + 2], steps[-2:], 1)
@@ -85,15 +87,20 @@ def convergence(
 
 def _shrinkage(before: Sequence[int], after: Sequence[int], order: int) -> float:
     """The difference between two runs over that between two others where errors are C hᵖ."""
-    first, second, third, fourth = (float(count) ** -order for count in (*before, *after))
-    return (third - fourth) / (first - second)
+    first, second, third, fourth = power((*before, *after), -order).tolist()
+    shrinkage: float = (third - fourth) / (first - second)
+    return shrinkage
+
+
+def _log2(x: float) -> float:
+    return float(log(x) / log(2.0))
 
 
 def order_between(steps: Sequence[int], values: Sequence[float], order: int) -> float:
     """The power with which a value fell in the last two runs, between 1 and the order of the method; that, of one."""
     if len(values) < 2 or not values[-2] > values[-1] > 0.0:
         return float(order) if len(values) < 2 else 1.0
-    seen = math.log(values[-2] / values[-1]) / math.log(steps[-1] / steps[-2])
+    seen = float(log(values[-2] / values[-1]) / log(steps[-1] / steps[-2]))
     return min(max(seen, 1.0), float(order))
 
 
@@ -109,4 +116,4 @@ def stagnant(values: Sequence[float], scale: float) -> bool:
     if len(values) <= runs:
         return False
     # Among values that are not small some are so by chance.
-    return values[-1] > FLAT**runs * (values[-1 - runs] if small else max(values[:-runs]))
+    return values[-1] > math.prod([FLAT] * runs) * (values[-1 - runs] if small else max(values[:-runs]))

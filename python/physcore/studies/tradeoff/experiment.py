@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -11,6 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physcore.studies import clock
+from physcore.arithmetic import lengths
 from physcore.checks import FloatArray, array
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.numerics.choices import DivergenceRule
@@ -159,7 +160,7 @@ class Experiment:
     def distances(self, one: FloatArray, other: FloatArray) -> FloatArray:
         """The largest distance of any particle, or of any number that is observed, at each time; shape (F,)."""
         change = self.difference(one, other)
-        sizes = np.linalg.norm(change, axis=-1) if self._positions else np.abs(change)
+        sizes = lengths(change) if self._positions else np.abs(change)
         largest: FloatArray = sizes.reshape(len(sizes), -1).max(axis=1)
         return largest
 
@@ -175,11 +176,11 @@ class Experiment:
         seconds, diverged = 0.0, None
         for _ in range(self.intervals):
             try:
-                begin = time.perf_counter()
+                begin = clock.seconds()
                 try:
                     simulation.step(choice.steps)
                 finally:
-                    seconds += time.perf_counter() - begin
+                    seconds += clock.seconds() - begin
                 budget.append(simulation.energy())
             except SimulationDiverged as error:
                 diverged = error
@@ -209,10 +210,10 @@ class Experiment:
             SimulationDiverged: the run diverged.
         """
         simulation = self.start(choice)
-        begin = time.perf_counter()
+        begin = clock.seconds()
         with unwarned():
             recording = simulation.record(duration, fps, channels, progress=False)
-        seconds = time.perf_counter() - begin
+        seconds = clock.seconds() - begin
         taken = simulation.steps * recording.plan.evaluations
         drift = _largest_drift(recording.energy)
         return Trial(choice, recording.channels[primary(self.scene)], seconds, taken, drift, None, recording)

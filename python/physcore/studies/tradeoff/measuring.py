@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from physcore.arithmetic import log, power
 from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
 from physcore.errors import SceneError
 from physcore.numerics.choices import MOST_THREADS, suited
@@ -238,6 +239,6 @@ def _discretization(diagrams: list[WorkPrecisionDiagram], resolutions: Sequence[
     steps = [float(experiment.distances(one[:until], two[:until]).max()) for one, two in pairwise(samples)]
     ratio, order = resolutions[-1] / resolutions[-2], 1.0
     if len(steps) > 1 and steps[-1] > 0.0:
-        order = max(1.0, math.log(steps[-2] / steps[-1]) / math.log(ratio))
-    finest = steps[-1] / (ratio**order - 1.0)
+        order = max(1.0, float(log(steps[-2] / steps[-1]) / log(ratio)))
+    finest = steps[-1] / (float(power(ratio, order)) - 1.0)
     return [*(error + finest for error in apart), finest]

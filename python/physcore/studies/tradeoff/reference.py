@@ -99,7 +99,7 @@ def _extrapolate(experiment: Experiment, method: Method, runs: list[Trial], unti
     before = float(experiment.distances(middle, coarse).max())
     after = float(experiment.distances(fine, middle).max())
     found = convergence([run.choice.steps for run in runs], [before, after], method.order)
-    gain = 2.0**method.order - 1.0
+    gain = float((1 << method.order) - 1)
     if found.asymptotic:
         samples = fine + second / gain
         left = experiment.distances(samples, middle + first / gain)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from physcore.arithmetic import power
 from physcore.checks import FloatArray
 from physcore.forces import LennardJones, SoftSpheres
 from physcore.studies.tradeoff.convergence import Convergence, convergence, order_between, stagnant
@@ -139,7 +140,7 @@ class Refinement:
                 error = found.finer if math.isfinite(found.finer) else error
             pairs.append((error, goal.accuracy, self.target.accuracy, order))
         return max(
-            math.pow(value / reachable, 1.0 / (order if reachable < wanted else order + 0.5))
+            float(power(value / reachable, 1.0 / (order if reachable < wanted else order + 0.5)))
             for value, reachable, wanted, order in pairs
         )
 

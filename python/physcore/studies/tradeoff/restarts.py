@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from physcore.arithmetic import log
 from physcore.checks import FloatArray
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.studies.state import State, motion, nudge, place, restore, state
@@ -81,8 +82,8 @@ def windows(
     """A long run of a choice for the starts, and from each of them windows at ever finer steps as far as the budget
     reaches; the best of the other methods checks them.
     """
-    growth = chaos.exponent * experiment.interval / math.log(WINDOW_GROWTH)
-    parts = 1 << math.ceil(math.log2(growth)) if growth > 1.0 else 1
+    growth = chaos.exponent * experiment.interval / float(log(WINDOW_GROWTH))
+    parts = 1 << (math.ceil(growth) - 1).bit_length() if growth > 1.0 else 1
     choice = replace(choice, steps=multiple(choice.steps, parts))
     simulation = experiment.start(choice)
     starts, fastest = [], 0.0
@@ -185,7 +186,7 @@ def _averages(experiment: Experiment, choice: Choice, size: float, seed: int) ->
         if sample < SAMPLES // 2:
             continue
         energy, places = simulation.energy(), place(simulation).reshape(-1, *_vector(experiment))
-        radius = float(np.sqrt(np.mean(np.sum((places - places.mean(axis=0)) ** 2, axis=1))))
+        radius = float(np.sqrt(np.mean(np.square(places - places.mean(axis=0)).sum(axis=1))))
         sums += energy.kinetic, energy.potential + energy.internal - begin.potential - begin.internal, radius
     return sums / (SAMPLES - SAMPLES // 2)
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
+from physcore.studies import clock
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
@@ -146,10 +146,10 @@ class WorkPrecisionDiagram:
     def _time_once(self, choice: Choice) -> float:
         """How long a whole run takes [s], or until it diverges."""
         simulation = self.experiment.start(choice)
-        begin = time.perf_counter()
+        begin = clock.seconds()
         with contextlib.suppress(SimulationDiverged):
             simulation.run(self.experiment.duration)
-        return time.perf_counter() - begin
+        return clock.seconds() - begin
 
     def _new_series(
         self, integrator: Integrator, precision: Literal["f32", "f64"], dts: Sequence[float] | None
@@ -203,9 +203,9 @@ class WorkPrecisionDiagram:
 
     def _try(self, choice: Choice) -> Measurement:
         """Run a choice once, and judge it."""
-        begin = time.perf_counter()
+        begin = clock.seconds()
         trial = self.experiment.attempt(choice)
-        cost = time.perf_counter() - begin
+        cost = clock.seconds() - begin
         measurement = Measurement(
             choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", trial.seconds, cost, 0.0
         )
@@ -220,7 +220,7 @@ class WorkPrecisionDiagram:
                     measurement.status, measurement.error = "diverged", math.inf
             else:
                 self._compare_statistics(measurement, self.truth)
-        measurement.judging = time.perf_counter() - begin - cost
+        measurement.judging = clock.seconds() - begin - cost
         self._tick()
         return measurement
 

@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from physcore.arithmetic import power
 from physcore.errors import SimulationDiverged
 from physcore.studies.tradeoff.experiment import EPSILON, Choice, Experiment, Precision, Trial
 from physcore.studies.tradeoff.methods import DEEPEST, Method, halved
@@ -71,7 +72,7 @@ class Candidate:
         # The coarser run is about as far off as the two are apart.
         error = runs.changes[-1] if self.target.compares else 0.0
         excess = max(EPSILON[self._precision], runs.goal.excess(error, runs.drifts[0]))
-        self._excess = excess * math.pow(parts * runs.steps[0] / self._coarsest, self.method.order)
+        self._excess = excess * float(power(parts * runs.steps[0] / self._coarsest, self.method.order))
 
     def expected(self, growth: float) -> float:
         """The excess at the limit at the end of the whole duration, where errors grow so much after the probe."""
@@ -80,14 +81,14 @@ class Candidate:
     def observed(self) -> float:
         """The same as the last run shows it, by the order of the method."""
         steps = self.refinement.steps[-1] / self._coarsest
-        return self.refinement.excess() * math.pow(steps, self.method.order)
+        return self.refinement.excess() * float(power(steps, self.method.order))
 
     def needed(self, growth: float) -> int:
         """Steps per interval that meet the target, as far as is known."""
         most = float(self._coarsest << DEEPEST)
         if self.refinement.estimated:
             return math.ceil(min(self.refinement.steps[-1] * self.refinement.factor(), most))
-        factor = math.pow(self.expected(growth), 1.0 / self.method.order)
+        factor = float(power(self.expected(growth), 1.0 / self.method.order))
         return max(self._coarsest, math.ceil(min(self._coarsest * factor, most)))
 
     def cost(self, growth: float) -> float:
@@ -137,7 +138,7 @@ class Candidate:
         if not runs.trials:
             return max(self._coarsest, math.ceil(needed / 4))
         last = runs.steps[-1]
-        least = math.ceil(last * math.pow(2.0, 1.0 / self.method.order))
+        least = math.ceil(last * float(power(2.0, 1.0 / self.method.order)))
         if not self.target.compares:
             return max(least, min(needed, LEAP * last))
         if not runs.estimated or not runs.asymptotic:

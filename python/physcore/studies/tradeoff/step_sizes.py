@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from physcore.arithmetic import exp, log
 from physcore.numerics.integrators import Integrator
 from physcore.studies.tradeoff.convergence import stagnant
 from physcore.studies.tradeoff.experiment import Choice
@@ -122,8 +123,8 @@ class StepSizeSeries:
         coarser = next(
             measurement for measurement in reversed(others) if measurement.choice.steps < held_out.choice.steps
         )
-        ends = np.log([coarser.choice.steps, finer.choice.steps])
-        at = float(np.log(held_out.choice.steps))
-        errors = np.log([max(measurement.error, np.finfo(float).tiny) for measurement in (coarser, finer)])
-        seconds = np.log([np.median(measurement.times) for measurement in (coarser, finer)])
-        return Prediction(float(np.exp(np.interp(at, ends, errors))), float(np.exp(np.interp(at, ends, seconds))))
+        ends = log([coarser.choice.steps, finer.choice.steps])
+        at = float(log(held_out.choice.steps))
+        errors = log([max(measurement.error, np.finfo(float).tiny) for measurement in (coarser, finer)])
+        seconds = log([np.median(measurement.times) for measurement in (coarser, finer)])
+        return Prediction(float(exp(np.interp(at, ends, errors))), float(exp(np.interp(at, ends, seconds))))

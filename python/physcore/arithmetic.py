@@ -1,0 +1,112 @@
+"""Elementary functions and small products whose bits are the same on every processor.
+
+The exponentials, powers and angles of NumPy and of `math` depend on the vector instructions and the C library of the
+machine, as the products and factorizations of BLAS and LAPACK do. What is computed from a user's numbers uses these
+functions; `tests/test_arithmetic.py` holds that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore import _core
+from physcore.checks import FloatArray
+
+
+def exp(x: ArrayLike) -> FloatArray:
+    """The exponential eˣ."""
+    return _of(_core.exp, x)
+
+
+def log(x: ArrayLike) -> FloatArray:
+    """The natural logarithm ln x, of positive numbers."""
+    return _of(_core.log, x)
+
+
+def sin(x: ArrayLike) -> FloatArray:
+    """The sine of angles [rad]."""
+    return _of(_core.sin, x)
+
+
+def cos(x: ArrayLike) -> FloatArray:
+    """The cosine of angles [rad]."""
+    return _of(_core.cos, x)
+
+
+def arctan2(y: ArrayLike, x: ArrayLike) -> FloatArray:
+    """The angle of (x, y) from the x axis [rad], from −π to π."""
+    return _of(_core.arctan2, y, x)
+
+
+def power(x: ArrayLike, exponent: ArrayLike) -> FloatArray:
+    """The power xʸ."""
+    return _of(_core.power, x, exponent)
+
+
+def dots(one: FloatArray, other: FloatArray) -> FloatArray:
+    """The dot products (…) of vectors (…, D)."""
+    products: FloatArray = (one * other).sum(axis=-1)
+    return products
+
+
+def lengths(vectors: FloatArray) -> FloatArray:
+    """The lengths (…) of vectors (…, D)."""
+    return np.sqrt(dots(vectors, vectors))
+
+
+def combined(coefficients: FloatArray, rows: FloatArray) -> FloatArray:
+    """The linear combinations (N, D) of rows (K, D) with coefficients (N, K)."""
+    total = np.zeros((len(coefficients), rows.shape[1]))
+    for column, row in zip(coefficients.T, rows, strict=True):
+        total += column[:, np.newaxis] * row
+    return total
+
+
+def orthonormal(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Orthonormal rows (…, K, P) that span the same spaces as the first 1, 2, …, K of linearly independent ones, by the
+    modified Gram–Schmidt process, and the lengths (…, K) that were left of each: the diagonal of a QR decomposition.
+    """
+    basis = rows.copy()
+    left = np.empty(rows.shape[:-1])
+    for k in range(rows.shape[-2]):
+        left[..., k] = lengths(basis[..., k, :])
+        basis[..., k, :] /= left[..., k, np.newaxis]
+        _remove(basis[..., k + 1 :, :], basis[..., k, :])
+    return basis, left
+
+
+def row_space(rows: FloatArray, smallest: float) -> FloatArray:
+    """An orthonormal basis (R, P) of what rows (M, P) span, of which none is longer than 1, by the Gram–Schmidt process with pivoting.
+
+    Args:
+        rows: changed.
+        smallest: what is shorter once the basis is removed is rounding.
+    """
+    basis: list[FloatArray] = []
+    while len(rows):
+        left = lengths(rows)
+        longest = int(np.argmax(left))
+        if not left[longest] > smallest:
+            break
+        row = rows[longest] / left[longest]
+        # A second pass removes what rounding has left along the basis.
+        for known in basis:
+            row -= dots(row, known) * known
+        basis.append(row / lengths(row))
+        _remove(rows, basis[-1])
+    return np.array(basis) if basis else rows[:0]
+
+
+def _remove(rows: FloatArray, direction: FloatArray) -> None:
+    """Subtract the components of rows (…, K, P) along unit vectors (…, P), in place."""
+    along = direction[..., np.newaxis, :]
+    rows -= dots(rows, along)[..., np.newaxis] * along
+
+
+def _of(function: Callable[..., FloatArray], *arguments: ArrayLike) -> FloatArray:
+    """A function of the engine at every entry of arrays that broadcast."""
+    arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=np.float64) for argument in arguments))
+    return function(*(np.ascontiguousarray(values).ravel() for values in arrays)).reshape(arrays[0].shape)
