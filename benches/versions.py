@@ -55,6 +55,31 @@ def scenes() -> dict[str, Callable[[], tuple[Any, dict[str, Any], int]]]:
     def custom() -> pc.Scene:
         return pc.Scene(pc.Particles(rng.uniform(-1, 1, (10, 2))), pc.CustomForce(lambda t, x, v: -x))
 
+    def block() -> pc.Scene:
+        water = pc.Fluid(pc.block((0, 0, 0), (1, 0.5, 1), 0.025), 0.025)
+        return pc.Scene(water, pc.Gravity((0, 0, -9.81)), pc.Box((0, 0, 0), (2, 0.5, 2)))
+
+    def pond() -> pc.Scene:
+        return pc.Scene(pc.Wave(pc.Grid((1024, 1024), 0.01), 1.0, rng.uniform(-1, 1, (1024, 1024))))
+
+    def dish() -> pc.Scene:
+        start = {"u": 1.0, "v": rng.uniform(0, 0.5, (1024, 1024))}
+        return pc.Scene(pc.ReactionDiffusion(pc.Grid((1024, 1024), 0.01), pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, start))
+
+    def packet() -> pc.Scene:
+        grid = pc.Grid((512, 512), 0.1, periodic=True)
+        return pc.Scene(pc.Schrodinger(grid, pc.wave_packet(grid, 25.0, 1.0, 2.0)))
+
+    def dust() -> pc.Scene:
+        return pc.Scene(pc.Tracers(rng.normal(size=(PARTICLES, 3)) + (0, 0, 25), pc.Lorenz()))
+
+    def stars(count: int, **options: float) -> pc.Scene:
+        return pc.Scene(swarm(count), pc.Gravitation(1.0, 0.05, **options))
+
+    def trap() -> pc.Scene:
+        ions = pc.Particles(rng.uniform(-1, 1, (PARTICLES, 3)), rng.uniform(-1, 1, (PARTICLES, 3)), charge=1.0)
+        return pc.Scene(ions, pc.ElectromagneticField(pc.QuadrupoleTrap(1.0), (0.0, 0.0, 6.0)))
+
     found: dict[str, Callable[[], tuple[Any, dict[str, Any], int]]] = {}
     for precision in ("f32", "f64"):
         for integrator in (pc.VelocityVerlet(), pc.RungeKutta4(), pc.BogackiShampine3(), pc.DormandPrince5()):
@@ -70,6 +95,29 @@ def scenes() -> dict[str, Callable[[], tuple[Any, dict[str, Any], int]]]:
             f"cloth of 150 {precision}": lambda numerics=numerics: (cloth(15, 10), numerics, 40_000),
             f"particles in a box {precision}": lambda numerics=numerics: (room(), numerics, 100),
             f"dam in 2D {precision}": lambda numerics=numerics: (dam(), numerics, 60),
+            f"dam in 3D {precision}": lambda numerics=numerics: (block(), numerics, 15),
+            f"gravitation of all pairs {precision}": lambda numerics=numerics: (stars(10_000), numerics, 1),
+            f"gravitation by a tree {precision}": lambda numerics=numerics: (
+                stars(50_000, opening_angle=0.7),
+                numerics,
+                2,
+            ),
+            f"ions in a trap {precision}": lambda numerics=numerics: (trap(), numerics, 20),
+            f"tracers in Lorenz' flow {precision}": lambda numerics=numerics: (dust(), numerics, 20),
+            f"reaction of Gray and Scott {precision}": lambda numerics=numerics: (dish(), numerics, 20),
+            f"wave function by split steps {precision}": lambda numerics=numerics: (packet(), numerics, 10),
+            f"waves by PEFRL {precision}": lambda numerics=numerics: (pond(), {**numerics, "integrator": pc.PEFRL()}, 20),
+            f"waves by RungeKutta4 {precision}": lambda numerics=numerics: (
+                pond(),
+                {**numerics, "integrator": pc.RungeKutta4()},
+                20,
+            ),
+            f"waves {precision}": lambda numerics=numerics: (pond(), numerics, 20),
+            f"cloth of 150 by PEFRL {precision}": lambda numerics=numerics: (
+                cloth(15, 10),
+                {**numerics, "integrator": pc.PEFRL()},
+                10_000,
+            ),
         }
     found["a function of the user's"] = lambda: (custom(), {"dt": 1e-3}, 5000)
     return found
