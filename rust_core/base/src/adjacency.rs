@@ -1,15 +1,15 @@
-//! Lists of numbers, one list for each particle: its neighbors, or its places among springs or hinges.
+//! Adjacency lists: one list of indices per particle, of its neighbors or of its entries among springs or hinges.
 
-/// The lists, one after the other.
+/// Lists of indices, one per particle, stored consecutively.
 #[derive(Debug, Clone, Default)]
 pub struct Adjacency {
-    /// The list of particle i is `entries[starts[i]..starts[i + 1]]`.
+    /// Offsets: the list of particle i is `entries[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     entries: Vec<u32>,
 }
 
 impl Adjacency {
-    /// The lists of `count` particles: each of `pairs` is a particle and an entry of its list, in the order of these.
+    /// Builds the lists of `count` particles from pairs (particle, entry), with entries in the order of the pairs.
     pub fn new(count: usize, pairs: &[[u32; 2]]) -> Self {
         let mut starts = vec![0; count + 1];
         pairs.iter().for_each(|&[particle, _]| starts[particle as usize + 1] += 1);
@@ -22,7 +22,7 @@ impl Adjacency {
         Self { starts, entries }
     }
 
-    /// The neighbors in a graph with these edges: each end is in the list of the other.
+    /// Builds the neighbor lists of a graph with these edges: each end is in the list of the other.
     pub fn of_graph(count: usize, edges: impl Iterator<Item = [u32; 2]>) -> Self {
         Self::new(count, &edges.flat_map(|[one, other]| [[one, other], [other, one]]).collect::<Vec<_>>())
     }
@@ -34,12 +34,12 @@ impl Adjacency {
         }
     }
 
-    /// The number of particles.
+    /// Number of particles.
     pub fn count(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// The list of a particle; empty if there are no entries at all.
+    /// List of a particle; empty if there are no entries.
     #[inline(always)]
     pub fn of(&self, particle: usize) -> &[u32] {
         if self.entries.is_empty() {

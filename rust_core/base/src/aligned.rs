@@ -1,14 +1,14 @@
-//! Arrays that begin with a cache line, so that no vector register straddles two of them: those take several times as long.
+//! Arrays aligned to cache lines: no vector register straddles two lines, because such an access takes several times as long.
 
 use aligned_vec::{AVec, ConstAlign};
 
-/// The size of a cache line [bytes].
+/// Size of a cache line [bytes].
 const CACHE_LINE: usize = 64;
 
-/// An array at the beginning of a cache line.
+/// Array aligned to a cache line.
 pub type Aligned<T> = AVec<T, ConstAlign<CACHE_LINE>>;
 
-/// An array of equal values.
+/// Returns an array of `count` equal values.
 pub fn filled<T: Copy>(value: T, count: usize) -> Aligned<T> {
     Aligned::from_iter(CACHE_LINE, std::iter::repeat_n(value, count))
 }

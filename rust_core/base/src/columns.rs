@@ -1,4 +1,4 @@
-//! Structure of arrays: one vector per particle, one array per component. All bulk data has this form.
+//! Structure of arrays: one vector per particle, one array per component. All bulk data are stored this way.
 
 use std::ops::Range;
 
@@ -14,59 +14,59 @@ pub struct Columns<V: Vector> {
 }
 
 impl<V: Vector> Columns<V> {
-    /// `count` zero vectors.
+    /// Returns `count` zero vectors.
     pub fn zeros(count: usize) -> Self {
         Self { axes: vec![filled(V::Scalar::ZERO, padded(count)); V::DIMENSION], count }
     }
 
-    /// The vectors `each(index)` of all particles.
+    /// Returns the vectors `each(index)` of all particles.
     pub fn from_fn(count: usize, each: impl Fn(usize) -> V) -> Self {
         let mut columns = Self::zeros(count);
         (0..count).for_each(|index| columns.set(index, each(index)));
         columns
     }
 
-    /// The number of vectors.
+    /// Number of vectors.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// One vector.
+    /// Vector at an index.
     pub fn get(&self, index: usize) -> V {
         V::from_axes(|axis| self.axes[axis][index])
     }
 
-    /// Writes one vector.
+    /// Writes the vector at an index.
     pub fn set(&mut self, index: usize, value: V) {
         for axis in 0..V::DIMENSION {
             self.axes[axis][index] = value.axis(axis);
         }
     }
 
-    /// The index of the first vector that is not finite, if there is one.
+    /// Index of the first vector that is not finite, if any.
     pub fn out_of_range(&self) -> Option<usize> {
         (0..self.count).find(|&index| !self.get(index).widen().is_finite())
     }
 
-    /// Copies all vectors of `other`, which has the same count.
+    /// Copies all vectors of `other`, which must have the same count.
     pub fn copy_from(&mut self, other: &Self) {
         for (mine, theirs) in self.axes.iter_mut().zip(&other.axes) {
             mine.copy_from_slice(theirs);
         }
     }
 
-    /// The components along one axis, padding included.
+    /// Components along one axis, padding included.
     #[inline(always)]
     pub fn axis(&self, axis: usize) -> &[V::Scalar] {
         &self.axes[axis]
     }
 
-    /// A read-only view of all vectors.
+    /// Read-only view of all vectors.
     pub fn view(&self) -> View<'_, V> {
         View { start: 0, axes: std::array::from_fn(|axis| self.axes.get(axis).map_or(&[][..], |axis| axis.as_slice())) }
     }
 
-    /// A mutable span of all vectors.
+    /// Mutable span of all vectors.
     pub fn span(&mut self) -> Span<'_, V> {
         let mut arrays = self.axes.iter_mut();
         Span { axes: std::array::from_fn(|_| arrays.next().map_or(&mut [][..], |axis| axis.as_mut_slice())) }
@@ -78,7 +78,7 @@ impl<V: Vector> Columns<V> {
     }
 }
 
-/// A read-only view of columns or a range of them. Indices are those of the whole.
+/// Read-only view of columns or of a range of columns. Indices refer to the whole columns.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct View<'a, V: Vector> {
     start: usize,
@@ -86,50 +86,50 @@ pub struct View<'a, V: Vector> {
 }
 
 impl<'a, V: Vector> View<'a, V> {
-    /// The components along one axis, padding included. In a view of whole columns their index is the particle's.
+    /// Components along one axis, padding included. In a view of whole columns, their index is the particle's.
     #[inline(always)]
     pub fn axis(&self, axis: usize) -> &'a [V::Scalar] {
         self.axes[axis]
     }
 
-    /// The components of a range of particles along one axis; empty for an axis past the dimension.
+    /// Components of a range of particles along one axis; empty for an axis past the dimension.
     #[inline(always)]
     pub fn slice(&self, axis: usize, range: Range<usize>) -> &'a [V::Scalar] {
         if axis < V::DIMENSION { &self.axes[axis][range.start - self.start..range.end - self.start] } else { &[] }
     }
 
-    /// One vector.
+    /// Vector of a particle.
     #[inline(always)]
     pub fn get(&self, index: usize) -> V {
         V::from_axes(|axis| self.axes[axis][index - self.start])
     }
 }
 
-/// A mutable range of columns: one slice per axis, padding included.
+/// Mutable range of columns: one slice per axis, padding included.
 #[derive(Debug)]
 pub struct Span<'a, V: Vector> {
-    /// The components along each axis; those past the dimension are empty.
+    /// Components along each axis; empty past the dimension.
     pub axes: [&'a mut [V::Scalar]; AXES],
 }
 
 impl<V: Vector> Span<'_, V> {
-    /// A span without particles.
+    /// Returns a span without particles.
     pub fn empty() -> Self {
         Self { axes: std::array::from_fn(|_| &mut [][..]) }
     }
 
-    /// Its length along every axis, padding included.
+    /// Length along every axis, padding included.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.axes[0].len()
     }
 
-    /// Whether it is empty.
+    /// Whether the span is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Splits after `length` particles. An empty span gives two empty spans.
+    /// Splits the span after `length` particles. An empty span gives two empty spans.
     #[must_use]
     pub fn split_at(mut self, length: usize) -> (Self, Self) {
         let others = std::array::from_fn(|axis| {
@@ -141,25 +141,25 @@ impl<V: Vector> Span<'_, V> {
         (self, Self { axes: others })
     }
 
-    /// A read-only view; `start` is the index of its first particle.
+    /// Read-only view of the span; `start` is the index of its first particle.
     #[inline(always)]
     pub fn view(&self, start: usize) -> View<'_, V> {
         View { start, axes: self.axes.each_ref().map(|axis| &**axis) }
     }
 
-    /// A reborrow of the span.
+    /// Reborrows the span.
     #[inline(always)]
     pub fn reborrow(&mut self) -> Span<'_, V> {
         Span { axes: self.axes.each_mut().map(|axis| &mut **axis) }
     }
 
-    /// One vector.
+    /// Vector at an index.
     #[inline(always)]
     pub fn get(&self, index: usize) -> V {
         V::from_axes(|axis| self.axes[axis][index])
     }
 
-    /// Writes one vector.
+    /// Writes the vector at an index.
     #[inline(always)]
     pub fn set(&mut self, index: usize, value: V) {
         for axis in 0..V::DIMENSION {

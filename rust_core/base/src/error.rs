@@ -1,49 +1,49 @@
-//! Errors: every variant carries the facts that a user needs to correct it.
+//! Errors. Every variant carries the facts that a user needs to correct it.
 
 use std::sync::Arc;
 
-/// The result of every fallible function of this crate.
+/// Result of a fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// An error of the engine.
+/// Error of the engine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A parameter of the scene or of the numerics is not acceptable.
+    /// Invalid parameter of the scene or of the numerics.
     #[error("{path}: expected {expected}, got {found}{}", hint_text(hint))]
     Parameter {
-        /// The path of the parameter: `forces[2].stiffness`.
+        /// Path of the parameter: `forces[2].stiffness`.
         path: String,
-        /// The accepted values.
+        /// Accepted values.
         expected: String,
-        /// The value found.
+        /// Value found.
         found: String,
-        /// A remedy; empty where it is plain.
+        /// Remedy; empty if obvious.
         hint: String,
     },
-    /// The trajectory diverged; the simulation stands at the last good step.
+    /// The trajectory diverged. The simulation is restored to the last good step.
     #[error(transparent)]
     Diverged(Box<Divergence>),
-    /// The run was interrupted; the simulation stands at a whole step.
+    /// The run was interrupted. The simulation is left after a whole step.
     #[error("interrupted")]
     Interrupted,
-    /// A function that the user supplied failed; the simulation stands at a whole step.
+    /// A user-defined function failed. The simulation is left after a whole step.
     #[error("{path}: raised {cause}")]
     Callback {
-        /// The path of the function: `forces[2].function`.
+        /// Path of the function: `forces[2].function`.
         path: String,
-        /// The error that it raised.
+        /// Error raised by the function.
         cause: Cause,
     },
-    /// An allocation does not fit into memory; the simulation stands at a whole step.
+    /// An allocation does not fit into memory. The simulation is left after a whole step.
     #[error("{what}: needs {}, {} are available ({hint})", size_text(*needed), size_text(*available))]
     Memory {
-        /// The name of the allocation.
+        /// Name of the allocation.
         what: String,
-        /// Its size [bytes].
+        /// Size of the allocation [bytes].
         needed: u64,
-        /// The available memory [bytes].
+        /// Available memory [bytes].
         available: u64,
-        /// A remedy; empty where it is plain.
+        /// Remedy; empty if obvious.
         hint: String,
     },
     /// A captured state does not belong to this simulation.
@@ -51,7 +51,7 @@ pub enum Error {
     State(String),
 }
 
-/// The error of a user-defined function, in the caller's own type, passed on unchanged.
+/// Error of a user-defined function, in the caller's own type, passed on unchanged.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error(transparent)]
 pub struct Cause(pub Arc<dyn std::error::Error + Send + Sync>);
@@ -66,20 +66,21 @@ fn hint_text(hint: &str) -> String {
     if hint.is_empty() { String::new() } else { format!(" ({hint})") }
 }
 
-/// A size in bytes as text.
+/// Formats a size in bytes.
 fn size_text(bytes: u64) -> String {
     if bytes < 100_000_000 { format!("{:.1} MB", bytes as f64 / 1e6) } else { format!("{:.1} GB", bytes as f64 / 1e9) }
 }
 
 impl Error {
-    /// A parameter at `path` should have been `expected` but was `found`.
+    /// Error for a parameter at `path` whose value `found` is not `expected`.
     // Callers pass the found value, often a temporary; a reference would only add noise.
     #[allow(clippy::needless_pass_by_value)]
     pub fn parameter(path: impl Into<String>, expected: impl Into<String>, found: impl std::fmt::Display) -> Self {
         Self::Parameter { path: path.into(), expected: expected.into(), found: found.to_string(), hint: String::new() }
     }
 
-    /// A step has no solution for a particle, by its index in the caller's order; the monitor adds step, time and hint.
+    /// Returns the error that a step has no solution for the particle `index`, in the caller's order. The monitor adds step, time
+    /// and hint.
     pub fn unsolved(index: usize, cause: impl Into<String>) -> Self {
         Self::Diverged(Box::new(Divergence {
             step: 0,
@@ -92,7 +93,7 @@ impl Error {
         }))
     }
 
-    /// The same error with a hint, where it is about a parameter.
+    /// Adds a hint to an error about a parameter; other errors are unchanged.
     #[must_use]
     pub fn with_hint(mut self, advice: impl Into<String>) -> Self {
         if let Self::Parameter { hint, .. } = &mut self {
@@ -102,22 +103,22 @@ impl Error {
     }
 }
 
-/// Where and how a run diverged.
+/// Location and cause of a divergence.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("step {step} (t = {time:.6e} s): {quantity} of {element} {cause}; {hint}")]
 pub struct Divergence {
-    /// The step that failed, counted from 1.
+    /// Number of the failed step, counted from 1.
     pub step: u64,
-    /// The time at the end of that step [s].
+    /// Time at the end of the failed step [s].
     pub time: f64,
-    /// The name of the most affected element: `particle 3`.
+    /// Name of the most affected element: `particle 3`.
     pub element: String,
-    /// Its index in the caller's order.
+    /// Index of the element in the caller's order.
     pub index: usize,
-    /// The diverged quantity: `position`, `velocity` or `energy`.
+    /// Diverged quantity: `position`, `velocity` or `energy`.
     pub quantity: &'static str,
-    /// The criterion that it violates.
+    /// Violated criterion.
     pub cause: String,
-    /// A remedy.
+    /// Remedy.
     pub hint: String,
 }

@@ -1,7 +1,8 @@
 //! Uniform grids: cells in one, two or three dimensions, their edges, and fields with one value at the center of each cell.
 //!
-//! Inside, a grid has three axes for any dimension: those that it lacks come first and have one cell, so that the last axis
-//! is the one whose cells are neighbors in memory. A *row* is the cells along it; rows are numbered in memory's order.
+//! Internally, a grid of any dimension has three axes. Axes that it lacks come first and have one cell. The last axis is
+//! therefore the one along which cells are adjacent in memory. A *row* is a line of cells along the last axis; rows are numbered
+//! in memory order.
 
 mod block;
 mod edges;
@@ -23,26 +24,26 @@ use crate::error::Result;
 use crate::math::AXES;
 use crate::scene::{Array, Item, Value};
 
-/// A uniform grid.
+/// Uniform grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// The number of axes of space.
+    /// Number of dimensions of space.
     pub dimension: usize,
-    /// The number of cells along each of the three axes.
+    /// Number of cells along each of the three internal axes.
     pub cells: [usize; AXES],
-    /// The spacing h, the same along all axes [m].
+    /// Grid spacing h, equal along all axes [m].
     pub spacing: f64,
-    /// The lower corner [m]; 0 along an axis that the grid lacks.
+    /// Lower corner [m]; 0 along an axis that the grid lacks.
     pub origin: [f64; AXES],
-    /// Whether each axis closes upon itself.
+    /// Whether each axis is periodic.
     pub periodic: [bool; AXES],
 }
 
-/// The most cells along an axis, and in all.
+/// Maximum number of cells, along an axis and in total.
 const MOST_CELLS: f64 = 2_147_483_648.0;
 
 impl Grid {
-    /// The grid that an item has.
+    /// Reads the grid that an item declares.
     ///
     /// # Errors
     /// If a value is missing or out of range.
@@ -71,53 +72,53 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The index inside of the axis x, y or z of space.
+    /// Internal index of the spatial axis x, y or z.
     pub fn axis(&self, of_space: usize) -> usize {
         AXES - self.dimension + of_space
     }
 
-    /// The axes that it has, inside.
+    /// Internal indices of the axes of the grid.
     pub fn axes(&self) -> std::ops::Range<usize> {
         AXES - self.dimension..AXES
     }
 
-    /// The number of cells.
+    /// Number of cells.
     pub fn count(&self) -> usize {
         self.cells.iter().product()
     }
 
-    /// The number of rows.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.cells[0] * self.cells[1]
     }
 
-    /// The number of cells in a row.
+    /// Number of cells in a row.
     pub fn row_length(&self) -> usize {
         self.cells[2]
     }
 
-    /// The shape of fields: the number of cells along x, y and z.
+    /// Shape of fields: number of cells along x, y and z.
     pub fn shape(&self) -> Vec<usize> {
         self.cells[self.axes()].to_vec()
     }
 
-    /// The content of a cell h^D: a length, an area or a volume [m^D].
+    /// Measure h^D of a cell: length, area or volume [m^D].
     pub fn content(&self) -> f64 {
         self.axes().map(|_| self.spacing).product()
     }
 
-    /// Along the axes of rows, the position of a row.
+    /// Position of a row along the first two axes.
     pub fn place(&self, row: usize) -> [usize; 2] {
         [row / self.cells[1], row % self.cells[1]]
     }
 
-    /// The row beside a row, upward or downward along one of the first two axes: around the corner where that is periodic,
-    /// and none beyond the grid.
+    /// Row adjacent to a row along one of the first two axes, above or below it. A periodic axis wraps around; otherwise there is
+    /// none beyond the grid.
     pub fn beside(&self, row: usize, axis: usize, upward: bool) -> Option<usize> {
         self.neighbors(row)[axis][usize::from(upward)]
     }
 
-    /// The rows beside a row: below and above it along the first two axes.
+    /// Rows adjacent to a row: below and above it along each of the first two axes.
     #[inline]
     pub fn neighbors(&self, row: usize) -> [[Option<usize>; 2]; 2] {
         let (place, strides) = (self.place(row), [self.cells[1], 1]);
@@ -129,7 +130,7 @@ impl Grid {
         })
     }
 
-    /// The name of a cell: `cell (3, 4)`.
+    /// Name of a cell: `cell (3, 4)`.
     pub fn name(&self, index: usize) -> String {
         let row = self.place(index / self.row_length());
         let indices = [row[0], row[1], index % self.row_length()];
@@ -137,8 +138,8 @@ impl Grid {
         format!("cell ({})", indices.join(", "))
     }
 
-    /// The cells whose centers are nearest to a point, two along each axis, with weights that are linear along each axis and
-    /// add up to 1. Beyond the outermost centers of an axis that is not periodic all weight is on those.
+    /// Cells whose centers are nearest to a point, two along each axis, with multilinear interpolation weights that add up to 1.
+    /// Beyond the outermost centers of an axis that is not periodic, those centers have all the weight.
     pub fn nearest(&self, point: [f64; AXES]) -> Vec<(usize, f64)> {
         let mut cells = vec![(0, 1.0)];
         for axis in 0..AXES {
@@ -159,10 +160,10 @@ impl Grid {
         cells
     }
 
-    /// A field that an item has: one number for all cells, or one for each, in their order.
+    /// Reads a field of an item: one number for all cells, or one per cell in their order.
     ///
     /// # Errors
-    /// If it is missing, of another shape, or not finite.
+    /// If the field is missing, of another shape, or not finite.
     pub fn field(&self, item: &Item, name: &str) -> Result<RowTable<f64>> {
         let length = self.row_length();
         let Some(Value::Numbers(array)) = item.values.get(name) else {
@@ -179,10 +180,10 @@ impl Grid {
         }))
     }
 
-    /// A mask that an item may have.
+    /// Reads an optional mask of an item.
     ///
     /// # Errors
-    /// If it is of another shape.
+    /// If the mask is of another shape.
     pub fn mask<'a>(&self, item: &'a Item, name: &str) -> Result<Option<&'a [bool]>> {
         match item.values.get(name) {
             None => Ok(None),

@@ -1,20 +1,20 @@
-//! History: data that persist from step to step besides the state, such as the positions of the last list build.
+//! History: data beside the state that persist from step to step, such as the positions at the last list build.
 
 use crate::error::{Error, Result};
 
-/// Persistent data that later steps depend on, besides the scene: saved and rolled back when a batch of steps fails,
-/// captured in checkpoints and restored from them. The defaults are those of no data.
+/// Persistent data on which later steps depend, other than the scene. They are saved before a batch of steps, rolled back if it
+/// fails, and stored in checkpoints. The default methods are for systems without such data.
 pub trait History {
-    /// Saves it at the start of a batch of steps.
+    /// Saves the data at the start of a batch of steps.
     fn save(&mut self) {}
 
-    /// Returns to the last saved data.
+    /// Restores the last saved data.
     fn rollback(&mut self) {}
 
-    /// Writes it to an archive, as far as the bits of later steps depend on it.
+    /// Writes to an archive all data that affect the bits of later steps.
     fn capture(&self, _archive: &mut Archive) {}
 
-    /// Reads it from an archive that [`History::capture`] wrote.
+    /// Reads the data from an archive written by [`History::capture`].
     ///
     /// # Errors
     /// If the archive belongs to something else.
@@ -23,7 +23,7 @@ pub trait History {
     }
 }
 
-/// A sequence of numbers, written and read in order.
+/// Sequence of numbers, written and read in order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Archive {
     numbers: Vec<f64>,
@@ -31,17 +31,17 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// An archive to read these numbers from.
+    /// Returns an archive that reads these numbers.
     pub fn new(numbers: Vec<f64>) -> Self {
         Self { numbers, read: 0 }
     }
 
-    /// Adds numbers at the end.
+    /// Appends numbers.
     pub fn write(&mut self, numbers: impl IntoIterator<Item = f64>) {
         self.numbers.extend(numbers);
     }
 
-    /// The next `count` numbers.
+    /// Reads the next `count` numbers.
     ///
     /// # Errors
     /// If there are fewer.
@@ -53,7 +53,7 @@ impl Archive {
         Ok(numbers)
     }
 
-    /// Fills a column with the next numbers.
+    /// Reads the next numbers into a column.
     ///
     /// # Errors
     /// If there are fewer.
@@ -72,7 +72,7 @@ impl Archive {
         Err(Error::State("it holds more than the forces of this scene keep".to_owned()))
     }
 
-    /// All numbers.
+    /// Returns all numbers.
     pub fn into_numbers(self) -> Vec<f64> {
         self.numbers
     }

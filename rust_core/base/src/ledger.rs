@@ -1,12 +1,12 @@
-//! The energy budget: rows of energies by class and name; and budgets of further conserved quantities.
+//! Energy budget: energies by class and name; budgets of further conserved quantities.
 //!
-//! Dissipation and work are time integrals of the terms' own power, so the balance, total + dissipated − work, is constant
-//! up to the truncation error of the integrator. All sums are in double precision, summed block by block in the order of
-//! the particles.
+//! Dissipation and work are time integrals of the power of the terms. The balance, total + dissipated − work, is therefore
+//! constant up to the truncation error of the integrator. All sums are in double precision, block by block in the order of the
+//! particles.
 
 use std::ops::Range;
 
-/// The class of an energy in the budget.
+/// Class of an energy in the budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
     /// Kinetic energy of everything that is not fixed.
@@ -17,38 +17,39 @@ pub enum Class {
     Internal,
     /// Energy dissipated since the start.
     Dissipated,
-    /// Work done on the system since the start: by drivers, wind, user-defined forces, fixed particles that move, and the shifting of fluids.
+    /// Work done on the system since the start: by drivers, wind, user-defined forces, moving fixed particles, and the shifting
+    /// of fluids.
     Work,
 }
 
-/// One energy of the budget.
+/// Energy of the budget.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Its class.
+    /// Class of the energy.
     pub class: Class,
-    /// Its name within the class, such as that of the force.
+    /// Name within the class, such as that of the force.
     pub name: &'static str,
     /// Energy [J].
     pub energy: f64,
 }
 
-/// The budget of a conserved quantity beside energy, such as the amount of a species or a probability.
+/// Budget of a conserved quantity other than energy, such as the amount of a species or a probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
-    /// Its name: `u`.
+    /// Name of the quantity: `u`.
     pub name: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: &'static str,
-    /// What there is.
+    /// Amount present.
     pub stored: f64,
-    /// What has been removed since the start, by what removed it.
+    /// Amounts removed since the start, by sink.
     pub removed: Vec<(&'static str, f64)>,
-    /// What has been supplied since the start, by what supplied it.
+    /// Amounts supplied since the start, by source.
     pub supplied: Vec<(&'static str, f64)>,
 }
 
 impl Budget {
-    /// Adds that of another system.
+    /// Adds the budget of another system.
     fn merge(&mut self, other: &Self) {
         self.stored += other.stored;
         for (own, others) in [(&mut self.removed, &other.removed), (&mut self.supplied, &other.supplied)] {
@@ -62,7 +63,7 @@ impl Budget {
     }
 }
 
-/// The energy budget at one time, with the budgets of what else is conserved.
+/// Energy budget at one time, with the budgets of further conserved quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
     rows: Vec<Row>,
@@ -72,12 +73,12 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// An empty budget of `count` particles, whose energies are summed in blocks of `block`.
+    /// Returns an empty budget of `count` particles whose energies are summed in blocks of `block`.
     pub fn new(count: usize, block: usize) -> Self {
         Self { rows: Vec::with_capacity(16), budgets: Vec::new(), count, block }
     }
 
-    /// Adds an energy [J] to the row of that class and name.
+    /// Adds an energy [J] to the row with this class and name.
     pub fn add(&mut self, class: Class, name: &'static str, energy: f64) {
         match self.rows.iter_mut().find(|row| row.class == class && row.name == name) {
             Some(row) => row.energy += energy,
@@ -92,7 +93,7 @@ impl Ledger {
         self.add(class, name, energy);
     }
 
-    /// Adds the budget of a further conserved quantity to the one of that name and unit.
+    /// Adds the budget of a further conserved quantity to the one with the same name and unit.
     pub fn add_budget(&mut self, budget: Budget) {
         match self.budgets.iter_mut().find(|known| known.name == budget.name && known.unit == budget.unit) {
             Some(known) => known.merge(&budget),
@@ -106,27 +107,27 @@ impl Ledger {
         other.budgets.iter().for_each(|budget| self.add_budget(budget.clone()));
     }
 
-    /// The budgets of further conserved quantities, in the order in which they were added.
+    /// Budgets of further conserved quantities, in the order of addition.
     pub fn budgets(&self) -> &[Budget] {
         &self.budgets
     }
 
-    /// The rows, in the order in which they were added.
+    /// Rows of energies, in the order of addition.
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
 
-    /// The sum over a class [J].
+    /// Sum over a class [J].
     pub fn sum(&self, class: Class) -> f64 {
         self.rows.iter().filter(|row| row.class == class).fold(0.0, |sum, row| sum + row.energy)
     }
 
-    /// Kinetic, internal and potential energy [J].
+    /// Total energy: kinetic, internal and potential [J].
     pub fn total(&self) -> f64 {
         self.sum(Class::Kinetic) + self.sum(Class::Internal) + self.sum(Class::Potential)
     }
 
-    /// total + dissipated − work [J].
+    /// Energy balance, total + dissipated − work [J].
     pub fn balance(&self) -> f64 {
         self.total() + self.sum(Class::Dissipated) - self.sum(Class::Work)
     }

@@ -1,7 +1,15 @@
-//! What every system stands on, in the order of imports: arrays, errors and memory; vector instructions ([`simd`]); numbers
-//! ([`math`]); scenes as plain numbers ([`scene`]); threads ([`parallel`]); what a state keeps and what is tallied
-//! ([`history`], [`ledger`], [`tally`]); columns and [`grid`]s; [`integrators`]; limits of the time step ([`stability`]); the
-//! trait [`systems::System`].
+//! Foundations of every system, in the order of imports:
+//!
+//! - arrays, errors and memory;
+//! - vector instructions ([`simd`]);
+//! - numbers and vectors ([`math`]);
+//! - scenes as plain numbers ([`scene`]);
+//! - threads ([`parallel`]);
+//! - persistent data, energy budgets and tallies ([`history`], [`ledger`], [`tally`]);
+//! - columns and [`grid`]s;
+//! - [`integrators`];
+//! - limits of the time step ([`stability`]);
+//! - the trait [`systems::System`].
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
 

@@ -1,7 +1,7 @@
-//! Precision and dimension: the only file that depends on f32 or f64, two or three dimensions.
+//! Precision and dimension: the only file that depends on f32 or f64 and on two or three dimensions.
 //!
-//! Everything else is written once over [`Real`] and [`Vector`]. The vectors themselves are glam's; bulk state is one
-//! array per component ([`crate::matter::Columns`]), six times as fast as an array of vectors.
+//! All other code is written once over [`Real`] and [`Vector`]. The vectors themselves are glam's. Bulk state is one array per
+//! component ([`crate::columns::Columns`]), which is six times as fast as an array of vectors.
 
 use std::cell::RefCell;
 use std::fmt::Debug;
@@ -15,7 +15,7 @@ mod coordinate;
 
 pub use coordinate::Coordinate;
 
-/// A floating-point number: f32 or f64.
+/// Floating-point number: f32 or f64.
 pub trait Real:
     Copy
     + Default
@@ -35,31 +35,31 @@ pub trait Real:
     + MulAssign
     + Coordinate
 {
-    /// 0.
+    /// Zero.
     const ZERO: Self;
-    /// 1.
+    /// One.
     const ONE: Self;
-    /// ∞.
+    /// Positive infinity.
     const INFINITY: Self;
     /// Machine epsilon ε.
     const EPSILON: f64;
-    /// The largest finite number.
+    /// Largest finite number.
     const MAX: f64;
-    /// The name in scenes and plans.
+    /// Name of the type in scenes and plans.
     const NAME: &'static str;
 
-    /// The nearest number to `value`.
+    /// Nearest number to `value`.
     fn from_f64(value: f64) -> Self;
-    /// The same number in double precision.
+    /// Converts the number to double precision.
     fn to_f64(self) -> f64;
-    /// Whether this is neither infinite nor NaN.
+    /// Whether the number is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// This number with one of four tags in its two lowest bits, below any relevant precision.
+    /// Stores one of four tags in the two lowest bits of the number, below any relevant precision.
     #[must_use]
     fn tagged(self, tag: u8) -> Self;
-    /// Its tag.
+    /// Tag of the number.
     fn tag(self) -> u8;
-    /// Lends the calling thread's scratch buffer of `length` numbers, uninitialized, to `work`. It begins with a cache line.
+    /// Lends the scratch buffer of the calling thread to `work`: `length` uninitialized numbers, aligned to a cache line.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
 }
 
@@ -106,7 +106,7 @@ macro_rules! real {
             }
 
             fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {
-                // Taken out while lent, so that a nested loan allocates instead of panicking.
+                // Taken out while lent: a nested loan then allocates instead of panicking.
                 let mut memory = $scratch.take().unwrap_or_else(|| filled(0.0, 0));
                 if memory.len() < length {
                     memory.resize(length, 0.0);
@@ -122,10 +122,10 @@ macro_rules! real {
 real!(f32, u32, SCRATCH_F32);
 real!(f64, u64, SCRATCH_F64);
 
-/// Maximum number of axes. Per-axis arrays have this length; those past the dimension stay empty.
+/// Maximum number of axes. Per-axis arrays have this length; axes past the dimension stay empty.
 pub const AXES: usize = 3;
 
-/// A vector in two or three dimensions: the value type of geometry and parameters.
+/// Vector in two or three dimensions, for geometry and parameters.
 pub trait Vector:
     Copy
     + Default
@@ -141,18 +141,18 @@ pub trait Vector:
     + AddAssign
     + SubAssign
 {
-    /// The type of its components.
+    /// Type of the components.
     type Scalar: Real;
-    /// The number of axes.
+    /// Number of axes.
     const DIMENSION: usize;
 
-    /// The vector with the components `each(axis)`.
+    /// Vector with the components `each(axis)`.
     fn from_axes(each: impl FnMut(usize) -> Self::Scalar) -> Self;
-    /// One component.
+    /// Component along an axis.
     fn axis(self, axis: usize) -> Self::Scalar;
-    /// The vector in double precision and three dimensions; the third component of a 2D vector is 0.
+    /// Vector in double precision and three dimensions; the third component of a 2D vector is 0.
     fn widen(self) -> DVec3;
-    /// The nearest vector to `value`; in 2D its third component is left out.
+    /// Nearest vector to `value`; in 2D, the third component is dropped.
     fn narrow(value: DVec3) -> Self {
         let components = value.to_array();
         Self::from_axes(|axis| Self::Scalar::from_f64(components[axis]))
@@ -191,7 +191,7 @@ vector!(Vec3, f32, 3);
 vector!(DVec2, f64, 2);
 vector!(DVec3, f64, 3);
 
-/// Three numbers between −1 and 1 for each index, by Steele's, Lea's and Flood's splitmix64 (OOPSLA 2014).
+/// Pseudorandom vector for an index: three numbers between −1 and 1, by splitmix64 of Steele, Lea and Flood (OOPSLA 2014).
 pub fn noise(index: u64) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|axis| {
         let mut bits = (3 * index + axis as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -1,8 +1,11 @@
-//! Available memory. Rust aborts the process where an allocation fails, so large allocations are estimated, and refused if
-//! need be, beforehand.
+//! Available memory. Rust aborts the process if an allocation fails. Large allocations are therefore estimated beforehand, and
+//! refused if they do not fit.
 //!
-//! Available memory is the least of the figures of Linux: `MemAvailable`, the remainder of the limits of the control groups
-//! (version 2 or 1), and of the limits of the process on its address space and data.
+//! Available memory is the least of these figures of Linux:
+//!
+//! - `MemAvailable`;
+//! - the remainder of the limits of the control groups (version 2 or 1);
+//! - the remainder of the limits of the process on its address space and data.
 
 use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
@@ -12,7 +15,7 @@ use crate::error::{Error, Result};
 /// Size below which allocations are not checked [bytes].
 pub const SMALL: usize = 1 << 24;
 
-/// Memory available without swapping [bytes], where the system tells.
+/// Memory available without swapping [bytes], if the system reports it.
 pub fn available() -> Option<u64> {
     let read = |path: &str| read_to_string(path).unwrap_or_default();
     let free = number_after(&read("/proc/meminfo"), "MemAvailable:").map(|kilobytes| 1024 * kilobytes);
@@ -26,10 +29,10 @@ pub fn available() -> Option<u64> {
     groups.chain(process).chain([free]).flatten().min()
 }
 
-/// Refuses allocations that do not fit: `needed` bytes in all, of which `held` are held already and will be reused.
+/// Refuses an allocation that does not fit: `needed` bytes in total, of which `held` bytes are already held and will be reused.
 ///
 /// # Errors
-/// [`Error::Memory`] if it is more than [`SMALL`], and more than there is.
+/// [`Error::Memory`] if the new bytes exceed both [`SMALL`] and the available memory.
 pub fn check(what: &str, needed: usize, held: usize, hint: impl FnOnce() -> String) -> Result<()> {
     if needed.saturating_sub(held) <= SMALL {
         return Ok(());
@@ -40,22 +43,22 @@ pub fn check(what: &str, needed: usize, held: usize, hint: impl FnOnce() -> Stri
     }
 }
 
-/// The error for `needed` bytes that are not available.
+/// Returns the error for `needed` bytes that are not available.
 pub fn refusal(what: &str, needed: usize, available: u64, hint: impl FnOnce() -> String) -> Error {
     Error::Memory { what: what.to_owned(), needed: needed as u64, available, hint: hint() }
 }
 
-/// The number after a label at the beginning of a line; None for `unlimited`.
+/// Parses the number after a label at the beginning of a line; None for `unlimited`.
 fn number_after(text: &str, label: &str) -> Option<u64> {
     text.lines().find_map(|line| line.strip_prefix(label))?.split_whitespace().next()?.parse().ok()
 }
 
-/// The memory files of a control group.
+/// Memory files of a control group.
 struct Group {
     folder: PathBuf,
     limit: &'static str,
     usage: &'static str,
-    /// The file cache within the usage, which is reclaimed when memory runs short.
+    /// Name of the file cache within the usage; the cache is reclaimed when memory runs short.
     files: &'static str,
 }
 
@@ -69,8 +72,8 @@ impl Group {
     }
 }
 
-/// The control groups of the process and their ancestors, from the text of `/proc/self/cgroup`. A container often sees its
-/// own group at the root.
+/// Control groups of the process and their ancestors, from the text of `/proc/self/cgroup`. A container often sees its own group
+/// at the root.
 fn groups(text: &str) -> Vec<Group> {
     let mut groups = Vec::new();
     for line in text.lines() {

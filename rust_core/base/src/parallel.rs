@@ -1,8 +1,8 @@
 //! Threads: the only file that names rayon.
 //!
-//! Work is divided along fixed blocks by recursion, and each half owns its output; so neither locks nor unsafe code are
-//! needed, and the bits cannot depend on scheduling. A long job runs in a pool while the calling thread waits and polls for
-//! interrupts ([`ThreadPool::run`], [`attend`]); a short one runs on the calling thread.
+//! Work is divided recursively along fixed blocks, and each half owns its output. Neither locks nor unsafe code are needed, and
+//! the bits of the result cannot depend on scheduling. A long job runs in a pool while the calling thread waits and polls for
+//! interrupts ([`ThreadPool::run`], [`attend`]). A short job runs on the calling thread.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,14 +14,14 @@ use rayon::slice::ParallelSliceMut;
 
 use crate::error::{Error, Result};
 
-/// Interval of polling for interrupts in a long job.
+/// Polling interval for interrupts in a long job.
 const POLL: Duration = Duration::from_millis(20);
 
 /// Work that can be divided between blocks.
 pub trait Split: Sized + Send {
-    /// The number of blocks.
+    /// Number of blocks.
     fn blocks(&self) -> usize;
-    /// Splits after `blocks` blocks.
+    /// Splits the work after `blocks` blocks.
     fn split_at(self, blocks: usize) -> (Self, Self);
 }
 
@@ -36,18 +36,18 @@ impl<A: Split, B: Split> Split for (A, B) {
     }
 }
 
-/// A mutable slice in blocks of one size.
+/// Mutable slice divided into blocks of equal size.
 #[derive(Debug)]
 pub struct BlockedSlice<'a, T> {
-    /// The index of the first item in the whole.
+    /// Index of the first item in the whole slice.
     pub start: usize,
-    /// The items.
+    /// Items of the slice.
     pub items: &'a mut [T],
     size: usize,
 }
 
 impl<'a, T> BlockedSlice<'a, T> {
-    /// All of `items`, in blocks of `size`, which must not be 0.
+    /// Divides all of `items` into blocks of `size`, which must not be 0.
     pub fn new(items: &'a mut [T], size: usize) -> Self {
         Self { start: 0, items, size }
     }
@@ -72,11 +72,11 @@ pub struct Executor {
     stop: AtomicBool,
 }
 
-/// An executor of the calling thread without interrupts.
+/// Executor of the calling thread, without interrupts.
 pub static SERIAL: Executor = Executor::serial();
 
 impl Executor {
-    /// An executor of the calling thread alone.
+    /// Returns an executor of the calling thread alone.
     pub const fn serial() -> Self {
         Self { threads: 1, stop: AtomicBool::new(false) }
     }
@@ -89,7 +89,7 @@ impl Executor {
         if self.stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// The number of threads.
+    /// Number of threads.
     pub fn threads(&self) -> usize {
         self.threads
     }
@@ -105,7 +105,7 @@ impl Executor {
         self.divide(work, each);
     }
 
-    /// The same with the type of `each` erased: the division would else be compiled for each of a thousand closures.
+    /// Divides the work with the type of `each` erased. Otherwise the division would be compiled for each of a thousand closures.
     fn divide<W: Split>(&self, work: W, each: &(dyn Fn(W) + Sync)) {
         if self.threads > 1 && work.blocks() > 1 {
             let half = work.blocks() / 2;
@@ -132,7 +132,7 @@ impl Executor {
         }
     }
 
-    /// Sorts items, of which equal ones cannot be told apart.
+    /// Sorts items. The sort is unstable: equal items must be indistinguishable.
     pub fn sort<T: Ord + Send>(&self, items: &mut [T]) {
         if self.threads > 1 {
             items.par_sort_unstable();
@@ -142,13 +142,13 @@ impl Executor {
     }
 }
 
-/// Runs two jobs, on two threads if another one is free. Their types are erased, because rayon's part of a job would else be
-/// compiled for each of a thousand kernels.
+/// Runs two jobs, on two threads if another one is free. Their types are erased; otherwise rayon's code would be compiled for
+/// each of a thousand kernels.
 fn join(one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
     rayon::join(one, other);
 }
 
-/// The thread pool of a simulation.
+/// Thread pool of a simulation.
 #[derive(Debug)]
 pub struct ThreadPool {
     threads: usize,
@@ -157,12 +157,12 @@ pub struct ThreadPool {
 }
 
 impl ThreadPool {
-    /// A thread pool of `threads` threads, which start with the first job that needs them.
+    /// Returns a pool of `threads` threads. They start with the first job that needs them.
     pub fn new(threads: usize) -> Self {
         Self { threads, pool: None, process: std::process::id() }
     }
 
-    /// The default number of threads: `PHYSCORE_NUM_THREADS`, or all that this process may use.
+    /// Default number of threads: `PHYSCORE_NUM_THREADS`, or all that this process may use.
     pub fn default_threads() -> Result<usize> {
         match std::env::var("PHYSCORE_NUM_THREADS") {
             Ok(text) => match text.parse() {
@@ -173,7 +173,7 @@ impl ThreadPool {
         }
     }
 
-    /// The number of threads.
+    /// Number of threads.
     pub fn threads(&self) -> usize {
         self.threads
     }
@@ -181,7 +181,7 @@ impl ThreadPool {
     /// Runs a long job in the pool, polling `interrupted` every 20 ms.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] after an interrupt: the job has then ended early.
+    /// [`Error::Interrupted`] after an interrupt; the job then ended early.
     pub fn run(&mut self, interrupted: &dyn Fn() -> bool, job: impl FnOnce(&Executor) + Send) -> Result<()> {
         let executor = Executor { threads: self.threads, stop: AtomicBool::new(false) };
         let Some(pool) = self.pool() else {
@@ -191,7 +191,7 @@ impl ThreadPool {
         let (ended, condition) = (Mutex::new(false), Condvar::new());
         pool.in_place_scope(|scope| {
             scope.spawn(|_| {
-                // Set on the way out of a panic too, so that the wait below ends and the scope passes the panic on.
+                // Set on the way out of a panic too: the wait below then ends, and the scope passes the panic on.
                 let _ended = NotifyOnDrop(&ended, &condition);
                 job(&executor);
             });
@@ -207,8 +207,8 @@ impl ThreadPool {
         if executor.stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// The pool; built anew after a fork, whose child has none of its threads. The parent's is left alone there, because
-    /// one of its locks may have been held at the fork. None if no threads can be created.
+    /// Pool, rebuilt after a fork because the child process has none of its threads. The parent's pool is leaked in the child,
+    /// because one of its locks may have been held at the fork. None if no threads can be created.
     fn pool(&mut self) -> Option<&rayon::ThreadPool> {
         if self.process != std::process::id() {
             std::mem::forget(self.pool.take());
@@ -222,14 +222,14 @@ impl ThreadPool {
     }
 }
 
-/// Runs a long job that owns its data on separate threads, polling `interrupted` every 20 ms. The caller does not wait for
-/// an interrupted job: it ends at its next check of the executor, and drops its data.
+/// Runs a long job that owns its data on separate threads, polling `interrupted` every 20 ms. The caller does not wait for an
+/// interrupted job, which ends at its next check of the executor and drops its data.
 ///
 /// # Errors
-/// [`Error::Interrupted`] if it was stopped.
+/// [`Error::Interrupted`] if the job was stopped.
 ///
 /// # Panics
-/// If the job does.
+/// If the job panics.
 pub fn attend<T: Send + 'static>(
     threads: usize,
     interrupted: &dyn Fn() -> bool,
@@ -241,7 +241,7 @@ pub fn attend<T: Send + 'static>(
     let executor = Arc::new(Executor { threads, stop: AtomicBool::new(false) });
     let (result, outcome) = channel();
     let its = Arc::clone(&executor);
-    // A panic is passed on too, because on a pool thread it would be lost. An unclaimed result is dropped.
+    // A panic is passed on too; on a pool thread it would be lost. An unclaimed result is dropped.
     pool.spawn(move || drop(result.send(catch_unwind(AssertUnwindSafe(|| job(&its))))));
     loop {
         match outcome.recv_timeout(POLL) {

@@ -1,42 +1,42 @@
-//! The plan: the stages of a step and their figures, for people to read.
+//! Plan of a simulation: stages of a step and their figures, for people to read.
 
-/// The plan of a simulation.
+/// Plan of a simulation.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The number of threads.
+    /// Number of threads.
     pub threads: usize,
-    /// The level of vector instructions.
+    /// Level of vector instructions.
     pub simd: &'static str,
-    /// Present memory [bytes].
+    /// Memory in use [bytes].
     pub memory: usize,
-    /// One part for each system.
+    /// Stages of each system.
     pub stages: Vec<Stages>,
 }
 
-/// The stages of a system's step: exactly those that its scene requires.
+/// Stages of a system's step: exactly those that its scene requires.
 #[derive(Debug, Clone)]
 pub struct Stages {
-    /// The name of the item that the system belongs to; empty for matter.
+    /// Name of the item to which the system belongs; empty for matter.
     pub item: String,
-    /// The names of the stages, in order.
+    /// Names of the stages, in order.
     pub names: Vec<String>,
-    /// The number of dimensions of space.
+    /// Number of dimensions of space.
     pub dimension: usize,
     /// `f32` or `f64`.
     pub precision: &'static str,
-    /// The name of its method.
+    /// Name of the integration method.
     pub method: &'static str,
-    /// The order of convergence that holds in this scene.
+    /// Order of convergence that holds in this scene.
     pub order: u32,
-    /// Evaluations of the rates per step.
+    /// Number of evaluations of the rates per step.
     pub evaluations: usize,
     /// Approximate number of springs and neighbor pairs per evaluation.
     pub pairs: usize,
-    /// The relative rms error of forces at a distance in the state at the start; 0 where they are exact.
+    /// Relative rms error of long-range forces in the initial state; 0 if they are exact.
     pub force_error: f64,
-    /// Whether the limit of the time step changes with the state, so that it has to be monitored.
+    /// Whether the limit of the time step changes with the state and must be monitored.
     pub limit_varies: bool,
-    /// The memory layout of its data.
+    /// Memory layout of the data.
     pub layout: String,
     /// Features that this scene does not need and that cost nothing.
     pub left_out: Vec<&'static str>,

@@ -1,4 +1,4 @@
-//! What there is to simulate: plain numbers in double precision, in the caller's order, and nothing about how.
+//! Scene description: plain numbers in double precision, in the caller's order, independent of numerical methods.
 
 use glam::DVec3;
 
@@ -12,35 +12,35 @@ pub use body::{Body, PARTICLES};
 pub use callback::{Argument, Callback, Failure};
 pub use item::{Array, Item, Value};
 
-/// Everything that a scene holds.
+/// Complete description of a scene.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
-    /// 2 or 3. In 2D the third component of every vector is 0.
+    /// Number of dimensions, 2 or 3. In 2D the third component of every vector is 0.
     pub dimension: usize,
-    /// The bodies, in the order in which results concatenate them.
+    /// Bodies, in the order in which results concatenate them.
     pub bodies: Vec<Body>,
-    /// The forces beside those that belong to bodies.
+    /// Forces other than those that belong to bodies.
     pub forces: Vec<Item>,
-    /// The boundaries.
+    /// Boundaries.
     pub boundaries: Vec<Item>,
-    /// The constraints.
+    /// Constraints.
     pub constraints: Vec<Item>,
-    /// The systems beside matter.
+    /// Systems other than matter.
     pub systems: Vec<Item>,
-    /// The probes of pressure.
+    /// Pressure probes.
     pub probes: Vec<Item>,
-    /// The periodic domain: its lower and its upper corner [m], infinite along an axis that is not periodic.
+    /// Periodic domain: its lower and upper corner [m], infinite along an axis that is not periodic.
     pub periodic: Option<[DVec3; 2]>,
 }
 
 impl Scene {
-    /// The number of particles.
+    /// Number of particles.
     pub fn count(&self) -> usize {
         self.bodies.iter().map(|body| body.positions.len()).sum()
     }
 
-    /// About how many things it takes to read it: particles, the rows of the longest array of each body, and the entries of
-    /// that of each further system, which has one for each cell of a grid.
+    /// Approximate cost of reading the scene, in entries: particles, rows of the longest array of each body, and grid cells of
+    /// each further system.
     pub fn rows(&self) -> usize {
         let rows = |value: &Value| match value {
             Value::Numbers(Array { shape, .. }) | Value::Indices(Array { shape, .. }) => shape.first().copied().unwrap_or(0),
@@ -50,12 +50,12 @@ impl Scene {
         self.count() + self.bodies.iter().map(longest).sum::<usize>() + self.systems.iter().map(Item::cells).sum::<usize>()
     }
 
-    /// The index of the first particle of a body.
+    /// Index of the first particle of a body.
     pub fn first(&self, body: usize) -> usize {
         self.bodies[..body].iter().map(|body| body.positions.len()).sum()
     }
 
-    /// The positions of all particles, body by body [m].
+    /// Positions of all particles, body by body [m].
     pub fn positions(&self) -> Vec<DVec3> {
         self.bodies.iter().flat_map(|body| &body.positions).copied().collect()
     }
@@ -67,7 +67,7 @@ impl Scene {
     }
 }
 
-/// The corners of the periodic domain that an item declares [m]. In 2D the third axis is not periodic.
+/// Corners of the periodic domain that an item declares [m]. In 2D the third axis is not periodic.
 ///
 /// # Errors
 /// If a corner is missing.
@@ -79,7 +79,7 @@ pub fn corners(item: &Item, dimension: usize) -> Result<[DVec3; 2]> {
     Ok([corner("lower", f64::NEG_INFINITY)?, corner("upper", f64::INFINITY)?])
 }
 
-/// The error that there is no such kind of item.
+/// Returns the error that an item is of an unknown kind.
 pub fn unknown(item: &Item, expected: &str) -> Error {
     Error::parameter(&item.path, expected, &item.kind)
 }

@@ -1,20 +1,21 @@
-//! The limit of the time step: a certified bound from the stiffness and damping of all terms, and a sharper one for the
-//! present configuration.
+//! Limit of the time step: a certified bound from the stiffness and damping of all terms, and a sharper bound for the present
+//! configuration.
 //!
 //! Linearized about any state, a scene obeys M x'' + C x' + K x = 0 with symmetric K and C. Three facts make a bound:
 //!
-//! 1. **A mode is an oscillator.** For an eigenvector u of the step, the one-step maps of this crate reduce to their own
-//!    scalar map with ω² = u*Ku/u*Mu and γ = u*Cu/u*Mu: Runge–Kutta methods, because they are functions of the
-//!    Jacobian, whose eigenvalues obey λ² + γλ + ω² = 0; semi-implicit Euler and Verlet, because the matrices of their
-//!    characteristic equations are linear in K and C. Both quotients lie below the largest eigenvalues of M⁻¹K and
-//!    M⁻¹C. Splittings of several stages multiply K by C, and so reduce only where they commute: without damping, or with
-//!    the same γ for all. Elsewhere their bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
-//! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each has a bound of its own. A negative ω²
-//!    (a buckling spring) is a physical instability, and limits no step. Rows do not depend on directions, so they hold
-//!    while the springs rotate; for the present directions, the eigenvalues may be half of that, and
-//!    [`SpectralBound::sharpened`] computes them ([`lanczos`]).
-//! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ: see [`modes`]. A particle in harmonic wells and under
-//!    linear drag alone is an oscillator of its own, with one ω and one γ, and its limit is that of the integrator itself.
+//! 1. **A mode is an oscillator.** The one-step maps of this crate reduce to their own scalar map for an eigenvector u of the
+//!    step. Here ω² = u*Ku/u*Mu and γ = u*Cu/u*Mu. For Runge–Kutta methods, the reason is that they are functions of the
+//!    Jacobian, whose eigenvalues obey λ² + γλ + ω² = 0. For semi-implicit Euler and Verlet, the reason is that the matrices of
+//!    their characteristic equations are linear in K and C. Both quotients lie below the largest eigenvalues of M⁻¹K and M⁻¹C.
+//!    Splittings of several stages multiply K by C. They reduce only where K and C commute: without damping, or with the same γ
+//!    for all. Elsewhere their bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
+//! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each body has its own bound. A negative ω² (a
+//!    buckling spring) is a physical instability and limits no step. Rows do not depend on directions, so they hold while the
+//!    springs rotate. For the present directions, the eigenvalues may be half as large. [`SpectralBound::sharpened`] computes
+//!    them ([`lanczos`]).
+//!
+//! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ: see [`modes`]. A particle under harmonic wells and
+//!    linear drag alone is an oscillator of its own, with one ω and one γ. Its limit is that of the integrator itself.
 
 mod lanczos;
 mod modes;
@@ -30,29 +31,29 @@ pub use modes::LimitCache;
 use modes::{Band, Method, Modes};
 use rows::{GershgorinRows, Row};
 
-/// Maximum number of distinct oscillators with separate limits, which take as long as those of a few boxes of modes.
+/// Maximum number of distinct oscillators with separate limits; they take as long as a few boxes of modes.
 const MOST_OSCILLATORS: usize = 256;
 
-/// The name of the rotation of velocities in magnetic fields.
+/// Name of the term of gyration, the rotation of velocities in magnetic fields.
 const GYRATION: &str = "gyration";
-/// Steps per gyration at an automatic time step.
+/// Number of steps per gyration at an automatic time step.
 const STEPS_PER_TURN: f64 = 100.0;
 
-/// Ratio to the true limit within which a bound is called the limit: the uncertainty of Lanczos' method.
+/// Ratio to the true limit within which a bound is called the limit: the uncertainty of the Lanczos method.
 const NEARLY: f64 = 1.1;
 
-/// The states for which a limit of the time step holds.
+/// States for which a limit of the time step holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Horizon {
-    /// The motion ahead, for the present directions of the springs: the sharpest limit.
+    /// Motion ahead, for the present directions of the springs: the sharpest limit.
     Sharp,
-    /// The motion ahead, for all directions of springs with r ≥ l₀/2.
+    /// Motion ahead, for all directions of springs with r ≥ l₀/2.
     Certified,
     /// One step from this state.
     Present,
 }
 
-/// The kind of a limit.
+/// Kind of a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A larger step is unstable.
@@ -63,22 +64,21 @@ pub enum Kind {
     None,
 }
 
-/// The largest time step, with the term and the kind that set it.
+/// Largest time step, with the term and the kind that set it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
-    /// The largest stable step [s]: infinite without limit, 0 where no step is stable.
+    /// Largest stable step [s]: infinite without limit, 0 where no step is stable.
     pub stability: f64,
-    /// The largest accurate step [s]: infinite without limit.
+    /// Largest accurate step [s]: infinite without limit.
     pub accuracy: f64,
-    /// The binding term, empty without limit: `springs`, `spring damping`, `drag`, `central`.
+    /// Binding term, empty without limit: `springs`, `spring damping`, `drag`, `central`.
     pub term: &'static str,
-    /// The kind of the binding limit.
+    /// Kind of the binding limit.
     pub kind: Kind,
-    /// The largest step that is stable for all directions of the springs [s]; smaller than `stability` where that was
-    /// sharpened.
+    /// Largest step that is stable for all directions of the springs [s]; smaller than `stability` if that was sharpened.
     pub certified: f64,
-    /// Upper bound of the stable steps in the present configuration [s]: the true limit is between `stability` and this.
-    /// Infinite where it is unknown.
+    /// Upper bound of the stable steps in the present configuration [s]: the true limit is between `stability` and this value.
+    /// Infinite if unknown.
     pub endured: f64,
 }
 
@@ -93,12 +93,12 @@ impl Limit {
         endured: f64::INFINITY,
     };
 
-    /// The largest step [s]: infinite without limit, 0 where no step is stable.
+    /// Largest step [s]: infinite without limit, 0 where no step is stable.
     pub fn dt(&self) -> f64 {
         self.stability.min(self.accuracy)
     }
 
-    /// The limit of a step that consists of so many equal parts with this one.
+    /// Limit of a step that consists of `parts` equal parts, each with this limit.
     #[must_use]
     pub fn in_parts(self, parts: usize) -> Self {
         let times = |dt: f64| dt * parts as f64;
@@ -106,7 +106,7 @@ impl Limit {
         Self { stability, accuracy, certified: times(self.certified), endured: times(self.endured), ..self }
     }
 
-    /// The name of the limit: beyond a bound of stability a run need not be unstable, unless the limit is known exactly.
+    /// Name of the limit. Beyond a bound of stability a run need not be unstable, unless the limit is known exactly.
     pub fn name(&self) -> &'static str {
         match self.kind {
             Kind::Accuracy => "limit of accuracy",
@@ -116,7 +116,7 @@ impl Limit {
     }
 }
 
-/// A spring in its present configuration.
+/// Spring in its present configuration.
 #[derive(Debug, Clone, Copy)]
 pub struct Link {
     /// Vector from one end to the other [m].
@@ -129,10 +129,10 @@ pub struct Link {
     pub damping: f64,
 }
 
-/// The spectral bound: contributions of the terms of a scene to the bounds of ω² and γ.
+/// Spectral bound: contributions of the terms of a scene to the bounds of ω² and γ.
 #[derive(Debug, Clone)]
 pub struct SpectralBound {
-    /// Inverse mass 1/m [1/kg], 0 where fixed.
+    /// Inverse mass 1/m [1/kg]; 0 if fixed.
     inverse_mass: Vec<f64>,
     body: Vec<u32>,
     stiffness: GershgorinRows,
@@ -142,7 +142,7 @@ pub struct SpectralBound {
     damping_edges: Vec<Edge>,
     /// Estimates of the largest ω² and γ of each body, from below and from above; empty before they are computed.
     spectra: [Vec<[f64; 2]>; 2],
-    /// Isotropic and constant stiffness [N/m] and damping [N·s/m] of each particle; empty without any.
+    /// Isotropic and constant stiffness [N/m] and damping [N·s/m] of each particle; empty if none.
     steady: Vec<[f64; 2]>,
     accuracy: Option<(&'static str, f64)>,
     /// [`Integrator::limit`].
@@ -154,7 +154,7 @@ pub struct SpectralBound {
 }
 
 impl SpectralBound {
-    /// A bound without terms, for particles of these masses [kg], infinite where fixed, in these bodies.
+    /// Returns a bound without terms, for particles of these masses [kg], infinite if fixed, in these bodies.
     pub fn new(mass: &[f64], body: &[u32], horizon: Horizon) -> Self {
         Self {
             inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
@@ -173,19 +173,19 @@ impl SpectralBound {
         }
     }
 
-    /// The horizon: the states for which it holds.
+    /// Horizon: the states for which the bound holds.
     pub fn horizon(&self) -> Horizon {
         self.horizon
     }
 
-    /// The bound for waves of a field as this integrator advances them; the default is velocity Verlet.
+    /// Sets the integrator that advances the waves of a field; the default is velocity Verlet.
     #[must_use]
     pub fn stepped_by(self, facts: &Facts) -> Self {
         Self { largest: facts.limit, oscillator: facts.oscillator, gyrates: facts.gyrates, ..self }
     }
 
-    /// The wave of a field with the shortest step, as the ω² [1/s²] and γ [1/s] of an oscillator with that limit. A wave is
-    /// its frequency, the damping of its velocity and the decay of its field [1/s].
+    /// Wave of a field with the smallest stable step, as ω² [1/s²] and γ [1/s] of the oscillator with that limit. A wave is given
+    /// by its frequency, the damping of its velocity and the decay of its field [1/s].
     pub fn shortest(&self, waves: impl Iterator<Item = [f64; 3]>) -> [f64; 2] {
         let oscillators = waves.map(|[frequency, damping, decay]| (self.oscillator)(frequency, damping, decay));
         let timed = oscillators.map(|[frequency, damping]| {
@@ -197,20 +197,20 @@ impl SpectralBound {
 
     /// Adds a spring between two particles of one body.
     ///
-    /// Its transverse stiffness is k (1 − l₀/l) at the length l. That lies between −k and k while l ≥ l₀/2; the row of a
-    /// shorter one takes k (l₀/l − 1). At zero length it has no direction, and the matrix is isotropic with k, and c.
+    /// Its transverse stiffness is k (1 − l₀/l) at the length l. This lies between −k and k while l ≥ l₀/2; the row of a shorter
+    /// spring takes k (l₀/l − 1). At zero length the spring has no direction, and its matrices are isotropic with k and c.
     pub fn spring(&mut self, i: usize, j: usize, link: &Link) {
         if self.inverse_mass[i] == 0.0 && self.inverse_mass[j] == 0.0 {
             return;
         }
         let Link { offset, rest_length, stiffness, damping } = *link;
         let (count, length, ends) = (self.inverse_mass.len(), offset.length(), [i as u32, j as u32]);
-        // Finite, so that a spring without stiffness has none at any length.
+        // Finite, so that a spring with k = 0 contributes no stiffness at any length.
         let compression = if length > 0.0 { (rest_length / length - 1.0).min(f64::MAX) } else { -1.0 };
         self.stiffness.join(count, i, j, stiffness * compression.max(1.0));
         self.damping.join(count, i, j, damping);
         if self.horizon == Horizon::Sharp {
-            // The directions of springs cost more than the rest.
+            // Directions of springs cost more than the rest.
             let (direction, damping_across) = if length > 0.0 { (offset / length, 0.0) } else { (DVec3::X, damping) };
             self.stiffness_edges.push(Edge { ends, direction, along: stiffness, across: -stiffness * compression });
             if damping != 0.0 {
@@ -219,15 +219,15 @@ impl SpectralBound {
         }
     }
 
-    /// The bound with the largest eigenvalues for the present directions of the springs, where they are below the rows.
+    /// Sharpens the bound: computes the largest eigenvalues for the present directions of the springs, where they are below the
+    /// rows.
     #[must_use]
     pub fn sharpened(mut self) -> Self {
         self.spectra = [self.spectrum(&self.stiffness, &self.stiffness_edges), self.spectrum(&self.damping, &self.damping_edges)];
         self
     }
 
-    /// Estimates of the largest eigenvalue of each body with springs, from below and from above; 0 and infinite for the
-    /// others.
+    /// Estimates of the largest eigenvalue of each body with springs, from below and from above; 0 and infinite for other bodies.
     fn spectrum(&self, rows: &GershgorinRows, edges: &[Edge]) -> Vec<[f64; 2]> {
         let bodies = self.bodies();
         let row_bounds = rows.at_particles(&self.inverse_mass);
@@ -250,7 +250,7 @@ impl SpectralBound {
             if edges.is_empty() {
                 return [0.0, f64::INFINITY];
             }
-            // In units of a power of two, so that other units of mass change no bit of the roots.
+            // In units of a power of two: other units of mass then change no bit of the roots.
             let unit = power_of_two(members.iter().map(|&index| self.inverse_mass[index]).fold(0.0, f64::max));
             let root = of(members, &|index| (self.inverse_mass[index] / unit).sqrt());
             let alone = of(members, &|index| alone(index) / unit);
@@ -263,8 +263,8 @@ impl SpectralBound {
         self.body.iter().max().map_or(0, |&last| last as usize + 1)
     }
 
-    /// Adds a term that acts on one particle: the largest |eigenvalue| of its force's gradient by position [N/m] and by
-    /// velocity [N·s/m].
+    /// Adds a term that acts on one particle, by the largest |eigenvalue| of the gradient of its force with respect to position
+    /// [N/m] and velocity [N·s/m].
     pub fn point(&mut self, i: usize, term: &'static str, stiffness: f64, damping: f64) {
         if self.inverse_mass[i] > 0.0 {
             self.stiffness.add(self.inverse_mass.len(), i, term, stiffness);
@@ -272,8 +272,8 @@ impl SpectralBound {
         }
     }
 
-    /// Adds a gyration, the rotation of the velocity of a particle in a magnetic field, of strength |q B| [N·s/m]: a frequency of
-    /// |q B|/m, but for an integrator that turns velocities itself. Its period limits the accuracy.
+    /// Adds a gyration, the rotation of the velocity of a particle in a magnetic field, of strength |q B| [N·s/m]. It counts as
+    /// an oscillator of frequency |q B|/m, unless the integrator rotates velocities itself. Its period limits the accuracy.
     pub fn gyration(&mut self, i: usize, strength: f64) {
         let rate = strength * self.inverse_mass[i];
         if rate > 0.0 {
@@ -284,9 +284,8 @@ impl SpectralBound {
         }
     }
 
-    /// Adds the isotropic and constant part of the stiffness [N/m] and the damping [N·s/m] given to
-    /// [`SpectralBound::point`]: harmonic wells and linear drag. Where there is no other part, the particle is an
-    /// oscillator.
+    /// Adds the isotropic and constant part of the stiffness [N/m] and damping [N·s/m] given to [`SpectralBound::point`]:
+    /// harmonic wells and linear drag. If there is no other part, the particle is an oscillator.
     pub fn steady(&mut self, i: usize, stiffness: f64, damping: f64) {
         self.steady.resize(self.inverse_mass.len(), [0.0; 2]);
         self.steady[i][0] += stiffness;
@@ -300,13 +299,13 @@ impl SpectralBound {
         }
     }
 
-    /// The limit for one integrator.
+    /// Limit for one integrator.
     pub fn limit(&self, facts: &Facts) -> Limit {
         self.limit_after(facts, &mut LimitCache::default())
     }
 
-    /// The limit for the present directions of the springs, with the certified one for all directions, and an upper bound
-    /// of the stable steps.
+    /// Limit for the present directions of the springs, with the certified limit for all directions and an upper bound of the
+    /// stable steps.
     pub fn sharp_limit(self, facts: &Facts) -> Limit {
         let certified = self.limit(facts).stability;
         let sharpened = self.sharpened();
@@ -316,12 +315,12 @@ impl SpectralBound {
         Limit { certified, endured: endured.max(limit.stability), ..limit }
     }
 
-    /// [`SpectralBound::limit`] with a cache of the limits of the previous bound.
+    /// Computes [`SpectralBound::limit`] with a cache of the limits of the previous bound.
     pub fn limit_after(&self, facts: &Facts, cache: &mut LimitCache) -> Limit {
         self.limit_with(&self.modes(), &Method::of(facts), cache)
     }
 
-    /// The limit for an integrator whose largest stable ωh is `largest` of the damping ratio, mode by mode.
+    /// Limit for an integrator whose largest stable ωh is the function `largest` of the damping ratio, mode by mode.
     pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
         self.limit_with(&self.modes(), &Method { largest, last: largest, coupled: 1.0 }, &mut LimitCache::default())
     }
@@ -337,7 +336,7 @@ impl SpectralBound {
         Limit { stability, accuracy, term, kind, certified: stability, endured: f64::INFINITY }
     }
 
-    /// The boxes of modes of all bodies, and of separate oscillators, without those that another box encloses.
+    /// Boxes of modes of all bodies and of separate oscillators, without boxes enclosed by others.
     fn modes(&self) -> Vec<Modes> {
         let is_oscillator: Vec<bool> = (0..self.steady.len()).map(|i| self.is_oscillator(i)).collect();
         let mut boxes = self.coupled_modes(&is_oscillator);
@@ -353,7 +352,7 @@ impl SpectralBound {
         outer
     }
 
-    /// The box of modes of each body, without its separate oscillators.
+    /// Box of modes of each body, without its separate oscillators.
     fn coupled_modes(&self, is_oscillator: &[bool]) -> Vec<Modes> {
         let bodies = self.bodies();
         let counts = |i: usize| !is_oscillator.get(i).is_some_and(|&is_oscillator| is_oscillator);
@@ -384,7 +383,7 @@ impl SpectralBound {
         [&self.stiffness, &self.damping].into_iter().zip(self.steady[i]).all(|(rows, steady)| rows.alone_at(i) == Some(steady))
     }
 
-    /// The oscillators: the fastest of each damping ratio. Where there are too many, one box for all of them.
+    /// Oscillators: the fastest of each damping ratio. If there are too many, one box encloses all of them.
     fn oscillators(&self, separation: &[bool]) -> Vec<Modes> {
         let of = |i: usize| {
             let band = |rows: &GershgorinRows, value: f64| {
@@ -412,7 +411,7 @@ impl SpectralBound {
     }
 }
 
-/// The largest power of two that is not above a positive number.
+/// Largest power of two that is not above a positive number.
 fn power_of_two(number: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     f64::from_bits(number.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)

@@ -1,4 +1,4 @@
-//! Systems: a state with its law of motion, time stepping, energy budget and fields.
+//! Systems: a state with its equations of motion, time stepping, energy budget and fields.
 
 mod control;
 
@@ -12,10 +12,10 @@ use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
 pub use control::Control;
 
-/// The Mach number of a flow, speed over speed of sound.
+/// Mach number of a flow: speed over speed of sound.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Mach {
-    /// The fraction of particles with a Mach number above [`Mach::FAST`].
+    /// Fraction of particles with a Mach number above [`Mach::FAST`].
     pub fast: f64,
     /// Speed of sound c [m/s].
     pub sound: f64,
@@ -26,12 +26,12 @@ impl Mach {
     pub const FAST: f64 = 0.15;
 }
 
-/// An interval of equal steps.
+/// Interval of equal steps.
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
     /// Start time of the clock's segment [s].
     pub start: f64,
-    /// Number of earlier steps in that segment.
+    /// Number of earlier steps in this segment.
     pub first: u64,
     /// Step size h [s].
     pub h: f64,
@@ -40,73 +40,74 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The time at a fraction of one of the steps [s], with the same bits for any division into intervals.
+    /// Time at a fraction of one of the steps [s], with equal bits for any division into intervals.
     pub fn time(&self, step: u64, node: f64) -> f64 {
         self.start + ((self.first + step) as f64 + node) * self.h
     }
 }
 
-/// The recorded activities of a batch of steps.
+/// Steps of a batch whose activity is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Record {
     /// All steps.
     EveryStep,
-    /// All steps; every 32nd where the activity costs much more than a step.
+    /// All steps; only every 32nd if the activity costs much more than a step.
     Sampled,
-    /// At least the last step: the only one known where linear forces run in registers.
+    /// At least the last step; other steps are unknown where linear forces run in registers.
     LastStep,
 }
 
-/// An element of a system, such as a particle or a cell.
+/// Element of a system, such as a particle or a cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Element {
-    /// Its name: `particle 3`.
+    /// Name of the element: `particle 3`.
     pub name: String,
-    /// Its index in the caller's order.
+    /// Index of the element in the caller's order.
     pub index: usize,
 }
 
-/// An element with a quantity that is not finite.
+/// Element with a quantity that is not finite.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The element.
+    /// Affected element.
     pub element: Element,
-    /// The name of the quantity: `position`.
+    /// Name of the quantity: `position`.
     pub quantity: &'static str,
 }
 
-/// The description of a readable quantity.
+/// Description of a readable quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FieldInfo {
-    /// Its name: `positions`; where a scene has several systems, after the name of its item: `pond.heights`.
+    /// Name of the field: `positions`. In a scene of several systems, the name of the item precedes it: `pond.heights`.
     pub name: String,
-    /// Its unit.
+    /// Unit of the field.
     pub unit: &'static str,
-    /// The shape of its array: the elements, and after them the components of each where they are several.
+    /// Shape of the array: the number of elements; then, if there are several, the components of each element.
     pub shape: Vec<usize>,
-    /// The name of the field that is its rate of change, if there is one: between two steps it is then the cubic through both.
+    /// Name of the field that is the rate of change, if any. The field is then interpolated between two steps by the cubic
+    /// through both.
     pub rate: Option<String>,
-    /// Whether it is a part of the state, and does not follow from the others.
+    /// Whether the field is a part of the state, not a function of other fields.
     pub state: bool,
 }
 
-/// A field in space.
+/// Field in space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// The acceleration of 1 kg at rest by forces on single particles [m/s²].
+    /// Acceleration of 1 kg at rest by forces on single particles [m/s²].
     Acceleration,
-    /// E of fields and charges [V/m].
+    /// Electric field E of fields and charges [V/m].
     ElectricField,
-    /// B, three components [T].
+    /// Magnetic field B, three components [T].
     MagneticField,
-    /// The potential of E [V].
+    /// Potential of E [V].
     ElectricPotential,
 }
 
 impl Quantity {
     const ALL: [Self; 4] = [Self::Acceleration, Self::ElectricField, Self::MagneticField, Self::ElectricPotential];
 
-    /// Its name.
+    /// Name of the field.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Acceleration => "acceleration",
@@ -116,35 +117,35 @@ impl Quantity {
         }
     }
 
-    /// That of a name.
+    /// Field with a given name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|quantity| quantity.name() == name)
     }
 }
 
-/// Points of a field in space.
+/// Points at which a field in space is sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample<'a> {
-    /// The field.
+    /// Field to sample.
     pub quantity: Quantity,
-    /// The time of fields that change [s].
+    /// Time, for time-dependent fields [s].
     pub time: f64,
     /// Points [m], row by row.
     pub points: &'a [f64],
-    /// The body whose forces count; None: those on any.
+    /// Index of the body whose forces are sampled; None for forces on any body.
     pub on: Option<usize>,
 }
 
-/// A state with its law of motion, of any dimension and precision.
+/// State with its equations of motion, of any dimension and precision.
 pub trait System: History + Send + Sync {
-    /// The stages of a step: one part for each system of the scene.
+    /// Stages of a step: one part for each system of the scene.
     fn stages(&self) -> Vec<Stages>;
 
-    /// Present memory [bytes].
+    /// Memory in use [bytes].
     fn bytes(&self) -> usize;
 
-    /// Estimated duration of a step on one core [s]; it sets the size of batches and the number of threads, and changes no
-    /// bit of the result.
+    /// Estimated duration of a step on one core [s]. It sets the size of batches and the number of threads, and changes no bit of
+    /// the result.
     fn cost(&self) -> f64;
 
     /// Maximum number of steps in a batch.
@@ -153,126 +154,124 @@ pub trait System: History + Send + Sync {
     /// Maximum number of steps in a batch with every activity recorded.
     fn most_recorded(&self) -> u64;
 
-    /// Initializes from the present fields, without history.
+    /// Initializes the system from the present fields, without history.
     ///
     /// # Errors
-    /// If its rates cannot be evaluated, or on an interrupt.
+    /// If the rates cannot be evaluated, or on an interrupt.
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()>;
 
-    /// Takes steps, all or none. It [saves](History::save) itself before, and can be [rolled back](History::rollback) to
-    /// there afterwards.
+    /// Takes steps, all or none. The system [saves](History::save) itself before, and can be [rolled back](History::rollback) to
+    /// that state afterwards.
     ///
     /// # Errors
     /// If a step fails, or on an interrupt.
     fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()>;
 
-    /// The activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows
-    /// without bound where the solution does; NaN or infinite where the state is.
+    /// Activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows without bound
+    /// if the solution does. NaN or infinite if the state is.
     fn activity(&self) -> &[f64];
 
-    /// The largest |value| of a system whose divergence shows in that alone, because it has no energy.
+    /// Largest |value| of a system without an energy, whose divergence shows only in this value.
     fn amplitude(&self) -> Option<f64> {
         None
     }
 
-    /// Whether its steps are linear in the state and autonomous. Steps of at most half of the limit of stability then never
-    /// double the energy: the invariant of an oscillator's step is elongated by 1/√(1 − ½²) at most.
+    /// Whether the steps are linear in the state and autonomous. Steps of at most half of the limit of stability then never
+    /// double the energy. The reason is that the invariant of an oscillator's step is elongated by at most 1/√(1 − ½²).
     fn is_linear(&self) -> bool {
         false
     }
 
-    /// Whether its method is unconditionally unstable, so that its energy may grow at any step.
+    /// Whether the method is unconditionally unstable, so that the energy may grow at any step size.
     fn gains_energy(&self) -> bool {
         false
     }
 
-    /// The limit of the time step.
+    /// Limit of the time step.
     ///
     /// # Errors
     /// If a user-defined function fails, or on an interrupt.
     fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit>;
 
-    /// Whether that limit changes with the state.
+    /// Whether the limit changes with the state.
     fn limit_varies(&self, _horizon: Horizon, _time: f64) -> bool {
         false
     }
 
-    /// The estimated error of the last step of `h` seconds [m], and the order of the method, where a pair is embedded in it.
+    /// Estimated error of the last step of `h` seconds [m], and the order of the method; None without an embedded pair.
     fn error(&self, _h: f64) -> Option<(f64, u32)> {
         None
     }
 
-    /// The control of the step size by that error, of a method of this order.
+    /// Step-size control by the estimated error, for a method of this order.
     fn control(&self, order: u32) -> Control {
         Control::pair(order)
     }
 
-    /// The energy budget.
+    /// Energy budget.
     ///
     /// # Errors
     /// As [`System::limit`].
     fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
 
-    /// The energy budget of an initial state, refused where it overflows.
+    /// Energy budget of an initial state, refused on overflow.
     ///
     /// # Errors
     /// As [`System::audit`], and on overflow.
     fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
 
-    /// A lower bound of its potential energy, if one is known: an energy that starts as potential is then no rise when it
-    /// becomes kinetic [J].
+    /// Lower bound of the potential energy [J], if known. Initial potential energy is then no rise when it becomes kinetic.
     fn lowest_potential(&self) -> Option<f64> {
         None
     }
 
-    /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s]: 0 of what is no matter.
+    /// Momentum [kg·m/s] and angular momentum about the origin of coordinates [kg·m²/s]; 0 for systems other than matter.
     fn momenta(&self) -> (DVec3, DVec3) {
         (DVec3::ZERO, DVec3::ZERO)
     }
 
-    /// The smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy of one kick from rest, 0 where there is
-    /// none.
+    /// Smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy of one kick from rest; 0 if none.
     fn resolvable(&self, _time: f64, _h: f64) -> f64 {
         0.0
     }
 
-    /// The first element with a quantity that is not finite.
+    /// First element with a quantity that is not finite.
     fn fault(&self) -> Option<Fault>;
 
-    /// The element with the most kinetic energy.
+    /// Element with the most kinetic energy.
     fn fastest(&self) -> Element;
 
-    /// The Mach number of its flow, if it is a fluid.
+    /// Mach number of the flow, if the system is a fluid.
     fn mach(&self) -> Option<Mach> {
         None
     }
 
-    /// The descriptions of all fields.
+    /// Descriptions of all fields.
     fn fields(&self) -> Vec<FieldInfo>;
 
-    /// The values of a field, element by element in the caller's order.
+    /// Values of a field, element by element in the caller's order.
     fn read(&self, field: usize) -> Vec<f64>;
 
-    /// Replaces fields by name and reinitializes; the change of energy counts as work.
+    /// Replaces fields by name and reinitializes the system. The change of energy counts as work.
     ///
     /// # Errors
-    /// If a field does not exist or cannot be replaced, a value is out of range, or as [`System::begin`]. The state is then
+    /// If a field does not exist or cannot be replaced, if a value is out of range, or as [`System::begin`]. The state is then
     /// unchanged.
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()>;
 
-    /// The energy tallies, part by part, for checkpoints.
+    /// Energy tallies, part by part, for checkpoints.
     fn tallies(&self) -> Vec<f64>;
 
     /// Restores the tallies.
     ///
     /// # Errors
-    /// If they belong to something else.
+    /// If the tallies belong to something else.
     fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()>;
 
-    /// A field in space at some points, row by row.
+    /// Samples a field in space at some points, row by row.
     ///
     /// # Errors
-    /// If it has none, or as [`System::audit`].
+    /// If the system has no such field, or as [`System::audit`].
     fn sample(&self, sample: &Sample<'_>, _executor: &Executor) -> Result<Vec<f64>> {
         Err(Error::parameter(sample.quantity.name(), "a scene with bodies", "none"))
     }

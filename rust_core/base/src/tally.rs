@@ -2,43 +2,43 @@
 
 use crate::simd::{LANES, Lanes};
 
-/// The sinks and sources of energy.
+/// Sinks and sources of energy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EnergySink {
     /// Dissipated by drag.
     Drag,
     /// Dissipated by the damping of springs.
     Damping,
-    /// Dissipated by contacts: restitution and friction, and the work of a fluid against the pressure of walls and
+    /// Dissipated by contacts: by restitution and friction, and by the work of a fluid against the pressure of walls and
     /// obstacles.
     Contact,
     /// Dissipated by the viscosity of fluids, and by the diffusion of their density.
     Viscosity,
-    /// Work done on the matter by drivers, wind, fixed particles that move, and the shifting of fluids.
+    /// Work done on the matter by drivers, wind, moving fixed particles, and the shifting of fluids.
     Work,
 }
 
-/// The number of sinks.
+/// Number of sinks.
 pub const SINKS: usize = 5;
 
-/// A power [W] for every sink and lane.
+/// Power [W] for every sink and lane.
 pub type Power = [Lanes<f64>; SINKS];
 
-/// The energy through each sink in one block. Kept lane by lane in double precision and summed in a fixed order on demand,
-/// so that it costs next to nothing and never depends on threads or batches.
+/// Energy through each sink in one block. It is accumulated lane by lane in double precision and summed in a fixed order on
+/// demand. It therefore costs next to nothing and never depends on threads or batches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnergyTally {
-    /// The time integral of the power so far [J].
+    /// Time integral of the power so far [J].
     pub energy: Power,
-    /// The power at the last evaluation, with which the next step of an FSAL integrator begins [W].
+    /// Power at the last evaluation, with which the next step of an FSAL integrator begins [W].
     pub last: Power,
 }
 
 impl EnergyTally {
-    /// A tally at zero.
+    /// Tally at zero.
     pub const ZERO: Self = Self { energy: [[0.0; LANES]; SINKS], last: [[0.0; LANES]; SINKS] };
 
-    /// The energy through one sink [J].
+    /// Energy through one sink [J].
     pub fn total(&self, sink: EnergySink) -> f64 {
         self.energy[sink as usize].iter().sum()
     }

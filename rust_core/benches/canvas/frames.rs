@@ -1,4 +1,5 @@
-//! A frame of 640×480 with 5000 discs: drawing, reducing to the palette, and the GIF, beside the `gif` crate's encoder.
+//! Benchmark of frames of 640×480 with 5000 discs: drawing, quantization, and GIF encoding, compared with the `gif` crate's
+//! encoder.
 
 use std::hint::black_box;
 
@@ -8,7 +9,7 @@ use physcore_canvas::{Canvas, Disc, Gif, Histogram, Line, Painting, Palette};
 const SIZE: (usize, usize) = (640, 480);
 const BACKGROUND: [u8; 3] = [16, 19, 24];
 
-/// Discs that bounce in the picture, frame by frame, placed by a low-discrepancy sequence (golden and plastic ratios).
+/// Draws discs that bounce in the picture, frame by frame, placed by a low-discrepancy sequence (golden and plastic ratios).
 fn picture(canvas: &mut Canvas, frame: usize) {
     canvas.clear();
     for index in 0..5000_u16 {

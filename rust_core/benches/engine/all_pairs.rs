@@ -1,5 +1,5 @@
-//! Gravitation by the exact sum: billion ordered pairs per second of one step of velocity Verlet, energy budget included, in
-//! the time that passes: `cargo bench --bench all_pairs`, or with the number of threads.
+//! Benchmark of gravitation by direct summation: billion ordered pairs per second of wall-clock time. One step of velocity Verlet
+//! is measured, including the energy budget. Run `cargo bench --bench all_pairs`, optionally with the number of threads.
 
 use std::time::Instant;
 
@@ -9,10 +9,10 @@ use physcore_engine::scene::{Body, Item, Scene, Value};
 use physcore_engine::simd::Level;
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
-/// Times that each is measured; the best counts.
+/// Number of repetitions of each measurement; the best counts.
 const TURNS: usize = 5;
 
-/// Stars at random places in a cube, which attract each other.
+/// Stars at random positions in a cube, which attract each other.
 fn cluster(count: usize) -> Scene {
     let mut state = 1_u64;
     let mut number = || {

@@ -1,12 +1,16 @@
-//! What generality costs: scenes run by the engine, each beside a loop written by hand for it alone, which keeps no energy
-//! budget, watches for nothing and knows one integrator and one force: `cargo bench --bench bare`.
+//! Benchmark of the cost of generality: `cargo bench --bench bare`. Scenes run by the engine are compared with hand-written
+//! loops. Such a loop keeps no energy budget, has no monitor, and supports a single integrator and force.
 //!
-//! And what safety costs at most: the same steps asked for at once, and in halves. A half is a chunk of its own, so the
-//! difference is what is done once in a batch: the watch over divergence, keeping the state to go back to, moving it
-//! through the caches, and handing the work to a thread. It is given as a share of a whole batch.
+//! The upper bound of the cost of safety is measured too: equal steps are requested at once, and in halves. A half is a batch of
+//! its own. The difference is the work done once per batch, reported as a share of a whole batch:
 //!
-//! The two take turns in one process on one thread at the same SIMD level, because the speed of a machine wanders; the
-//! clock is that of CPU time, which does not count what other programs take.
+//! - the divergence monitor;
+//! - saving the state for rollback;
+//! - moving the state through the caches;
+//! - handing work to a thread.
+//!
+//! Both take turns in one process on one thread at the same SIMD level, because the speed of a machine drifts. The clock is CPU
+//! time, which excludes other programs.
 
 use std::collections::BTreeMap;
 
@@ -20,32 +24,32 @@ use physcore_engine::scene::{Body, Item, PARTICLES, Scene, Value};
 use physcore_engine::simd::{Isa, Kernel, LANES, Lanes, Level, dispatch};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
-/// The time step [s].
+/// Time step [s].
 const STEP: f64 = 1e-4;
 /// Gravity [m/s²].
 const GRAVITY: f64 = -9.81;
-/// The drag of a particle of 1 kg [N·s/m].
+/// Drag coefficient of a particle of 1 kg [N·s/m].
 const DRAG: f64 = 0.1;
-/// The cloth's spacing [m], stiffness [N/m], damping [N·s/m] and mass per particle [kg].
+/// Cloth: spacing [m], stiffness [N/m], damping [N·s/m] and mass per particle [kg].
 const CLOTH: [f64; 4] = [0.01, 100.0, 0.01, 1e-3];
-/// The springs of a cloth: structural, shear and bend, as steps in column and row.
+/// Springs of a cloth: structural, shear and bend, as steps in column and row.
 const OFFSETS: [[isize; 2]; 6] = [[1, 0], [0, 1], [1, 1], [-1, 1], [2, 0], [0, 2]];
-/// The rest length of a kind of spring [m].
+/// Rest length of a kind of spring [m].
 fn rest_length([across, up]: [isize; 2]) -> f64 {
     CLOTH[0] * ((across * across + up * up) as f64).sqrt()
 }
 
-/// The particles of a block that the hand-written cloth works on.
+/// Number of particles in a block of the hand-written cloth.
 const BLOCK: usize = 1024;
-/// Turns that each takes; the median counts.
+/// Number of turns of each candidate; the median counts.
 const DRIFT_KICK: usize = 15;
 
-/// A group of lanes that begins at a cache line: a vector that straddles two costs twice.
+/// Group of lanes aligned to a cache line: a vector that straddles two lines costs twice as much.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Group<T>(Lanes<T>);
 
-/// One axis of a block: x, v and the acceleration a.
+/// Axis of a block: x, v and the acceleration a.
 struct Axis<T> {
     x: Vec<Group<T>>,
     v: Vec<Group<T>>,
@@ -53,7 +57,7 @@ struct Axis<T> {
     gravity: T,
 }
 
-/// Velocity Verlet under gravity and linear drag: steps of one block that stays in the cache, two in a pass.
+/// Velocity Verlet under gravity and linear drag: steps of one block that stays in the cache, two per pass.
 struct Fall<'a, T> {
     axes: &'a mut [Axis<T>; 3],
     steps: u64,
@@ -85,8 +89,8 @@ impl<T: Real> Kernel for Fall<'_, T> {
     }
 }
 
-/// Velocity Verlet of a cloth in two dimensions: positions x, velocities v, predicted velocities p, forces f by axis; for
-/// each kind of spring which particles have one, 1 or 0; and the forces of one block.
+/// Velocity Verlet of a cloth in two dimensions. Columns by axis are positions x, velocities v, predicted velocities p and forces
+/// f. A mask per kind of spring says which particles have one, 1 or 0. The forces of one block are separate.
 struct Sheet<'a, T> {
     columns: isize,
     x: &'a mut [Vec<T>; 2],
@@ -127,7 +131,7 @@ impl<T: Real> Kernel for Sheet<'_, T> {
 }
 
 impl<T: Real> Sheet<'_, T> {
-    /// The force of every spring, once, added at one end and taken away at the other.
+    /// Computes the force of every spring once, adds it at one end and subtracts it at the other.
     #[inline(always)]
     fn pull(&mut self) {
         let (k, c) = (T::from_f64(CLOTH[1]), T::from_f64(CLOTH[2]));
@@ -184,7 +188,7 @@ fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Item>) -> Si
         .expect("the scene is sound")
 }
 
-/// The CPU time that all threads of this process have taken [s].
+/// CPU time of all threads of this process [s].
 fn cpu_time() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").expect("this benchmark runs on Linux");
     let time = |task: std::fs::DirEntry| {
@@ -193,7 +197,7 @@ fn cpu_time() -> f64 {
     1e-9 * tasks.flatten().filter_map(time).sum::<f64>()
 }
 
-/// The CPU time of each of two that take turns [s].
+/// CPU times of two tasks that take turns [s].
 fn race(mut one: impl FnMut(), mut other: impl FnMut()) -> [f64; 2] {
     let time = |work: &mut dyn FnMut()| {
         let start = cpu_time();
@@ -213,7 +217,7 @@ fn race(mut one: impl FnMut(), mut other: impl FnMut()) -> [f64; 2] {
     })
 }
 
-/// Races a scene with its hand-written loop, then whole batches with halves, and prints what came of it.
+/// Compares a scene with its hand-written loop, then whole batches with halves, and prints the results.
 fn report(title: &str, precision: &str, updates: f64, world: &mut Simulation, [steps, batch]: [u64; 2], bare: impl FnMut()) {
     let world = RefCell::new(world);
     let step = |steps: u64| world.borrow_mut().step(steps, STEP, &|| false).expect("nothing diverges");
@@ -260,7 +264,7 @@ fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
         ((0..columns.cast_signed()).contains(&column) && row < rows.cast_signed())
             .then_some((column + row * columns.cast_signed()) as usize)
     };
-    // The lengths of one kind are the same to the last bit, as those of a cloth that the package builds are.
+    // The lengths of one kind are equal to the last bit, as in a cloth built by the package.
     let kind = |offset: [isize; 2]| {
         (0..count).filter_map(move |index| Some([index as u32, partner(index, offset)? as u32])).map(move |ends| Spring {
             ends,

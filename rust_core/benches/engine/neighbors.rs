@@ -1,4 +1,4 @@
-//! The search for neighbors and the sums over them, per particle, for a fluid at rest: a lattice with some disorder.
+//! Benchmark of the neighbor search and of sums over neighbors, per particle, for a fluid at rest: a disordered lattice.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -8,14 +8,14 @@ use physcore_engine::neighbors::{Domain, Neighbors};
 use physcore_engine::parallel::Executor;
 use physcore_engine::simd::Number;
 
-/// The smoothing length, in spacings of the lattice; the support is twice that.
+/// Smoothing length, in lattice spacings; the support is twice as long.
 const SMOOTHING: f64 = 1.2;
 
-/// How much further than the support pairs are listed, in spacings.
+/// Excess of the list radius over the support, in lattice spacings.
 const SKIN: f64 = 0.2;
 
-/// The gradient of Wendland's C2 kernel, ∇W = −k d (1 − q/2)³ with q = r/h, but for the factor k (H. Wendland, Adv. Comput.
-/// Math. 4 (1995) 389), and the numbers that the laws need.
+/// Gradient of Wendland's C2 kernel, ∇W = −k d (1 − q/2)³ with q = r/h, without the factor k (H. Wendland, Adv. Comput. Math. 4
+/// (1995) 389), and the parameters of the laws.
 #[derive(Clone, Copy)]
 struct Fluid<T> {
     half_inverse: T,
@@ -39,7 +39,7 @@ impl<T: Real> Fluid<T> {
     }
 }
 
-/// (vᵢ − vⱼ) · d.
+/// Approach rate (vᵢ − vⱼ) · d.
 #[inline(always)]
 fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
     let mut sum = N::constant(0.0);
@@ -49,7 +49,7 @@ fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
     sum
 }
 
-/// The rate of density: Σ (vᵢ − vⱼ) · ∇W.
+/// Rate of density: Σ (vᵢ − vⱼ) · ∇W.
 #[derive(Clone, Copy)]
 struct Continuity<T>(Fluid<T>);
 
@@ -60,8 +60,8 @@ impl<V: Vector> PairLaw<V, 1> for Continuity<V::Scalar> {
     }
 }
 
-/// The acceleration: pressure and artificial viscosity (J. J. Monaghan, Annu. Rev. Astron. Astrophys. 30 (1992) 543), with
-/// one division. The last two words are density and pressure over its square.
+/// Acceleration by pressure and artificial viscosity, with one division (J. J. Monaghan, Annu. Rev. Astron. Astrophys. 30 (1992)
+/// 543). The last two words are the density, and the pressure over the squared density.
 #[derive(Clone, Copy)]
 struct Momentum<T>(Fluid<T>);
 
@@ -119,7 +119,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, side: usize) {
     });
     group.bench_function("fill", |bencher| bencher.iter(|| fill(&mut records, &neighbors)));
     group.bench_function("check", |bencher| bencher.iter(|| neighbors.update(positions, &executor).expect("positions near 0")));
-    // Without a skin every update makes the lists, as long as these are with one.
+    // Without a skin, every update rebuilds the lists, which are as long as those with a skin.
     let mut always = Neighbors::new(count, V::DIMENSION, &domain, 2.0 * SMOOTHING + SKIN, 0.0).expect("a sensible search");
     group.bench_function("build", |bencher| bencher.iter(|| always.update(positions, &executor).expect("positions near 0")));
     group.finish();

@@ -1,5 +1,6 @@
-//! Gray and Scott's reaction on a plane by Euler's method: million cells per second of CPU time, budgets and divergence monitor
-//! included: `cargo bench --bench reactions`, or with the number of threads, which counts the time that passes.
+//! Benchmark of Gray–Scott kinetics on a plane by Euler's method: million cells per second of CPU time. Budgets and divergence
+//! monitor are included. Run `cargo bench --bench reactions`, optionally with the number of threads; wall-clock time is then
+//! measured.
 
 use std::time::Instant;
 
@@ -9,10 +10,10 @@ use physcore_engine::scene::{Array, Item, Scene, Value};
 use physcore_engine::simd::Level;
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
-/// Times that each is measured; the best counts.
+/// Number of repetitions of each measurement; the best counts.
 const TURNS: usize = 5;
 
-/// A dish with a feature in each row.
+/// Reaction–diffusion system with a feature in each row.
 fn dish(cells: usize) -> Item {
     let all = |number: f64| Value::Vector(DVec3::new(number, number, 0.0));
     let record = |item: Item| Value::Record(Box::new(item));
@@ -35,7 +36,7 @@ fn dish(cells: usize) -> Item {
     Item { path: "systems[0]".to_owned(), ..Item::new("ReactionDiffusion", values) }
 }
 
-/// The CPU time that all threads of this process have taken [s].
+/// CPU time of all threads of this process [s].
 fn cpu_time() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").expect("this benchmark runs on Linux");
     let time = |task: std::fs::DirEntry| {
@@ -44,7 +45,7 @@ fn cpu_time() -> f64 {
     1e-9 * tasks.flatten().filter_map(time).sum::<f64>()
 }
 
-/// Measures steps of a dish, and prints the rate.
+/// Measures steps of a reaction–diffusion system, and prints the rate.
 fn measure(cells: usize, integrator: &str, precision: &str, threads: usize, steps: u64) {
     let numerics = Numerics {
         integrator: integrator.into(),

@@ -1,4 +1,4 @@
-//! The force of the springs of a cloth, per spring: found as stencils, and in any order as slices.
+//! Benchmark of the spring forces of a cloth, per spring: as stencils, and in arbitrary order as slices.
 
 use std::hint::black_box;
 
@@ -11,10 +11,10 @@ use physcore_engine::matter::{Columns, Properties, SINKS, View};
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::simd::{LANES, padded};
 
-/// The number of particles in a block.
+/// Number of particles in a block.
 const BLOCK: usize = 4096;
 
-/// The structural, shear and bend springs of a cloth.
+/// Structural, shear and bend springs of a cloth.
 fn cloth(columns: usize, rows: usize) -> Vec<Spring> {
     let mut springs = Vec::new();
     for (right, up) in [(1_isize, 0), (0, 1), (1, 1), (-1, 1), (2, 0), (0, 2)] {
@@ -31,7 +31,7 @@ fn cloth(columns: usize, rows: usize) -> Vec<Spring> {
     springs
 }
 
-/// The numbers below `count` in a fixed disorder.
+/// Numbers below `count` in a fixed pseudorandom order.
 fn shuffled(count: usize) -> Vec<u32> {
     let mut numbers: Vec<u32> = (0..count as u32).collect();
     let mut state = 1_u64;

@@ -1,5 +1,5 @@
-//! Tracers in Lorenz' flow: million point-steps per second of CPU time on one thread, the divergence monitor included:
-//! `cargo bench --bench tracers`.
+//! Benchmark of tracers in Lorenz's flow: million point-steps per second of CPU time on one thread, including the divergence
+//! monitor. Run `cargo bench --bench tracers`.
 
 use std::time::Instant;
 
@@ -8,10 +8,10 @@ use physcore_engine::scene::{Array, Item, Scene, Value};
 use physcore_engine::simd::Level;
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
-/// Times that each is measured; the best counts.
+/// Number of repetitions of each measurement; the best counts.
 const TURNS: usize = 5;
 
-/// A cloud of tracers about the attractor.
+/// Cloud of tracers around the attractor.
 fn cloud(count: usize) -> Item {
     let place = |index: usize| ((index * 7919 % 10_007) as f64 / 10_007.0 - 0.5) + if index % 3 == 2 { 25.0 } else { 0.0 };
     let positions = Array { shape: vec![count, 3], entries: (0..3 * count).map(place).collect() };

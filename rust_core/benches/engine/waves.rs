@@ -1,5 +1,5 @@
-//! Waves on a plane by velocity Verlet: million cells per second of CPU time, energy budget and divergence monitor included:
-//! `cargo bench --bench waves`, or with the number of threads, which counts the time that passes.
+//! Benchmark of waves on a plane by velocity Verlet: million cells per second of CPU time. Energy budget and divergence monitor
+//! are included. Run `cargo bench --bench waves`, optionally with the number of threads; wall-clock time is then measured.
 
 use std::time::Instant;
 
@@ -9,10 +9,10 @@ use physcore_engine::scene::{Array, Item, Scene, Value};
 use physcore_engine::simd::Level;
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
-/// Times that each is measured; the best counts.
+/// Number of repetitions of each measurement; the best counts.
 const TURNS: usize = 5;
 
-/// A plane with fixed edges, at first with a mode that has a kink in it.
+/// Plane with fixed edges; the initial mode has a kink.
 fn plane(cells: usize, varying: bool) -> Item {
     let all = |number: f64| Value::Vector(DVec3::new(number, number, 0.0));
     let grid = Item::new(
@@ -33,7 +33,7 @@ fn plane(cells: usize, varying: bool) -> Item {
     item
 }
 
-/// The CPU time that all threads of this process have taken [s].
+/// CPU time of all threads of this process [s].
 fn cpu_time() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").expect("this benchmark runs on Linux");
     let time = |task: std::fs::DirEntry| {
@@ -42,7 +42,7 @@ fn cpu_time() -> f64 {
     1e-9 * tasks.flatten().filter_map(time).sum::<f64>()
 }
 
-/// Measures steps of a plane, and prints what came of it.
+/// Measures steps of a plane, and prints the results.
 fn measure(cells: usize, precision: &str, varying: bool, threads: usize, steps: u64) {
     let numerics = Numerics {
         integrator: "VelocityVerlet".into(),

@@ -4,7 +4,7 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// An (N, W) array as N rows of W values.
+/// Converts an (N, W) array to N rows of W values.
 pub(crate) fn rows<'a, T: numpy::Element, const W: usize>(
     array: &'a PyReadonlyArray2<'_, T>,
     count: usize,
@@ -18,7 +18,7 @@ pub(crate) fn rows<'a, T: numpy::Element, const W: usize>(
     Ok(rows)
 }
 
-/// An array of N values.
+/// Converts an array of N values to a slice.
 pub(crate) fn column<'a>(array: &'a PyReadonlyArray1<'_, f32>, count: usize, name: &str) -> PyResult<&'a [f32]> {
     let values = array.as_slice().map_err(|_| PyValueError::new_err(format!("{name}: must be C-contiguous")))?;
     if values.len() != count {
@@ -27,12 +27,12 @@ pub(crate) fn column<'a>(array: &'a PyReadonlyArray1<'_, f32>, count: usize, nam
     Ok(values)
 }
 
-/// Optional depths of N shapes.
+/// Converts the optional depths of N shapes to a slice.
 pub(crate) fn depth<'a>(depths: Option<&'a PyReadonlyArray1<'_, f32>>, count: usize) -> PyResult<Option<&'a [f32]>> {
     depths.map(|depths| column(depths, count, "depths")).transpose()
 }
 
-/// An (R, C) array, row by row.
+/// Converts an (R, C) array to a slice, row by row.
 pub(crate) fn plane<'a, T: numpy::Element>(
     array: &'a PyReadonlyArray2<'_, T>,
     shape: [usize; 2],

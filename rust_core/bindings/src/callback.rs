@@ -1,4 +1,4 @@
-//! User-defined functions: called with copies of the state; their results are checked.
+//! User-defined functions. They are called with copies of the state, and their results are checked.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use pyo3::types::{PyFloat, PyTuple};
 
 use crate::scene::array;
 
-/// A Python function, called with vectors of this dimension.
+/// Python function, called with vectors of this dimension.
 pub struct Function {
     function: Py<PyAny>,
     dimension: usize,
@@ -46,7 +46,7 @@ impl Callback for Function {
     }
 }
 
-/// Reason for which a result is refused.
+/// Reason for refusing a result.
 enum Reason {
     Raised(PyErr),
     Refused { expected: String, found: String },
@@ -65,8 +65,8 @@ fn failure(reason: Reason) -> Failure {
     }
 }
 
-/// The result of a function as numbers, row by row: any regular array of real numbers of this shape, or a sequence that
-/// converts to one.
+/// Converts the result of a function to numbers, row by row. Accepts any regular array of real numbers with this shape, or a
+/// sequence that converts to one.
 fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec<f64>, Reason> {
     let py = given.py();
     let refused = |found: String| Reason::Refused { expected: format!("{expected}, of real numbers"), found };
@@ -92,7 +92,7 @@ fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec
     Ok(numbers.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().iter().copied().collect())
 }
 
-/// Whether any entry is masked; false where `numpy.ma` is not loaded.
+/// Whether any entry is masked; false if `numpy.ma` is not loaded.
 fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
     let py = given.py();
     let modules = py.import("sys")?.getattr("modules")?;
@@ -104,13 +104,13 @@ fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
         return masked.call_method1("is_masked", (given,))?.is_truthy();
     }
     match masked.call_method1("array", (given,)) {
-        // A list may hold masked arrays; an irregular list is refused as such. An interrupt is no `Exception`, and passes.
+        // A list may hold masked arrays; an irregular list is refused as such. An interrupt is no `Exception` and passes through.
         Err(error) if error.is_instance_of::<PyException>(py) => Ok(false),
         whole => masked.call_method1("is_masked", (whole?,))?.is_truthy(),
     }
 }
 
-/// A shape in Python's notation.
+/// Formats a shape in Python's notation.
 fn tuple(shape: &[usize]) -> String {
     match shape {
         [one] => format!("({one},)"),

@@ -1,4 +1,4 @@
-//! The canvas for Python: arrays of shapes in, pixels out, with the interpreter free meanwhile.
+//! Canvas for Python: arrays of shapes in, pixels out. The interpreter is free meanwhile.
 
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
@@ -19,7 +19,7 @@ use crate::arrays::{column, depth, plane, rows};
 use crate::errors::exception;
 use crate::world::interrupted;
 
-/// A picture of sRGB pixels to draw on.
+/// Picture of sRGB pixels to draw on.
 #[pyclass(module = "physcore._core")]
 pub struct Canvas {
     pub(crate) picture: physcore_canvas::Canvas,
@@ -28,7 +28,7 @@ pub struct Canvas {
 
 #[pymethods]
 impl Canvas {
-    /// A picture of some sides, drawn with `samples` × `samples` pixels for each of its own.
+    /// Create a picture of `width` × `height` pixels, drawn with `samples` × `samples` samples per pixel.
     #[new]
     #[pyo3(signature = (width, height, background, samples = 1))]
     fn new(width: usize, height: usize, background: Rgb, samples: usize) -> PyResult<Self> {
@@ -51,7 +51,7 @@ impl Canvas {
         self.picture.clip(left, top, right, bottom);
     }
 
-    /// Add discs to the painting; without depths they are painted at once, over everything added before.
+    /// Add discs to the painting. Without depths they are painted at once, over everything added before.
     #[pyo3(signature = (centers, radii, colors, depths=None, shading=0.0))]
     fn discs(
         &mut self,
@@ -104,8 +104,8 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add triangles with corners (T, 3, 2), corner colors (T, 3, 4), depths of the corners (T, 3), or of the whole (T, 1),
-    /// on which no light falls, and, with a texture, texture coordinates of the corners.
+    /// Add triangles with corners (T, 3, 2) and corner colors (T, 3, 4). Depths are those of the corners (T, 3), or of the whole
+    /// triangle (T, 1), which then receives no light. A texture requires texture coordinates of the corners.
     #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None))]
     fn triangles(
         &mut self,
@@ -155,7 +155,8 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add particles of a liquid surface; `scale` is pixels per meter of depth, `glow` how much of its color it sends out.
+    /// Add particles of a liquid surface. `scale` is the number of pixels per meter of depth, `glow` the share of its color that
+    /// the liquid emits.
     #[pyo3(signature = (centers, radii, colors, sky, depths=None, scale=0.0, glow=0.0))]
     #[expect(clippy::too_many_arguments, reason = "one call for each frame")]
     fn liquid(
@@ -180,7 +181,7 @@ impl Canvas {
     }
 
     /// Add trails: the last positions (K, N, 2) of N points, the oldest first, as lines that taper with age. With `fade`, a
-    /// background and the fraction of color left at the fresh end, they fade into that background.
+    /// background and the fraction of color left at the fresh end, the trails fade into this background.
     #[pyo3(signature = (past, widths, colors, fade=None, gaps=None, depths=None))]
     fn trails(
         &mut self,
@@ -205,26 +206,33 @@ impl Canvas {
         Ok(())
     }
 
-    /// Apply a thin lens to everything added later: pixels of blur per meter from the focus, and the eye's distance [m].
+    /// Apply a thin lens to everything added later: pixels of blur per meter from the focus, and the distance of the eye [m].
     fn lens(&mut self, blur: f32, distance: f32) {
         self.painting.look_through(Lens { blur, distance });
     }
 
-    /// Keep the depth of what is drawn from now on, as seen by an eye at this distance from its focus, which lies at a pixel,
-    /// with so many pixels per meter there.
+    /// Record the depth of everything drawn later. The eye is at this distance from its focus, which lies at the pixel `middle`
+    /// and has `scale` pixels per meter.
     fn eye(&mut self, scale: f32, middle: [f32; 2], distance: f32) {
         self.picture.look_from(Eye { scale, middle, distance });
     }
 
-    /// Let light fall on what is painted next: the direction to the lamp, right, up and toward the eye, the shares of light
-    /// that shadows and ambient occlusion take, and how far around a pixel ambient light is looked for.
+    /// Light everything painted later.
+    ///
+    /// - `lamp`: direction to the lamp, right, up and toward the eye.
+    /// - `shadow`, `occlusion`: shares of light that shadows and ambient occlusion take.
+    /// - `reach`: radius of ambient occlusion around a pixel [pixels].
     fn light(&mut self, lamp: [f32; 3], shadow: f32, occlusion: f32, reach: f32) {
         self.painting.light(Light { lamp, shadow, occlusion, reach });
     }
 
-    /// Draw ground at once: its unit normal, the place that is lit best, the distance at which half of that is left, and its
-    /// color; lines of a grid along a direction and across it, with their color, distance and opacity; and, of a wall, the pixels of
-    /// its corners and its opacity.
+    /// Draw ground at once.
+    ///
+    /// - `normal`: unit normal.
+    /// - `center`, `size`: brightest point, and the distance from it at which half of the color is left.
+    /// - `color`: color at the brightest point.
+    /// - `along`, `grid`: direction of the lines of a grid, which run along and across it; their color, distance and opacity.
+    /// - `part`: for a wall, the pixels of its corners and its opacity.
     #[pyo3(signature = (normal, center, size, color, along, grid=None, part=None))]
     #[expect(clippy::too_many_arguments, reason = "one call for each film")]
     fn ground(
@@ -242,13 +250,13 @@ impl Canvas {
         py.detach(|| picture.ground(&Ground { normal, center, size, color, grid, along, part }));
     }
 
-    /// Let the background become lighter toward a pixel, at once, by a share of the way to a color.
+    /// Lighten the background toward a pixel, at once, by a share of the way to a color.
     fn backdrop(&mut self, py: Python<'_>, center: [f32; 2], radius: f32, color: Rgb, share: f32) {
         let picture = &mut self.picture;
         py.detach(|| picture.backdrop(center, radius, color, share));
     }
 
-    /// Paint all added shapes, from the far to the near.
+    /// Paint all added shapes, from far to near.
     fn paint(&mut self, py: Python<'_>) -> PyResult<()> {
         if self.painting.len() >= MANY {
             return self.paint_at_length(py, physcore_canvas::Painting::paint);
@@ -273,7 +281,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// Draw the density of points (N, 2) at once, as light that spreads by so many pixels, in the colors of a table (K, 3).
+    /// Draw the density of points (N, 2) at once, as light that spreads over `spread` pixels, in the colors of a table (K, 3).
     fn density(
         &mut self,
         py: Python<'_>,
@@ -299,7 +307,7 @@ impl Canvas {
         self.picture.text(text, [x, y], height, color, align);
     }
 
-    /// A copy of the pixels, (height, width, 3).
+    /// Return a copy of the pixels, (height, width, 3).
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let picture = self.picture.reduced();
         let bytes: Vec<u8> = picture.pixels().iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
@@ -307,12 +315,12 @@ impl Canvas {
     }
 }
 
-/// Number of shapes that may take as long to paint as an interrupt may wait.
+/// Number of shapes whose painting may take as long as an interrupt may wait.
 const MANY: usize = 20_000;
 
 impl Canvas {
-    /// Paints while signals are handled. After an interrupt the painting is empty: a detached thread finishes the picture
-    /// and drops it.
+    /// Paints while signals are handled. After an interrupt the painting is empty; a detached thread finishes the picture and
+    /// drops it.
     fn paint_at_length(
         &mut self,
         py: Python<'_>,
@@ -328,7 +336,7 @@ impl Canvas {
     }
 }
 
-/// A texture image for surfaces.
+/// Texture image for surfaces.
 #[pyclass(module = "physcore._core", frozen)]
 pub struct Texture {
     texture: Arc<physcore_canvas::Texture>,
@@ -336,7 +344,7 @@ pub struct Texture {
 
 #[pymethods]
 impl Texture {
-    /// A texture from pixels (height, width, 3).
+    /// Create a texture from pixels (height, width, 3).
     #[new]
     fn new(pixels: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
         let texture = physcore_canvas::Texture::new(pixels.shape()[1], texels(&pixels)?.to_vec()).map_err(python_error)?;
@@ -344,7 +352,7 @@ impl Texture {
     }
 }
 
-/// The pixels of a picture (H, W, 3).
+/// Returns the pixels of a picture (H, W, 3).
 fn texels<'a>(pixels: &'a PyReadonlyArray3<'_, u8>) -> PyResult<&'a [Rgb]> {
     if pixels.shape()[2] != 3 {
         return Err(PyValueError::new_err(format!("pixels: must have the shape (H, W, 3), got {:?}", pixels.shape())));
@@ -352,19 +360,19 @@ fn texels<'a>(pixels: &'a PyReadonlyArray3<'_, u8>) -> PyResult<&'a [Rgb]> {
     Ok(pixels.as_slice().map_err(|_| PyValueError::new_err("pixels: must be C-contiguous"))?.as_chunks().0)
 }
 
-/// The width of a line of text, `height` pixels high [pixels].
+/// Width of a line of text that is `height` pixels high [pixels].
 #[pyfunction]
 pub fn text_width(text: &str, height: usize) -> usize {
     physcore_canvas::text_width(text, height)
 }
 
-/// The signs of a text that no face has, each once.
+/// Characters of a text that no font has, each once.
 #[pyfunction]
 pub fn missing_signs(text: &str) -> String {
     physcore_canvas::missing_signs(text)
 }
 
-/// How much of each pixel (H, W) is covered by cells (nx, ny) that are 1, not 0; the other arguments are those of `heatmap`.
+/// Coverage of each pixel (H, W) by cells (nx, ny) that are 1, not 0. The other arguments are those of `heatmap`.
 #[pyfunction]
 pub fn coverage<'py>(
     py: Python<'py>,
@@ -382,11 +390,15 @@ pub fn coverage<'py>(
     PyArray1::from_vec(py, covered).reshape([size[1], size[0]])
 }
 
-/// The picture (H, W, 3) of values at the cell centers of a grid (nx, ny), with an ink by the coverage of pixels by walls (H, W).
+/// Picture (H, W, 3) of values at the cell centers of a grid (nx, ny). `walls` is the coverage of pixels by walls (H, W), with an
+/// ink.
 ///
-/// `size` is W, H; `corner` the place of the upper left pixel's center in cells from the lower left cell's, and `step` the
-/// cells per pixel. Values between the `ends` have the colors of a table (K, 3). `isolines` are
-/// a distance and an ink, `relief` the strength of light from the upper left.
+/// - `size`: (W, H).
+/// - `corner`: center of the upper left pixel relative to that of the lower left cell, in cells.
+/// - `step`: number of cells per pixel.
+/// - `table`: colors (K, 3) of values between the `ends`.
+/// - `isolines`: distance and ink of isolines.
+/// - `relief`: strength of light from the upper left.
 #[pyfunction]
 #[pyo3(signature = (values, size, corner, step, table, ends, walls=None, isolines=None, relief=0.0))]
 #[expect(clippy::too_many_arguments, reason = "one call for each frame")]
@@ -418,7 +430,7 @@ pub fn heatmap<'py>(
     PyArray1::from_vec(py, pixels.into_flattened()).reshape([size[1], size[0], 3])
 }
 
-/// Three equal parts of a row.
+/// Splits a row into three equal parts.
 fn thirds<T: Copy, const N: usize, const W: usize>(row: &[T; W]) -> [[T; N]; 3] {
     std::array::from_fn(|corner| std::array::from_fn(|index| row[corner * N + index]))
 }

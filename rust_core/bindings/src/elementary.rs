@@ -1,4 +1,4 @@
-//! Elementary functions of arrays, by the `libm` crate: the same bits on every processor.
+//! Elementary functions of arrays, by the `libm` crate: equal bits on every processor.
 
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
@@ -9,37 +9,37 @@ use pyo3::prelude::*;
 type Numbers<'py> = PyReadonlyArray1<'py, f64>;
 type Results<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
 
-/// e^x.
+/// Exponential function e^x.
 #[pyfunction]
 pub fn exp<'py>(py: Python<'py>, x: Numbers<'py>) -> Results<'py> {
     of_each(py, &x, libm::exp)
 }
 
-/// The natural logarithm of x.
+/// Natural logarithm of x.
 #[pyfunction]
 pub fn log<'py>(py: Python<'py>, x: Numbers<'py>) -> Results<'py> {
     of_each(py, &x, libm::log)
 }
 
-/// sin x.
+/// Sine of x.
 #[pyfunction]
 pub fn sin<'py>(py: Python<'py>, x: Numbers<'py>) -> Results<'py> {
     of_each(py, &x, libm::sin)
 }
 
-/// cos x.
+/// Cosine of x.
 #[pyfunction]
 pub fn cos<'py>(py: Python<'py>, x: Numbers<'py>) -> Results<'py> {
     of_each(py, &x, libm::cos)
 }
 
-/// The angle of (x, y) from the x axis, from −π to π.
+/// Angle of (x, y) from the x axis, from −π to π.
 #[pyfunction]
 pub fn arctan2<'py>(py: Python<'py>, y: Numbers<'py>, x: Numbers<'py>) -> Results<'py> {
     of_pairs(py, &y, &x, libm::atan2)
 }
 
-/// x^y.
+/// Power x^y.
 #[pyfunction]
 pub fn power<'py>(py: Python<'py>, x: Numbers<'py>, y: Numbers<'py>) -> Results<'py> {
     of_pairs(py, &x, &y, libm::pow)

@@ -1,4 +1,4 @@
-//! The engine's errors as the exceptions that `physcore.errors` defines.
+//! Errors of the engine as the exceptions defined in `physcore.errors`.
 
 use physcore_engine::error::{Cause, Divergence, Error};
 use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
@@ -10,18 +10,18 @@ pyo3::import_exception!(physcore.errors, SceneError);
 pyo3::import_exception!(physcore.errors, FileError);
 pyo3::import_exception!(physcore.errors, InternalError);
 
-/// The exception for an error.
+/// Returns the exception for an error.
 pub fn exception(py: Python<'_>, error: Error) -> PyErr {
     match error {
         Error::Parameter { .. } | Error::State(_) | Error::Memory { .. } => SceneError::new_err(error.to_string()),
         Error::Callback { ref cause, .. } => raised(py, &error, cause),
         Error::Diverged(divergence) => diverged(py, &divergence).unwrap_or_else(|failure| failure),
-        // The signal's handler may have raised an exception of its own; then that one counts.
+        // If the signal handler raised an exception of its own, that exception is used.
         Error::Interrupted => PyErr::take(py).unwrap_or_else(|| PyKeyboardInterrupt::new_err("the run was interrupted")),
     }
 }
 
-/// The exception for an error raised by a user-defined function, with that error as its cause. An error that is no
+/// Returns the exception for an error raised by a user-defined function, with this error as its cause. An error that is no
 /// `Exception`, such as `SystemExit`, passes unchanged.
 fn raised(py: Python<'_>, error: &Error, cause: &Cause) -> PyErr {
     let cause = cause.0.downcast_ref::<PyErr>().map(|raised| raised.clone_ref(py));

@@ -1,4 +1,4 @@
-//! The GIF for Python: canvases in, a file or bytes out, with the interpreter free meanwhile.
+//! GIF encoder for Python: canvases in, a file or bytes out. The interpreter is free meanwhile.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use pyo3::types::PyBytes;
 
 use crate::canvas::{Canvas, python_error};
 
-/// A GIF writer: some frames are observed for the palette, then all frames are appended.
+/// GIF writer: some frames are observed for the palette, then all frames are appended.
 #[pyclass(module = "physcore._core")]
 pub struct Gif {
     histogram: Histogram,
@@ -34,8 +34,8 @@ enum Sink {
 
 #[pymethods]
 impl Gif {
-    /// `reserved` are colors that the palette holds exactly, among `colors` from 2 to 255; `quality` is "fast" or "high". Without
-    /// a path the bytes stay in memory.
+    /// Create a writer. `reserved` are colors that the palette holds exactly, among `colors` from 2 to 255. `quality` is "fast"
+    /// or "high". Without a path the bytes stay in memory.
     #[new]
     #[pyo3(signature = (path, reserved, *, quality = "fast", colors = 255))]
     fn new(path: Option<PathBuf>, reserved: Vec<Rgb>, quality: &str, colors: i64) -> PyResult<Self> {
@@ -57,14 +57,14 @@ impl Gif {
         py.detach(|| histogram.observe(&canvas.picture.reduced()));
     }
 
-    /// Add colors of which none alike was observed.
+    /// Add colors similar to none observed.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
     fn include(&mut self, colors: Vec<Rgb>) {
         self.histogram.include(&colors);
     }
 
-    /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette. The frame is copied and
-    /// encoded while the next one is drawn, so the canvas is free at once, and a failure may be reported by a later call.
+    /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette. The frame is copied, and
+    /// encoded while the next one is drawn. The canvas is therefore free at once, and a failure may be reported by a later call.
     fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {
         let Self { histogram, reserved, colors, tolerance, state } = self;
         let written = py.detach(|| {
@@ -86,8 +86,8 @@ impl Gif {
         written.map_err(python_error)
     }
 
-    /// From the next frame on, let a pixel have any color of the palette at most `distance` from the nearest one [levels of
-    /// 255], where that makes the file smaller.
+    /// Allow inexact colors from the next frame on, where they make the file smaller. A pixel may then have any palette color at
+    /// most `distance` from the nearest one [levels of 255].
     fn tolerate(&mut self, distance: u8) -> PyResult<()> {
         self.tolerance = distance;
         match &mut self.state {
@@ -96,7 +96,7 @@ impl Gif {
         }
     }
 
-    /// Append a comment extension, which viewers do not show; only after a frame.
+    /// Append a comment extension, which viewers do not show. Allowed only after a frame.
     fn comment(&mut self, text: &str) -> PyResult<()> {
         match &mut self.state {
             State::Writing(gif) => gif.comment(text).map_err(python_error),
@@ -133,7 +133,7 @@ impl Gif {
         }
     }
 
-    /// Discard the film: an existing file under the name stays unchanged. No effect after `finish`.
+    /// Discard the film. An existing file with this name stays unchanged. No effect after `finish`.
     fn close(&mut self, py: Python<'_>) {
         py.detach(|| self.state = State::Closed);
     }

@@ -8,8 +8,8 @@ use physcore_engine::boundaries::Polytope;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// The vertices of every facet of the hull of points (V, 2) or (V, 3), counterclockwise as seen from outside; none where these
-/// are flat.
+/// Vertices of every facet of the convex hull of points (V, 2) or (V, 3), counterclockwise as seen from outside. Empty if the
+/// points are degenerate (flat).
 #[pyfunction]
 pub fn convex_hull<'py>(py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Vec<Bound<'py, PyArray1<i64>>>> {
     let refused = || PyValueError::new_err(format!("points: must have the shape (V, 2) or (V, 3), got {:?}", points.shape()));

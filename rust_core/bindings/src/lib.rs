@@ -1,4 +1,4 @@
-//! The extension module `physcore._core`: it converts between Python and the crates beside it, and does nothing else.
+//! Extension module `physcore._core`: converts between Python and the other crates, and does nothing else.
 
 use pyo3::prelude::*;
 
@@ -14,14 +14,14 @@ mod scene;
 mod view;
 mod world;
 
-/// The module `physcore._core`.
+/// Extension module `physcore._core`.
 #[pymodule(gil_used = false)]
 mod _core {
     use physcore_engine::simd::Level;
     use pyo3::exceptions::PyImportError;
     use pyo3::prelude::*;
 
-    /// Refuses processors that the code is not for, and imports `NumPy`: an interrupt during its first use would panic.
+    /// Refuses unsupported processors, and imports `NumPy` early: an interrupt during its first use would panic.
     #[pymodule_init]
     fn look_around(module: &Bound<'_, PyModule>) -> PyResult<()> {
         if !Level::is_supported() {

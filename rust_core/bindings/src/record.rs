@@ -1,4 +1,4 @@
-//! Records: what a scene says of its items, as Python gives it and as the engine takes it.
+//! Records: descriptions of the items of a scene, converted from Python to the engine.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,13 +13,13 @@ use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
 use crate::callback::Function;
 use crate::errors::SceneError;
 
-/// Reads the records of a scene of a dimension, and gathers the functions that they hold.
+/// Reader of the records of a scene of a given dimension; collects the functions that they hold.
 pub struct Reader {
     pub dimension: usize,
     pub functions: Vec<Arc<Function>>,
 }
 
-/// What a record is: the bodies that it acts on are given by index.
+/// Record of an item. The bodies on which it acts are given by index.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Record<'py> {
@@ -30,13 +30,13 @@ struct Record<'py> {
 }
 
 impl Reader {
-    /// The items of a list, which stands at `path`.
+    /// Reads the items of the list at `path`.
     pub fn items(&mut self, list: &Bound<'_, PyAny>, path: &str) -> PyResult<Vec<Item>> {
         let entries = list.cast::<PyList>()?.iter().enumerate();
         entries.map(|(index, entry)| self.item(&entry, format!("{path}[{index}]"))).collect()
     }
 
-    /// The item that a record declares.
+    /// Reads the item that a record declares.
     pub fn item(&mut self, record: &Bound<'_, PyAny>, path: String) -> PyResult<Item> {
         let Record { kind, name, on, values: given } = record.extract()?;
         let mut values = BTreeMap::new();
@@ -95,13 +95,13 @@ impl Reader {
     }
 }
 
-/// The bytes that the arrays of records take.
+/// Size of the arrays of a record [bytes].
 pub fn bytes(record: &Bound<'_, PyAny>) -> PyResult<usize> {
     let values = record.get_item("values")?.cast_into::<PyDict>()?.values();
     values.iter().map(|value| value.getattr("nbytes").map_or(Ok(0), |bytes| bytes.extract())).sum()
 }
 
-/// A copy of an array with each entry converted, with the interpreter free meanwhile.
+/// Copies an array with each entry converted. The interpreter is free meanwhile.
 fn array<T: Element + Sync, U: Send>(given: &PyReadonlyArrayDyn<'_, T>, convert: impl Fn(&T) -> U + Sync) -> PyResult<Array<U>> {
     let (py, view): (_, ArrayViewD<'_, T>) = (given.py(), given.as_array());
     let entries = py.detach(|| match view.as_slice() {
@@ -112,7 +112,7 @@ fn array<T: Element + Sync, U: Send>(given: &PyReadonlyArrayDyn<'_, T>, convert:
     Ok(Array { shape: view.shape().to_vec(), entries })
 }
 
-/// The same of indices.
+/// Copies an array of indices, refusing indices out of range.
 fn indices(given: &PyReadonlyArrayDyn<'_, i64>, path: &str) -> PyResult<Array<u32>> {
     let view = given.as_array();
     if let Some(index) = view.iter().find(|&&index| u32::try_from(index).is_err()) {

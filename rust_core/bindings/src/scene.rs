@@ -1,4 +1,4 @@
-//! A scene as Python describes it: lists of records. And arrays of vectors, to and fro.
+//! Scenes as Python describes them: lists of records. Also conversions of arrays of vectors in both directions.
 
 use std::sync::Arc;
 
@@ -13,11 +13,11 @@ use crate::callback::Function;
 use crate::errors::{SceneError, exception};
 use crate::record::{Reader, bytes};
 
-/// Reads a scene, with the functions that it holds.
+/// Reads a scene, with its user-defined functions.
 pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<(Scene, Vec<Arc<Function>>)> {
     let (py, dimension) = (scene.py(), entry(scene, "dimension")?.extract()?);
     let arrays = |name: &str| -> PyResult<usize> { entry(scene, name)?.try_iter()?.map(|record| bytes(&record?)).sum() };
-    // Vectors have three components here.
+    // Vectors have three components in the engine.
     let needed = arrays("bodies")? / 2 * 3 + arrays("systems")?;
     memory::check("scene", needed, 0, || "for a copy of its arrays; take fewer particles or cells".to_owned())
         .map_err(|error| exception(py, error))?;
@@ -39,7 +39,7 @@ fn entry<'py>(dictionary: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py
     dictionary.get_item(name)?.ok_or_else(|| SceneError::new_err(format!("scene: {name} is missing")))
 }
 
-/// A copy of an array, with the interpreter free meanwhile.
+/// Copies an array. The interpreter is free meanwhile.
 pub fn copied<T: numpy::Element + Clone + Sync>(array: &PyReadonlyArray1<'_, T>) -> PyResult<Vec<T>> {
     let (py, numbers) = (array.py(), array.as_array());
     let copy = py.detach(|| numbers.to_vec());
@@ -47,17 +47,17 @@ pub fn copied<T: numpy::Element + Clone + Sync>(array: &PyReadonlyArray1<'_, T>)
     Ok(copy)
 }
 
-/// An (N, D) array of vectors.
+/// Converts vectors to an (N, D) array.
 pub fn array<'py>(py: Python<'py>, vectors: &[DVec3], dimension: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
     rows(py, flat(vectors, dimension), dimension)
 }
 
-/// The components of vectors, one vector after the other.
+/// Components of vectors, one vector after the other.
 pub fn flat(vectors: &[DVec3], dimension: usize) -> Vec<f64> {
     vectors.iter().flat_map(|vector| vector.to_array().into_iter().take(dimension)).collect()
 }
 
-/// An (N, D) array that takes over these components.
+/// Converts components to an (N, D) array without copying.
 pub fn rows(py: Python<'_>, numbers: Vec<f64>, dimension: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let array = numpy::ndarray::Array2::from_shape_vec((numbers.len() / dimension, dimension), numbers);
     Ok(PyArray2::from_owned_array(py, array.map_err(|error| SceneError::new_err(error.to_string()))?))

@@ -12,7 +12,7 @@ use crate::arrays::{depth, rows};
 /// Pixels (N, 2), depths behind the center (N,) and pixels per meter (N,).
 type Projected<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>);
 
-/// The projection of points to pixels.
+/// Projection of points to pixels.
 #[pyclass(module = "physcore._core", frozen)]
 pub struct Projection(Dimension);
 
@@ -23,7 +23,7 @@ enum Dimension {
 
 #[pymethods]
 impl Projection {
-    /// `axes` (D, D) point to the right, up and toward the eye, `center` (D,) is along them.
+    /// Create a projection. `axes` (D, D) point right, up and toward the eye; `center` (D,) has components along them.
     #[new]
     fn new(axes: Vec<Vec<f64>>, center: Vec<f64>, scale: f64, middle: [f64; 2], distance: f64) -> PyResult<Self> {
         match center.len() {
@@ -33,7 +33,7 @@ impl Projection {
         }
     }
 
-    /// Pixels (N, 2), depths behind the center (N,) and pixels per meter (N,) of points (N, D).
+    /// Project points (N, D): pixels (N, 2), depths behind the center (N,) and pixels per meter (N,).
     fn project<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Projected<'py>> {
         match &self.0 {
             Dimension::Flat(projection) => projected(py, projection, &points),
@@ -73,7 +73,7 @@ fn projected<'py, const D: usize>(
     Ok((pixels, PyArray1::from_vec(py, depths), PyArray1::from_vec(py, scales)))
 }
 
-/// The lengths (N,) of vectors (N, D).
+/// Lengths (N,) of vectors (N, D).
 #[pyfunction]
 pub fn norms<'py>(py: Python<'py>, vectors: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let values = vectors.as_slice().map_err(|_| PyValueError::new_err("vectors: must be C-contiguous"))?;
@@ -82,8 +82,8 @@ pub fn norms<'py>(py: Python<'py>, vectors: PyReadonlyArray2<'py, f64>) -> PyRes
     Ok(PyArray1::from_vec(py, lengths))
 }
 
-/// Opaque inks (N, 4) of values (N,): the fraction from `low` to `high` indexes a color table (K, 3). Distant points fade
-/// into the background: `fog` is half the depth range of the scene and the fade of the farthest point.
+/// Opaque inks (N, 4) of values (N,): the fraction from `low` to `high` indexes a color table (K, 3). Distant points fade into
+/// the background. `fog` is half the depth range of the scene and the fade of the farthest point.
 #[pyfunction]
 #[pyo3(signature = (values, ends, table, background, depths=None, fog=None))]
 pub fn tint<'py>(

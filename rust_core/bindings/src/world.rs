@@ -1,4 +1,4 @@
-//! `World`: the engine's simulation.
+//! The class `World`: the engine's simulation.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,17 +23,16 @@ use crate::errors::{FileError, InternalError, PhyscoreError, SceneError, excepti
 use crate::record::Reader;
 use crate::scene;
 
-/// A running simulation.
+/// Running simulation.
 ///
-/// Any number of threads may look at it at once, and one may change it; the interpreter is free meanwhile. Who changes it
-/// waits for those who look, and who looks is refused while it changes: a step can take a day.
+/// Any number of threads may read it at once, and one may change it. The interpreter is free meanwhile. A writer waits for
+/// readers. A reader is refused during a change, because a step can take a day.
 #[pyclass(frozen, module = "physcore._core")]
 pub struct World {
     inner: Shared,
-    /// Whether somebody changes it, or waits for those who look.
+    /// Whether a thread changes the simulation, or waits for readers.
     changing: Arc<AtomicBool>,
-    /// The functions that the engine calls, also when it is asked for energies: here the garbage collector finds them without
-    /// a lock.
+    /// User-defined functions that the engine calls, also for energies. The garbage collector finds them here without a lock.
     functions: Vec<Arc<Function>>,
     dimension: usize,
     threads: usize,
@@ -44,10 +43,10 @@ type Shared = Arc<RwLock<Simulation>>;
 type Parts = Vec<(u64, f64)>;
 /// Class, name and energy [J].
 type EnergyRow = (&'static str, &'static str, f64);
-/// Name, unit, what is stored, what was removed and what was supplied.
+/// Name, unit, stored amount, removed amounts and supplied amounts.
 type BudgetRow = (String, &'static str, f64, Vec<(&'static str, f64)>, Vec<(&'static str, f64)>);
 
-/// Why the world could not do what it was asked to.
+/// Reason for which a request failed.
 enum Failure {
     Busy,
     Lost,
@@ -72,7 +71,7 @@ impl Failure {
     }
 }
 
-/// The right to change a world, until it is dropped.
+/// Right to change a world, until it is dropped.
 struct Claim(Arc<AtomicBool>);
 
 impl Drop for Claim {
@@ -81,7 +80,7 @@ impl Drop for Claim {
     }
 }
 
-/// The world, to look at.
+/// Locks the world for reading.
 fn looked_at(inner: &RwLock<Simulation>) -> Result<RwLockReadGuard<'_, Simulation>, Failure> {
     inner.try_read().map_err(|error| match error {
         TryLockError::WouldBlock => Failure::Busy,
@@ -89,7 +88,7 @@ fn looked_at(inner: &RwLock<Simulation>) -> Result<RwLockReadGuard<'_, Simulatio
     })
 }
 
-/// The world, to change, as soon as nobody looks at it.
+/// Locks the world for writing, as soon as no thread reads it.
 fn changed<'a>(
     inner: &'a RwLock<Simulation>,
     interrupted: &dyn Fn() -> bool,
@@ -105,7 +104,7 @@ fn changed<'a>(
 }
 
 impl World {
-    /// The bytes that it takes now.
+    /// Memory in use [bytes].
     fn memory(&self, py: Python<'_>) -> PyResult<usize> {
         self.glance(py, physcore_engine::simulation::Simulation::memory)
     }
@@ -117,19 +116,19 @@ impl World {
         Ok(Claim(Arc::clone(&self.changing)))
     }
 
-    /// What is there without any work.
+    /// Reads data that are available without computation.
     fn glance<T>(&self, py: Python<'_>, look: impl FnOnce(&Simulation) -> T) -> PyResult<T> {
         looked_at(&self.inner).map(|world| look(&world)).map_err(|failure| failure.raised(py))
     }
 
-    /// Lets the engine copy what takes so many bytes.
+    /// Copies data of `bytes` bytes from the engine.
     fn copy<T: Send>(&self, py: Python<'_>, bytes: usize, copy: impl FnOnce(&Simulation) -> T + Send) -> PyResult<T> {
         let hint = || "for a copy of what there is; record fewer channels, or free some arrays".to_owned();
         memory::check("state", bytes, 0, hint).map_err(|error| exception(py, error))?;
         self.look(py, copy)
     }
 
-    /// Lets the engine look at the world.
+    /// Reads the world in the engine.
     fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Simulation) -> T + Send) -> PyResult<T> {
         if self.changing.load(Ordering::Acquire) {
             return Err(Failure::Busy.raised(py));
@@ -137,7 +136,7 @@ impl World {
         without_gil(py, || Ok(look(&*looked_at(&self.inner)?)))
     }
 
-    /// Lets the engine find out what may take long.
+    /// Evaluates a query in the engine that may take long.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -151,13 +150,14 @@ impl World {
         without_gil(py, || attend(threads, &interrupted, job)?)
     }
 
-    /// Lets the engine change the world. A panic becomes an exception, and poisons the world.
+    /// Changes the world in the engine. A panic becomes an exception, and poisons the world.
     fn change<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> EngineResult<T> + Send) -> PyResult<T> {
         let _claim = self.claim(py)?;
         without_gil(py, || Ok(work(&mut *changed(&self.inner, &interrupted)?)?))
     }
 
-    /// The same where it may take long before the first step. It is changed all the same by who does not wait for the end.
+    /// Changes the world in the engine if this may take long before the first step. After an interrupt the caller does not wait,
+    /// but the change is completed.
     fn change_at_length<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -172,7 +172,7 @@ impl World {
     }
 }
 
-/// Lets the engine work without the interpreter's lock; a panic becomes an exception.
+/// Runs the engine without the interpreter's lock. A panic becomes an exception.
 fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure> + Send) -> PyResult<T> {
     match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
         Ok(result) => result.map_err(|failure| failure.raised(py)),
@@ -184,19 +184,19 @@ fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure
     }
 }
 
-/// The bytes of a number.
+/// Size of a number [bytes].
 const NUMBER: usize = 8;
 
-/// A scene with fewer particles, springs and cells than this is built, and asked, sooner than threads start.
+/// Number of particles, springs and cells below which a scene is built and queried faster than threads start.
 const FEW: usize = 1000;
 
-/// Bytes of memory that can be had, where the system tells.
+/// Available memory [bytes], if the system reports it.
 #[pyfunction]
 pub fn available_memory() -> Option<u64> {
     memory::available()
 }
 
-/// Whether a signal is waiting whose handler raises, as that of Ctrl-C does. The exception is raised again later.
+/// Whether a signal is pending whose handler raises, such as that of Ctrl-C. The exception is raised again later.
 pub fn interrupted() -> bool {
     Python::attach(|py| py.check_signals().map_err(|error| error.restore(py)).is_err())
 }
@@ -242,28 +242,28 @@ impl World {
         Ok(Self { inner, changing: Arc::default(), functions, dimension, threads })
     }
 
-    /// Shows the garbage collector what may refer back to this. Like a tuple this needs no `__clear__`: what it refers to is
-    /// older than it is, so a cycle goes through something that was changed later, and is opened there.
+    /// Visits references for the garbage collector. Like a tuple, the class needs no `__clear__`. All its referents are older
+    /// than itself, so a cycle passes through an object that was changed later, and is broken there.
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         self.functions.iter().try_for_each(|function| function.traverse(&visit))
     }
 
-    /// Takes n steps of dt seconds, and gives the Mach number from which on a flow is fast, the largest share of a fluid that
-    /// was ever seen to be, and its speed of sound [m/s]; nothing without a fluid.
+    /// Take n steps of dt seconds. For a fluid, return the Mach number above which a flow is fast, the largest fast fraction so
+    /// far, and the speed of sound [m/s].
     fn step(&self, py: Python<'_>, n: u64, dt: f64) -> PyResult<Option<(f64, f64, f64)>> {
         let mach = self.change(py, |world| world.step(n, dt, &interrupted).map(|()| world.mach()))?;
         Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
 
-    /// Takes a step of dt seconds that diverged again in parts, and gives the numbers of equal parts that were taken, with
-    /// their sizes [s], and the exception where that fails as well.
+    /// Repeat a diverged step of dt seconds in parts. Return the numbers of equal parts taken, with their sizes [s], and the
+    /// exception if this fails as well.
     fn substep(&self, py: Python<'_>, dt: f64) -> (Parts, Option<PyErr>) {
         let mut parts = Vec::new();
         let outcome = self.change(py, |world| world.substep(dt, &mut parts, &interrupted));
         (parts, outcome.err())
     }
 
-    /// Advances by an interval [s] in adaptive steps, and gives the same as `step`.
+    /// Advance by an interval [s] in adaptive steps. Return the values of `step`.
     fn run(
         &self,
         py: Python<'_>,
@@ -277,7 +277,7 @@ impl World {
         Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
 
-    /// Of the adaptive steps so far: how many were taken back, how many diverged, and the smallest and the largest [s].
+    /// Statistics of the adaptive steps so far: numbers of rejected and of diverged steps; smallest and largest step [s].
     fn adaptation(&self, py: Python<'_>) -> PyResult<(u64, u64, f64, f64)> {
         let Adaptation { rejected, failed, range: [smallest, largest], .. } =
             self.glance(py, physcore_engine::simulation::Simulation::adaptation)?;
@@ -299,19 +299,19 @@ impl World {
         self.glance(py, |world| world.segment().dt)
     }
 
-    /// The fields: the name and the unit of each, the shape of its array, the name of its rate of change if that is a field
-    /// too, and whether it is a part of the state.
+    /// Descriptions of the fields: name, unit, shape of the array, name of the rate of change, and whether the field is a part of
+    /// the state. The rate of change is named if it is a field too.
     #[allow(clippy::type_complexity)]
     fn fields(&self, py: Python<'_>) -> PyResult<Vec<(String, &'static str, Vec<usize>, Option<String>, bool)>> {
         let fields = self.glance(py, Simulation::fields)?;
         Ok(fields.into_iter().map(|field| (field.name, field.unit, field.shape, field.rate, field.state)).collect())
     }
 
-    /// A field: a row for each element, or a number where it has one component.
+    /// Read a field: one row per element, or one number per element if the field has a single component.
     fn read<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let missing = || InternalError::new_err(format!("there is no field {name:?}"));
         let field = self.glance(py, Simulation::fields)?.into_iter().find(|field| field.name == name).ok_or_else(missing)?;
-        // The engine's copy beside that of the reader.
+        // The engine's copy beside that of the caller.
         let bytes = 2 * NUMBER * field.shape.iter().product::<usize>();
         let (_, values) = self.copy(py, bytes, |world| world.read(name))?.ok_or_else(missing)?;
         Ok(PyArray1::from_vec(py, values).reshape(field.shape)?.into_any())
@@ -329,13 +329,13 @@ impl World {
         })
     }
 
-    /// The energy budget, as (class, name, energy) [J], and the budgets of what else is conserved, as (name, unit, stored,
-    /// removed by what, supplied by what).
+    /// Energy budget, as (class, name, energy) [J], and budgets of further conserved quantities, as (name, unit, stored, removed
+    /// by sink, supplied by source).
     fn budgets(&self, py: Python<'_>) -> PyResult<(Vec<EnergyRow>, Vec<BudgetRow>)> {
         let ledger = if self.functions.is_empty() {
             self.ask(py, physcore_engine::simulation::Simulation::energy)?
         } else {
-            // Whoever is called may try to change the world, which must be refused and cannot wait.
+            // A user-defined function may try to change the world. This must be refused and cannot wait.
             self.change_at_length(py, |world, executor| world.energy(executor))?
         };
         let energies = ledger.rows().iter().map(|row| (class(row.class), row.name, row.energy)).collect();
@@ -371,7 +371,7 @@ impl World {
         limit_record(py, self.ask(py, |world, executor| world.limit(Horizon::Present, executor))?)
     }
 
-    /// The plan: memory, threads and vector instructions, and the stages of each system.
+    /// Plan: memory, threads, vector instructions, and the stages of each system.
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let plan = self.look(py, Simulation::plan)?;
         let record = PyDict::new(py);
@@ -416,7 +416,7 @@ impl World {
         self.copy(py, self.memory(py)?, physcore_engine::simulation::Simulation::state_hash)
     }
 
-    /// A field in space at some points, of the forces on a body or of all, row by row; at a time, or the present one.
+    /// Sample a field in space at some points, row by row: of the forces on one body or on all, at a time or at present.
     #[pyo3(signature = (field, points, on, time=None))]
     fn sample<'py>(
         &self,
@@ -439,7 +439,7 @@ impl World {
         let rows = if self.functions.is_empty() {
             self.ask(py, ask)?
         } else {
-            // As for the energy.
+            // As for the energy, a user-defined function may try to change the world.
             self.change_at_length(py, move |world, executor| ask(world, executor))?
         };
         scene::rows(py, rows, width)

@@ -1,4 +1,4 @@
-//! A film written on its own thread, while the next frame is drawn.
+//! GIF encoding on a separate thread, while the next frame is drawn.
 
 use std::io::{self, Write};
 use std::sync::mpsc::{SyncSender, channel, sync_channel};
@@ -9,16 +9,16 @@ use crate::canvas::Canvas;
 use crate::error::Error;
 use crate::gif::Gif;
 
-/// Length of the frame queue. A longer one takes memory without a gain: the slower side sets the rate.
+/// Length of the frame queue. A longer queue takes memory without a gain: the slower side sets the rate.
 const WAITING: usize = 1;
 
 type Pixels = Vec<[u8; 4]>;
 type Job<W> = Box<dyn FnOnce(&mut Gif<W>) -> Result<(), Error> + Send>;
 
-/// A [`Gif`] on a thread of its own: the same calls give the same bytes. A failure is reported by one of the calls after.
+/// A [`Gif`] on a separate thread. Equal calls give equal bytes. A failure is reported by one of the following calls.
 pub struct Background<W> {
     size: (usize, usize),
-    /// The job queue; None after a failure.
+    /// Job queue; None after a failure.
     jobs: Option<SyncSender<Job<W>>>,
     thread: Option<JoinHandle<Result<Gif<W>, Error>>>,
     /// Pixel buffers of encoded frames, for reuse.
@@ -26,7 +26,7 @@ pub struct Background<W> {
 }
 
 impl<W: Write + Send + 'static> Background<W> {
-    /// Moves a film to another thread.
+    /// Moves a film to a separate thread.
     pub fn new(mut gif: Gif<W>) -> Result<Self, Error> {
         let (jobs, inbox) = sync_channel::<Job<W>>(WAITING);
         let size = gif.size();
@@ -40,7 +40,7 @@ impl<W: Write + Send + 'static> Background<W> {
         Ok(Self { size, jobs: Some(jobs), thread: Some(thread), spare: Arc::default() })
     }
 
-    /// [`Gif::frame`].
+    /// Queues [`Gif::frame`].
     pub fn frame(&mut self, canvas: &Canvas, delay: u16) -> Result<(), Error> {
         let (expected, got) = (self.size, (canvas.width(), canvas.height()));
         if expected != got {
@@ -59,7 +59,7 @@ impl<W: Write + Send + 'static> Background<W> {
         }))
     }
 
-    /// [`Gif::tolerate`].
+    /// Queues [`Gif::tolerate`].
     pub fn tolerate(&mut self, distance: u8) -> Result<(), Error> {
         self.send(Box::new(move |gif| {
             gif.tolerate(distance);
@@ -67,13 +67,13 @@ impl<W: Write + Send + 'static> Background<W> {
         }))
     }
 
-    /// [`Gif::comment`].
+    /// Queues [`Gif::comment`].
     pub fn comment(&mut self, text: &str) -> Result<(), Error> {
         let text = text.to_owned();
         self.send(Box::new(move |gif| gif.comment(&text)))
     }
 
-    /// [`Gif::written`], after all queued frames.
+    /// Returns [`Gif::written`], after all queued frames.
     pub fn written(&mut self) -> Result<u64, Error> {
         let (reply, answer) = channel();
         self.send(Box::new(move |gif| {
@@ -83,7 +83,7 @@ impl<W: Write + Send + 'static> Background<W> {
         answer.recv().map_err(|_| self.failure())
     }
 
-    /// [`Gif::finish`].
+    /// Finishes the film like [`Gif::finish`], after all queued frames.
     pub fn finish(mut self) -> Result<W, Error> {
         self.end()?.finish()
     }
@@ -101,7 +101,7 @@ impl<W: Write + Send + 'static> Background<W> {
 }
 
 impl<W> Background<W> {
-    /// Waits until the queue is empty.
+    /// Waits until the queue is empty, and ends the thread.
     fn end(&mut self) -> Result<Gif<W>, Error> {
         drop(self.jobs.take());
         let thread = self.thread.take().ok_or_else(closed)?;
@@ -110,7 +110,7 @@ impl<W> Background<W> {
 }
 
 impl<W> Drop for Background<W> {
-    /// Queued frames are written first, so that no thread holds the file afterwards.
+    /// Writes queued frames first: no thread holds the file afterwards.
     fn drop(&mut self) {
         let _ = self.end();
     }

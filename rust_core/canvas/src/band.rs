@@ -1,5 +1,5 @@
-//! Some rows of a canvas, and the rasterization of shapes on them. Several threads draw on bands at the same time, each
-//! blending all shapes in the same order: the pixels do not depend on the number of bands.
+//! Bands: some rows of a canvas, and the rasterization of shapes on them. Several threads draw on bands at the same time. Each
+//! blends all shapes in the same order, so the pixels do not depend on the number of bands.
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
@@ -13,7 +13,7 @@ use crate::ink::{LANES, Mixing, Paint, Shade};
 use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp, ramps};
 use crate::texture::Texture;
 
-/// Columns and rows from `left`, `top` up to, not including, `right`, `bottom`.
+/// Rectangle of pixels: columns and rows from `left`, `top` to `right`, `bottom`, the latter excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Rectangle {
     pub(crate) left: i32,
@@ -25,29 +25,29 @@ pub(crate) struct Rectangle {
 /// Whole rows of a picture.
 pub(crate) struct Band<'a> {
     pub(crate) pixels: &'a mut [[u8; 4]],
-    /// Their depths, where there is an eye.
+    /// Depths of the pixels; empty without an eye.
     pub(crate) depths: &'a mut [f32],
     pub(crate) eye: Option<Eye>,
     /// Width of the picture [pixels].
     pub(crate) width: usize,
-    /// The first row.
+    /// First row.
     pub(crate) top: i32,
-    /// The part of the band that is drawn on.
+    /// Part of the band to which drawing is restricted.
     pub(crate) clip: Rectangle,
 }
 
-/// The greatest width of a disc that is drawn from side to side in each of its rows: equally many pixels are quicker, as the
-/// processor foresees the end of the loop.
+/// Maximum width of a disc whose rows are all drawn over its full width. An equal number of pixels is faster, because the
+/// processor predicts the end of the loop.
 const NARROW: i32 = 2 * LANES as i32;
 
-/// Triangles that are no farther apart in depth than so many pixels are wide may be parts of one surface.
+/// Maximum difference in depth of triangles that may be parts of one surface [pixel widths].
 const SEAM: f32 = 3.0;
 
-/// The fourth byte of a pixel that is all glow; what is blended over it takes its share away.
+/// Fourth byte of a pixel that consists of glow only. Colors blended over it reduce this share.
 pub(crate) const GLOW: u8 = 255;
 
 impl Band<'_> {
-    /// The rows.
+    /// Range of the rows.
     pub(crate) fn rows(&self) -> std::ops::Range<usize> {
         let first = self.top as usize;
         first..first + self.pixels.len() / self.width
@@ -90,16 +90,16 @@ impl Band<'_> {
         }
     }
 
-    /// Draws the smallest disc: it covers the centers of at most four pixels, and a frame may hold a million of them.
+    /// Draws the smallest disc. It covers the centers of at most four pixels, and a frame may hold a million of such discs.
     #[inline(always)]
     fn speck(&mut self, [x, y]: [f32; 2], color: Ink, opacity: f32) {
         let Rectangle { left, top, right, bottom } = self.clip;
         let inside = x > left as f32 - 1.0 && x < right as f32 + 1.0 && y > top as f32 - 1.0 && y < bottom as f32 + 1.0;
         if !inside {
-            return; // NaN is neither
+            return; // also for NaN
         }
         let paint = Paint::new(color, opacity);
-        let (column, row) = ((x + 0.5) as i32 - 1, (y + 0.5) as i32 - 1); // of the upper left of the four
+        let (column, row) = ((x + 0.5) as i32 - 1, (y + 0.5) as i32 - 1); // of the upper left pixel of the four
         let (dx, dy) = (column as f32 + 0.5 - x, row as f32 + 0.5 - y);
         let mut amounts = [0; 4];
         for (corner, amount) in amounts.iter_mut().enumerate() {
@@ -128,14 +128,14 @@ impl Band<'_> {
         let (ux, uy) = (x1 - x0, y1 - y0);
         let length = (ux * ux + uy * uy).sqrt();
         let per_square = if length > 0.0 { 1.0 / (length * length) } else { 0.0 };
-        // Along a row the band around the line is twice as wide; a level line's band is the whole row.
+        // The intersection of a row with the band around the line has twice this width; for a level line it is the whole row.
         let (slope, spread) = if uy == 0.0 { (0.0, f32::INFINITY) } else { (ux / uy, reach * length / uy.abs()) };
         let across = ((2.0 * spread) as i32).saturating_add(1).min(area.right - area.left);
         let paint = Paint::new(line.color, opacity);
         for row in area.top..area.bottom {
             let dy = row as f32 + 0.5 - y0;
             let middle = x0 + dy * slope;
-            // Beyond an end the cap reaches as far as the end itself does, which the sides of the box bound.
+            // Beyond an end, the cap reaches as far as the end itself, which the sides of the box bound.
             let (pixels, offset) = self.groups(row, nearest_edge(middle - spread).max(area.left), across);
             paint.blend_row(pixels, mixing, |columns| {
                 let dx = columns + (offset - x0);
@@ -146,8 +146,9 @@ impl Band<'_> {
         }
     }
 
-    /// Draws a triangle, half a pixel larger than it is, and keeps its depth; not larger over pixels whose centers lie in another
-    /// one that is about as deep, or an edge between two sides would lie now on one side, now on the other.
+    /// Draws a triangle enlarged by half a pixel, and stores its depth. The triangle is not enlarged over pixels whose centers
+    /// lie in another triangle of about equal depth. Otherwise an edge between two sides would lie alternately on one side and on
+    /// the other.
     pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
         const MORE: f32 = 0.5;
         let [a, b, c] = triangle.corners;
@@ -168,7 +169,7 @@ impl Band<'_> {
             for ((pixel, kept), column) in pixels.zip(depths).zip(0_u16..) {
                 let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
                 let outside = beyond(&edges, x, y);
-                // Beyond a sharp corner the lines along the sides meet far away: there, the distance of the corner counts.
+                // Beyond a sharp corner, the lines along the sides meet far away: there the distance from the corner counts.
                 let outside = if outside > 0.0 { outside.max(away(&triangle.corners, x, y)) } else { outside };
                 let mut coverage = ramp(outside - MORE);
                 if coverage > 0.0 {
@@ -193,8 +194,8 @@ impl Band<'_> {
         }
     }
 
-    /// Draws a halo: light of intensity (1 − d²/r²)² at the distance d from its center, in screen blending, 1 − (1 − a)(1 −
-    /// b), which saturates at white; a shadow is the same for the complement of its color.
+    /// Draws a halo: light of intensity (1 − d²/r²)² at the distance d from its center. The light is blended by screen blending,
+    /// 1 − (1 − a)(1 − b), which saturates at white. A shadow applies the same blending to the complement of its color.
     pub(crate) fn halo(&mut self, halo: Halo) {
         let (radius, [x, y]) = (halo.radius, halo.center);
         let Some(area) = self.visible([x - radius, y - radius], [x + radius, y + radius]).filter(|_| radius > 0.0) else {
@@ -239,7 +240,7 @@ impl Band<'_> {
         }
     }
 
-    /// Blends `color` into one pixel with a coverage of 0–1; no effect outside the picture.
+    /// Blends `color` into one pixel with a coverage of 0–1; no effect outside the clip.
     pub(crate) fn dot(&mut self, x: i32, y: i32, color: Ink, coverage: f32) {
         let Rectangle { left, top, right, bottom } = self.clip;
         if (left..right).contains(&x) && (top..bottom).contains(&y) {
@@ -247,7 +248,7 @@ impl Band<'_> {
         }
     }
 
-    /// The pixels whose centers lie between two corners and inside the clip; None for NaN coordinates.
+    /// Pixels whose centers lie between two corners and inside the clip; None for NaN coordinates.
     pub(crate) fn visible(&self, low: [f32; 2], high: [f32; 2]) -> Option<Rectangle> {
         let Rectangle { left, top, right, bottom } = self.clip;
         let area = Rectangle {
@@ -260,8 +261,8 @@ impl Band<'_> {
         (finite && area.left < area.right && area.top < area.bottom).then_some(area)
     }
 
-    /// So many pixels of a row from a column on, and the center of the first; beside them as many others as fill groups of
-    /// [`LANES`], where the clip has them.
+    /// Returns `count` pixels of a row from a column on, and the center of the first. Adjacent pixels within the clip are added
+    /// to fill groups of [`LANES`].
     #[inline(always)]
     fn groups(&mut self, row: i32, start: i32, count: i32) -> (&mut [[u8; 4]], f32) {
         let Rectangle { left, right, .. } = self.clip;
@@ -272,7 +273,7 @@ impl Band<'_> {
         (&mut self.pixels[first + start as usize..first + end as usize], start as f32 + 0.5)
     }
 
-    /// The pixels of a row whose centers lie from `low` to `high`, within `area`, and the center of the first.
+    /// Pixels of a row whose centers lie from `low` to `high`, within `area`, and the center of the first.
     #[inline(always)]
     fn span(&mut self, area: Rectangle, row: i32, low: f32, high: f32) -> (&mut [[u8; 4]], f32) {
         let start = nearest_edge(low).clamp(area.left, area.right);
@@ -282,14 +283,15 @@ impl Band<'_> {
     }
 }
 
-/// The pixel edge nearest to a coordinate: centers to its right are the first beyond. Coordinates left of the picture may
-/// be rounded the wrong way, which the clip makes harmless. (`f32::floor` is a call on the oldest x86-64.)
+/// Pixel edge nearest to a coordinate: the first center beyond the coordinate is to the right of the edge. Coordinates left of
+/// the picture may be rounded the wrong way, which the clip makes harmless. (On the oldest x86-64, `f32::floor` is a function
+/// call.)
 #[inline(always)]
 fn nearest_edge(coordinate: f32) -> i32 {
     (coordinate + 0.5) as i32
 }
 
-/// Outward unit normals n and offsets c of a convex polygon's sides: outside is where n·x > c.
+/// Outward unit normals n and offsets c of the sides of a convex polygon: n·x > c outside.
 fn edges(corners: &[[f32; 2]]) -> Vec<[f32; 3]> {
     let count = corners.len() as f32;
     let middle = corners.iter().fold([0.0; 2], |sum, c| [sum[0] + c[0] / count, sum[1] + c[1] / count]);
@@ -323,8 +325,8 @@ fn away([a, b, c]: &[[f32; 2]; 3], x: f32, y: f32) -> f32 {
     from(*a, *b).min(from(*b, *c)).min(from(*c, *a)).sqrt()
 }
 
-/// Depth of the plane of a triangle of known doubled signed area at a point, which may lie a little beside it, as far as it is one
-/// of the triangle's. (Clamped barycentric coordinates would be those of a place far away in one that is thin.)
+/// Depth of the plane of a triangle at a point, limited to the depths of the triangle. The point may lie slightly outside, and
+/// `doubled` is the doubled signed area. (In a thin triangle, clamped barycentric coordinates would belong to a point far away.)
 #[inline(always)]
 fn depth(Triangle { corners: [a, b, c], depths: [first, second, third], .. }: &Triangle, doubled: f32, x: f32, y: f32) -> f32 {
     let (scale, x, y) = (1.0 / doubled, x - a[0], y - a[1]);
@@ -344,7 +346,7 @@ fn barycentric([a, b, c]: &[[f32; 2]; 3], doubled: f32, x: f32, y: f32) -> [f32;
     [1.0 - second - third, second, third]
 }
 
-/// The weighted mean of three corner values.
+/// Weighted mean of three corner values.
 #[inline(always)]
 fn mean<const N: usize>(corners: &[[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
     let [a, b, c] = corners;

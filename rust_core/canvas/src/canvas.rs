@@ -1,4 +1,4 @@
-//! The pixels of one frame.
+//! Pixels of one frame.
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
@@ -12,18 +12,18 @@ use crate::ink::Mixing;
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
 
-/// A picture in sRGB. Shapes are blended in the order of drawing and clipped to the picture.
+/// Picture in sRGB. Shapes are blended in the order of drawing and clipped to the picture.
 #[derive(Clone, Debug)]
 pub struct Canvas {
     width: usize,
     height: usize,
-    /// Pixels along each side of one of the picture that [`Canvas::reduced`] gives.
+    /// Number of pixels along each side of a pixel of the picture returned by [`Canvas::reduced`].
     samples: usize,
-    /// Row by row from the top; the fourth byte says how much of a pixel is glow, whose gradients are dithered where there are
-    /// few colors.
+    /// Pixels, row by row from the top. The fourth byte is the share of glow, whose gradients are dithered if there are few
+    /// colors.
     pixels: Vec<[u8; 4]>,
     backdrop: Vec<[u8; 4]>,
-    /// The eye of a picture in space, and then the depth of what each pixel shows; empty without one.
+    /// Eye of a picture in space, and the depth of the surface that each pixel shows; empty without an eye.
     eye: Option<Eye>,
     depths: Vec<f32>,
     backdrop_depths: Vec<f32>,
@@ -31,13 +31,13 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A canvas of one color; its sides are from 1 to 65535 pixels.
+    /// Creates a canvas of one color. Its sides are from 1 to 65535 pixels.
     pub fn new(width: usize, height: usize, background: Rgb) -> Result<Self, Error> {
         Self::supersampled(width, height, background, 1)
     }
 
-    /// A canvas that draws `samples` × `samples` pixels for each one of a picture of these sides; places and lengths are given
-    /// in pixels of that picture, which is [`Canvas::reduced`].
+    /// Creates a canvas that draws `samples` × `samples` pixels for each pixel of a picture of this size. Positions and lengths
+    /// are given in pixels of that picture, which is [`Canvas::reduced`].
     pub fn supersampled(width: usize, height: usize, background: Rgb, samples: usize) -> Result<Self, Error> {
         let (width, height) = (width.saturating_mul(samples), height.saturating_mul(samples));
         let sides = 1..=usize::from(u16::MAX);
@@ -60,18 +60,17 @@ impl Canvas {
         self.height
     }
 
-    /// The pixels, row by row from the top: red, green, blue, and how much of it is glow, which [`Palette`](crate::Palette)
-    /// dithers.
+    /// Pixels, row by row from the top: red, green, blue, and the share of glow, which [`Palette`](crate::Palette) dithers.
     pub fn pixels(&self) -> &[[u8; 4]] {
         &self.pixels
     }
 
-    /// Pixels along each side of one of the reduced picture.
+    /// Number of pixels along each side of a pixel of the reduced picture.
     pub(crate) fn samples(&self) -> usize {
         self.samples
     }
 
-    /// The picture that is meant: each of its pixels is the mean of those that were drawn for it.
+    /// Reduced picture: each of its pixels is the mean of the samples drawn for it.
     pub fn reduced(&self) -> Cow<'_, Self> {
         if self.samples == 1 {
             return Cow::Borrowed(self);
@@ -96,26 +95,26 @@ impl Canvas {
         Cow::Owned(Self { width, height, samples: 1, pixels, backdrop, eye, depths, backdrop_depths, clip })
     }
 
-    /// Makes the present picture the backdrop that [`Canvas::clear`] restores: static shapes are drawn once.
+    /// Makes the present picture the backdrop that [`Canvas::clear`] restores: static shapes are drawn only once.
     pub fn keep(&mut self) {
         self.backdrop.copy_from_slice(&self.pixels);
         self.backdrop_depths.clone_from(&self.depths);
     }
 
-    /// Restores the backdrop: the picture kept last, at first the background.
+    /// Restores the backdrop: the picture kept last, or initially the background.
     pub fn clear(&mut self) {
         self.pixels.copy_from_slice(&self.backdrop);
         self.depths.clone_from(&self.backdrop_depths);
     }
 
-    /// Sets the eye of all later drawing: from now on the depth of what each pixel shows is kept.
+    /// Sets the eye of all later drawing: from now on the depth of each pixel is recorded.
     pub fn look_from(&mut self, eye: Eye) {
         let times = self.samples as f32;
         self.eye = Some(Eye { scale: times * eye.scale, middle: eye.middle.map(|place| times * place), ..eye });
         self.depths.resize(self.pixels.len(), OPEN);
     }
 
-    /// The eye.
+    /// Eye of the picture, if any.
     pub(crate) fn eye(&self) -> Option<Eye> {
         self.eye
     }
@@ -140,7 +139,7 @@ impl Canvas {
         self.whole().line(line, Mixing::Over);
     }
 
-    /// Draws a triangle, half a pixel larger than it is.
+    /// Draws a triangle, enlarged by half a pixel.
     pub fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
         let triangle = triangle.scaled(self.samples as f32);
         self.whole().triangle(&triangle, texture);
@@ -174,44 +173,44 @@ impl Canvas {
         self.whole().polygon(&corners, color);
     }
 
-    /// Blends `color` into one pixel with a coverage of 0–1; no effect outside the picture.
+    /// Blends `color` into one pixel with a coverage of 0–1; no effect outside the clip.
     pub(crate) fn dot(&mut self, x: i32, y: i32, color: Ink, coverage: f32) {
         self.whole().dot(x, y, color, coverage);
     }
 
-    /// The clip: the first column and row, and those after the last.
+    /// Clip: first column and row, and one past the last column and row.
     pub(crate) fn clipped(&self) -> [usize; 4] {
         let Rectangle { left, top, right, bottom } = self.clip;
         [left, top, right, bottom].map(|edge| edge as usize)
     }
 
-    /// The pixels of a row.
+    /// Pixels of a row.
     pub(crate) fn row_mut(&mut self, row: usize) -> &mut [[u8; 4]] {
         &mut self.pixels[row * self.width..(row + 1) * self.width]
     }
 
-    /// The pixels of a row, and their depths, if there are any.
+    /// Pixels of a row and their depths, if any.
     pub(crate) fn row_with_depths(&mut self, row: usize) -> (&mut [[u8; 4]], &mut [f32]) {
         let range = row * self.width..(row + 1) * self.width;
         (&mut self.pixels[range.clone()], self.depths.get_mut(range).unwrap_or_default())
     }
 
-    /// The depths of the backdrop.
+    /// Depths of the backdrop.
     pub(crate) fn backdrop_depths(&self) -> &[f32] {
         &self.backdrop_depths
     }
 
-    /// All rows.
+    /// Band of all rows.
     fn whole(&mut self) -> Band<'_> {
         Band { pixels: &mut self.pixels, depths: &mut [], eye: None, width: self.width, top: 0, clip: self.clip }
     }
 
-    /// The depths of all pixels.
+    /// Depths of all pixels.
     pub(crate) fn depths(&self) -> &[f32] {
         &self.depths
     }
 
-    /// The rows in at most `count` bands of about equal height.
+    /// Divides the rows into at most `count` bands of about equal height.
     pub(crate) fn bands(&mut self, count: usize) -> impl Iterator<Item = Band<'_>> {
         let (width, clip, eye, height) = (self.width, self.clip, self.eye, self.height.div_ceil(count.max(1)));
         let mut depths = self.depths.chunks_mut(width * height);

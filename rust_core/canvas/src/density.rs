@@ -1,27 +1,27 @@
-//! The density of very many points as light: counted in pixels, smoothed, and exposed by the tone curve of a film.
+//! Density of very many points as light: counted in pixels, smoothed, and exposed by the tone curve of a film.
 
 use crate::canvas::Canvas;
 use crate::color::Rgb;
 
-/// How a density becomes colors.
+/// Mapping of a density to colors.
 #[derive(Clone, Copy, Debug)]
 pub struct Exposure<'a> {
     /// Colors from the darkest to the brightest.
     pub table: &'a [Rgb],
-    /// The light of the density in which a typical point is; 1 is exposed well.
+    /// Exposure: light at the density of a typical point; 1 is a normal exposure.
     pub strength: f32,
-    /// The standard deviation of a point's light [pixels].
+    /// Standard deviation of the light of a point [pixels].
     pub spread: f32,
 }
 
-/// The light that the tone curve sees where a typical point is.
+/// Light at a typical point, as input of the tone curve.
 const TYPICAL: f32 = 0.5;
-/// The tone from which on a color is opaque.
+/// Tone above which a color is opaque.
 const OPAQUE: f32 = 0.3;
-/// The exponent of displays.
+/// Gamma exponent of displays.
 const DISPLAY: f32 = 2.2;
 
-/// The tone, 0 to 1, of an amount of light: dark parts keep their contrast, and bright ones do not run together.
+/// Tone, 0 to 1, of an amount of light: dark parts keep their contrast, and bright parts do not saturate.
 ///
 /// Source: K. Narkowicz, "ACES filmic tone mapping curve" (2016), a fit to the curve of the Academy Color Encoding System.
 fn tone(light: f32) -> f32 {
@@ -29,7 +29,7 @@ fn tone(light: f32) -> f32 {
     curve.clamp(0.0, 1.0).powf(1.0 / DISPLAY)
 }
 
-/// Light on some columns and rows.
+/// Light on a rectangle of pixels.
 struct Film {
     width: usize,
     height: usize,
@@ -37,10 +37,10 @@ struct Film {
 }
 
 impl Film {
-    /// Adds a point at a place, shared by the four nearest pixels.
+    /// Adds a point, distributed over the four nearest pixels.
     fn add(&mut self, [x, y]: [f32; 2]) {
         let (x, y) = (x - 0.5, y - 0.5);
-        // Written so that NaN is outside.
+        // Negated, so NaN is outside.
         if !(x > -1.0 && y > -1.0 && x < self.width as f32 && y < self.height as f32) {
             return;
         }
@@ -83,7 +83,7 @@ impl Film {
         }
     }
 
-    /// The density in which a typical point is: its mean over all points.
+    /// Density at a typical point: the mean density over all points.
     fn typical(&self) -> f32 {
         let (sum, squares) = self
             .light

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use crate::lzw::TRANSPARENT;
 
-/// Runs of unchanged pixels at least this long become transparent. Shorter ones would break the strings that repeat around
-/// them: on `benches/film.py` the file grows by 2 % when every unchanged pixel is transparent.
+/// Minimum length of runs of unchanged pixels that become transparent. Shorter runs would break the repeated strings around them.
+/// With `benches/film.py` the file grows by 2 % if every unchanged pixel is transparent.
 const SHORTEST_RUN: usize = 32;
 
-/// Pixels that are compared at once. A run of twice as many, less one, holds such a group at a multiple of its length.
+/// Number of pixels compared at once. A run of at least twice this length, less one, contains an aligned group of this length.
 const GROUP: usize = 16;
 const _: () = assert!(SHORTEST_RUN >= 2 * GROUP - 1);
 
@@ -22,7 +22,7 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// The bounding rectangle of all changed pixels; one pixel if none has changed.
+    /// Bounding rectangle of all changed pixels; one pixel if none has changed.
     pub(crate) fn between(before: &[u8], now: &[u8], width: usize) -> Self {
         let rows = || now.chunks_exact(width).zip(before.chunks_exact(width));
         let Some(top) = rows().position(|(now, before)| now != before) else {
@@ -39,7 +39,7 @@ impl Patch {
         Self { left, top, width: right - left, height: bottom - top }
     }
 
-    /// The part of a picture `width` pixels wide, into `out`.
+    /// Copies this part of a picture of `width` columns to `out`.
     pub(crate) fn cut(&self, picture: &[u8], width: usize, out: &mut Vec<u8>) {
         out.clear();
         for row in picture.chunks_exact(width).skip(self.top).take(self.height) {
@@ -47,7 +47,7 @@ impl Patch {
         }
     }
 
-    /// Writes the symbols of the patch over a picture `width` pixels wide, but for transparent ones.
+    /// Writes the symbols of the patch to a picture of `width` columns, except transparent ones.
     pub(crate) fn paste(&self, symbols: &[u8], width: usize, picture: &mut [u8]) {
         let rows = picture.chunks_exact_mut(width).skip(self.top);
         for (row, symbols) in rows.zip(symbols.chunks_exact(self.width)) {
@@ -57,7 +57,7 @@ impl Patch {
         }
     }
 
-    /// Makes long runs of unchanged pixels of a patch transparent; returns their number.
+    /// Makes long runs of unchanged pixels of a patch transparent; returns the number of these pixels.
     pub(crate) fn clear_unchanged(&self, before: &[u8], width: usize, symbols: &mut [u8]) -> usize {
         let rows = before.chunks_exact(width).skip(self.top).map(|row| &row[self.left..][..self.width]);
         let mut cleared = 0;
@@ -75,7 +75,7 @@ impl Patch {
     }
 }
 
-/// The first run of equal pixels from `start` on that holds a whole group, as every long one does.
+/// First run of equal pixels from `start` on that contains a whole aligned group, as every long run does.
 fn next_run(now: &[u8], before: &[u8], start: usize) -> Option<Range<usize>> {
     let group = start.div_ceil(GROUP);
     let ((groups, _), (others, _)) = (now.as_chunks::<GROUP>(), before.as_chunks::<GROUP>());

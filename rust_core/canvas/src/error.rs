@@ -5,7 +5,7 @@ use std::io;
 /// Error of creating a canvas or writing a film.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A GIF stores its width and height in 16 bits each, and an empty picture cannot be shown.
+    /// Invalid size: a GIF stores width and height in 16 bits each, and an empty picture cannot be shown.
     #[error("size: each side must be from 1 to 65535 pixels, got {width} × {height}")]
     Size {
         /// Requested width [pixels].
@@ -13,7 +13,7 @@ pub enum Error {
         /// Requested height [pixels].
         height: usize,
     },
-    /// A frame has not the size of the film.
+    /// Size of a frame that differs from that of the film.
     #[error("frame: must be {expected:?} pixels like the film, got {got:?}")]
     FrameSize {
         /// Width and height of the film [pixels].
@@ -21,13 +21,13 @@ pub enum Error {
         /// Width and height of the frame [pixels].
         got: (usize, usize),
     },
-    /// The quality is neither of the two.
+    /// Unknown quality.
     #[error("quality: must be \"fast\" or \"high\", got {got:?}")]
     Quality {
-        /// The requested quality.
+        /// Requested quality.
         got: String,
     },
-    /// The operating system could not write.
+    /// Write error of the operating system.
     #[error(transparent)]
     Write(#[from] io::Error),
 }

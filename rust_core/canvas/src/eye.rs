@@ -1,26 +1,26 @@
-//! The eye of a picture in space: places of pixels whose depth is known, and the depths of what is drawn.
+//! Eye of a picture in space: positions of pixels of known depth, and the depths of drawn shapes.
 //!
-//! A canvas that has an eye keeps the depth of the surface that each pixel shows: later lights find by it where shadows fall
-//! (`light`). Shapes are painted from the far to the near, so that the depth is that of the last one that covers a pixel.
+//! A canvas with an eye records the depth of the surface that each pixel shows. Later lighting (`light`) uses these depths to
+//! compute shadows. Shapes are painted from far to near, so the depth is that of the last shape that covers a pixel.
 
 use crate::band::Band;
 use crate::color::Ink;
 use crate::shapes::{Disc, Line};
 
-/// The eye: from where a projection sees.
+/// Eye point of a projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eye {
     /// Pixels per unit of length at the focus.
     pub scale: f32,
-    /// The pixel of the focus.
+    /// Pixel of the focus.
     pub middle: [f32; 2],
     /// Distance of the eye from the focus; infinite for an orthographic projection.
     pub distance: f32,
 }
 
-/// Depth of a pixel that shows no surface, or one that takes no shadow.
+/// Depth of a pixel that shows no surface, or a surface that receives no shadow.
 pub(crate) const OPEN: f32 = f32::INFINITY;
-/// Opacity from which on a shape is a surface [1/255].
+/// Minimum opacity of a shape that counts as a surface [1/255].
 const SOLID: u8 = 200;
 
 impl Eye {
@@ -30,17 +30,17 @@ impl Eye {
         1.0 / self.length(depth)
     }
 
-    /// The length of a pixel at a depth behind the focus.
+    /// Length of a pixel at a depth behind the focus.
     #[inline(always)]
     pub(crate) fn length(self, depth: f32) -> f32 {
         const NEAREST: f32 = 0.05;
         let per_scale = 1.0 / self.scale;
-        // Hoisted out of loops: the eye is the same for all pixels.
+        // Hoisted out of loops: the eye is equal for all pixels.
         let per_depth = if self.distance < f32::INFINITY { per_scale / self.distance } else { 0.0 };
         (per_scale + per_depth * depth).max(NEAREST * per_scale)
     }
 
-    /// The place of a pixel at a depth: to the right, up and toward the eye from the focus.
+    /// Position of a pixel at a depth: right, up and toward the eye from the focus.
     #[inline(always)]
     pub(crate) fn place(self, [x, y]: [f32; 2], depth: f32) -> [f32; 3] {
         let per_pixel = self.length(depth);
@@ -48,31 +48,31 @@ impl Eye {
     }
 }
 
-/// The depth of what covers the center of a pixel. Its last bit says so, which is far smaller than what depths are known to.
+/// Marks the depth of a shape that covers the center of a pixel. The mark is the last bit, far below the accuracy of depths.
 #[inline(always)]
 pub(crate) fn at_center(depth: f32) -> f32 {
     if depth == OPEN { OPEN } else { f32::from_bits(depth.to_bits() & !1) }
 }
 
-/// The depth of what covers half of a pixel or more, but not its center.
+/// Marks the depth of a shape that covers half of a pixel or more, but not its center.
 #[inline(always)]
 pub(crate) fn beside_center(depth: f32) -> f32 {
     if depth == OPEN { OPEN } else { f32::from_bits(depth.to_bits() | 1) }
 }
 
-/// Whether it is the former.
+/// Whether a depth is that of a shape that covers the center of the pixel.
 #[inline(always)]
 pub(crate) fn is_center(depth: f32) -> bool {
     depth.to_bits() & 1 == 0
 }
 
-/// Whether a shape of this ink hides what is behind it.
+/// Whether a shape of this ink hides the background.
 pub(crate) fn is_solid(ink: Ink) -> bool {
     ink[3] >= SOLID
 }
 
 impl Band<'_> {
-    /// Keeps the depth of a disc, which is a ball if it is shaded; one that is not takes no shadow.
+    /// Records the depth of a disc. A shaded disc is a ball; an unshaded disc receives no shadow.
     pub(crate) fn deepen_disc(&mut self, disc: &Disc, depth: f32) {
         let Some(eye) = self.eye.filter(|_| is_solid(disc.color)) else {
             return;
@@ -85,12 +85,12 @@ impl Band<'_> {
         });
     }
 
-    /// Keeps the depth of a line, which is a rod with round ends at two depths; of rods that meet in an end, that of the one in
-    /// front, or each would have a notch where the round end of the other covers it.
+    /// Records the depth of a line, which is a rod with round ends at two depths. Where rods meet in an end, the depth is that of
+    /// the one in front. Otherwise each rod would have a notch where the round end of the other covers it.
     ///
-    /// With the axis z = z₀ + s t over the place t along the line, all in pixels, a rod of radius h has at the distance e from
-    /// it the front z₀ + s t − b √(1 + s²), b = √(h² − e²), whose foot on the axis is at t − s b / √(1 + s²). Where that is
-    /// beyond an end, the front is that of the ball there.
+    /// Let z = z₀ + s t be the axis over the position t along the line, all in pixels. At the distance e from the axis, the front
+    /// of a rod of radius h is z₀ + s t − b √(1 + s²), with b = √(h² − e²). Its foot on the axis is at t − s b / √(1 + s²). If
+    /// the foot is beyond an end, the front is that of the ball at this end.
     pub(crate) fn deepen_line(&mut self, line: &Line, [first, last]: [f32; 2]) {
         let Some(eye) = self.eye.filter(|_| is_solid(line.color)) else {
             return;
@@ -124,7 +124,8 @@ impl Band<'_> {
         });
     }
 
-    /// Keeps depths of the pixels between two corners for whose centers, and the depths there before, there is one.
+    /// Records depths of the pixels between two corners. The function gives the depth, if any, from the center of a pixel and its
+    /// previous depth.
     #[inline(always)]
     fn deepen(&mut self, low: [f32; 2], high: [f32; 2], depth: impl Fn(f32, f32, f32) -> Option<f32>) {
         let Some(area) = self.visible(low, high) else {
@@ -141,7 +142,7 @@ impl Band<'_> {
         }
     }
 
-    /// Keeps the depth of one pixel inside the clip.
+    /// Records the depth of one pixel inside the clip.
     pub(crate) fn deepen_dot(&mut self, x: i32, y: i32, depth: f32) {
         let clip = self.clip;
         if self.eye.is_some() && (clip.left..clip.right).contains(&x) && (clip.top..clip.bottom).contains(&y) {

@@ -1,12 +1,12 @@
-//! A file that appears under its name only when it is complete.
+//! Files that appear under their name only when complete.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Written under a temporary name beside the target and renamed by [`NewFile::commit`]. Dropped before that, or on any failure,
-/// it is removed, and whatever stood under the name stays as it was.
+/// File written under a temporary name beside the target and renamed by [`NewFile::commit`]. If dropped before, or after any
+/// failure, the temporary file is removed. An existing file under the target's name then stays unchanged.
 #[derive(Debug)]
 pub struct NewFile {
     writer: BufWriter<File>,
@@ -16,7 +16,7 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Opens a temporary file beside `path`; a link is followed, so that it stays a link.
+    /// Opens a temporary file beside `path`. A symbolic link is followed and remains a link.
     pub fn create(path: &Path) -> io::Result<Self> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
@@ -31,7 +31,7 @@ impl NewFile {
         Ok(Self { writer: BufWriter::with_capacity(1 << 16, file), temporary, target, committed: false })
     }
 
-    /// Puts the file under its name, after its bytes have reached the disk.
+    /// Renames the file to its target, after its bytes have reached the disk.
     pub fn commit(mut self) -> io::Result<()> {
         self.writer.flush()?;
         self.writer.get_ref().sync_all()?;
@@ -54,7 +54,7 @@ impl Write for NewFile {
 impl Drop for NewFile {
     fn drop(&mut self) {
         if !self.committed {
-            // There is no further remedy if that fails; the target is complete either way.
+            // No further remedy exists if this fails; the target is complete either way.
             let _ = fs::remove_file(&self.temporary);
         }
     }

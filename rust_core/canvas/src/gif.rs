@@ -1,7 +1,9 @@
-//! The `GIF89a` container: one global palette, frames that store only changed pixels, in an endless loop.
+//! Container format `GIF89a`: one global palette, frames that store only changed pixels, in an endless loop.
 //!
-//! A frame is the smallest rectangle that holds every changed pixel, kept on the screen when the next one comes. A frame that
-//! equals the last is still a frame: one transparent pixel. Source: `CompuServe`, "Graphics Interchange Format, version 89a" (1990).
+//! A frame is the smallest rectangle that contains every changed pixel. It stays on the screen when the next frame comes. A frame
+//! equal to the previous one is still stored, as one transparent pixel.
+//!
+//! Source: `CompuServe`, "Graphics Interchange Format, version 89a" (1990).
 
 use std::io::Write;
 
@@ -13,7 +15,7 @@ use crate::palette::Palette;
 use crate::quality::Quality;
 use crate::tolerant::{Tolerance, TolerantEncoder, Wish};
 
-/// Writes frames one by one; memory does not grow with their number, and equal frames give equal bytes.
+/// GIF writer, frame by frame. Memory does not grow with the number of frames, and equal frames give equal bytes.
 pub struct Gif<W> {
     out: W,
     written: u64,
@@ -22,12 +24,12 @@ pub struct Gif<W> {
     palette: Palette,
     bits: u32,
     encoder: Encoder,
-    /// The colors that may stand for others, if any may, with their encoder.
+    /// Tolerance table of replaceable colors, if any may be replaced, with its encoder.
     tolerance: Option<(Tolerance, TolerantEncoder)>,
-    /// Indices of the last frame as it was drawn.
+    /// Palette indices of the last frame, as drawn.
     drawn: Vec<u8>,
     wishes: Vec<Wish>,
-    /// Indices on the screen after the last frame; empty before the first.
+    /// Palette indices on the screen after the last frame; empty before the first.
     shown: Vec<u8>,
     indices: Vec<u8>,
     symbols: Vec<u8>,
@@ -37,10 +39,10 @@ pub struct Gif<W> {
 }
 
 impl<W: Write> Gif<W> {
-    /// Begins a film of frames as large as `canvas`, in an endless loop.
+    /// Begins a film of frames with the size of `canvas`, in an endless loop.
     pub fn new(out: W, canvas: &Canvas, palette: Palette) -> Result<Self, Error> {
         let (width, height) = (canvas.width(), canvas.height());
-        // A table holds 2^bits colors, the first of which is the transparent index.
+        // A table holds 2^bits colors; the first is the transparent index.
         let bits = (palette.colors().len() + 1).next_power_of_two().ilog2().max(1);
         let mut header = b"GIF89a".to_vec();
         header.extend(short(width));
@@ -73,8 +75,9 @@ impl<W: Write> Gif<W> {
         Ok(gif)
     }
 
-    /// From the next frame on, lets a pixel have any color at most `distance` from the nearest one of the palette [levels of 255],
-    /// where that makes the file smaller; what rests does not change. 0, as at first, is the nearest color everywhere.
+    /// Allows inexact colors from the next frame on, where they make the file smaller. A pixel may then have any color at most
+    /// `distance` from the nearest palette color [levels of 255]. Pixels at rest do not change. With 0, the default, every pixel
+    /// has the nearest color.
     pub fn tolerate(&mut self, distance: u8) {
         self.tolerance = (distance > 0).then(|| {
             let table = Tolerance::new(self.palette.colors(), self.palette.reserved(), distance);
@@ -128,7 +131,7 @@ impl<W: Write> Gif<W> {
         let (patch, cleared) = self.compose();
         let mut bytes = std::mem::take(&mut self.bytes);
         self.store(patch, cleared > 0, delay, &mut bytes);
-        // Where most of a patch has changed, it can be smaller without any transparent pixel.
+        // If most of a patch has changed, it may be smaller without transparent pixels.
         if self.palette.quality() == Quality::High && cleared > 0 && 2 * cleared < patch.width * patch.height {
             patch.cut(&self.indices, self.width, &mut self.symbols);
             let mut rival = std::mem::take(&mut self.rival);
@@ -150,7 +153,7 @@ impl<W: Write> Gif<W> {
         let first = self.shown.is_empty();
         self.shown.resize(self.indices.len(), TRANSPARENT);
         self.drawn.resize(self.indices.len(), TRANSPARENT);
-        // What may stay as it is counts as unchanged.
+        // Pixels that may keep their color count as unchanged.
         let stays: Vec<u8> = self
             .indices
             .iter()
@@ -189,13 +192,13 @@ impl<W: Write> Gif<W> {
         (patch, cleared)
     }
 
-    /// The GIF blocks of a frame of `symbols`, into `bytes`.
+    /// Writes the GIF blocks of a frame of `symbols` to `bytes`.
     fn store(&mut self, patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
         Self::describe(patch, transparent, delay, bytes);
         self.encoder.encode(&self.symbols, self.bits, bytes);
     }
 
-    /// The GIF blocks before the symbols of a frame, into `bytes`.
+    /// Writes the GIF blocks that precede the symbols of a frame to `bytes`.
     fn describe(patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
         bytes.clear();
         // Graphic control: leave the frame in place (disposal 1); its lowest bit says whether one index is transparent.

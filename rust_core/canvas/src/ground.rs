@@ -1,32 +1,32 @@
-//! Level ground and a backdrop: what stands behind everything in space.
+//! Level ground and a backdrop, behind everything else in space.
 
 use crate::canvas::Canvas;
 use crate::color::Rgb;
 use crate::eye::{Eye, at_center};
 use crate::math::{cross, dot, minus, plus, threshold};
 
-/// Ground: a plane that is lit around a place and fades into what is behind it.
+/// Ground: a plane that is lit around a center and fades into the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// Unit normal: right, up, toward the eye.
     pub normal: [f32; 3],
-    /// The place on it that is lit best, likewise from the focus.
+    /// Brightest point of the plane, relative to the focus, in the same axes.
     pub center: [f32; 3],
-    /// The distance from there at which half of its color is left.
+    /// Distance from the center at which half of the color is left.
     pub size: f32,
-    /// Its color where it is lit best.
+    /// Color at the center.
     pub color: Rgb,
-    /// The color of its grid, the distance of lines, and their opacity there; lines go along `along`.
+    /// Color of the grid, distance of its lines, and their opacity at the center. Lines run along `along` and across it.
     pub grid: Option<(Rgb, f32, f32)>,
-    /// The direction of half of the lines.
+    /// Direction of half of the lines.
     pub along: [f32; 3],
-    /// The corners of the part of it that is there [pixels], in order, and the opacity that it has everywhere, as of a wall; None:
-    /// all of it, which fades with the distance.
+    /// Visible part of the plane, as of a wall: corners in order [pixels], and uniform opacity. None for the whole plane, which
+    /// fades with the distance.
     pub part: Option<([[f32; 2]; 4], f32)>,
 }
 
 impl Canvas {
-    /// Lets the background become lighter toward a place by a share of the way to a color, at once and everywhere in the clip.
+    /// Lightens the background toward a point by a share of the way to a color, at once and everywhere in the clip.
     pub fn backdrop(&mut self, center: [f32; 2], radius: f32, color: Rgb, share: f32) {
         let times = self.samples() as f32;
         let (center, radius) = (center.map(|place| times * place), times * radius);
@@ -36,14 +36,14 @@ impl Canvas {
         });
     }
 
-    /// Draws ground at once, with its depth; no effect without an eye, or if the eye is below it.
+    /// Draws ground at once, with its depth. No effect without an eye, or if the eye is below the ground.
     pub fn ground(&mut self, ground: &Ground) {
         let Some(eye) = self.eye() else {
             return;
         };
         let times = self.samples() as f32;
         let axes = [ground.along, cross(ground.normal, ground.along)];
-        // The place that is seen at a pixel, and its coordinates on the plane.
+        // Position seen at a pixel, and its coordinates on the plane.
         let seen = |x: f32, y: f32| {
             let place = meet(eye, ground, x, y)?;
             let from = minus(place, ground.center);
@@ -68,10 +68,10 @@ impl Canvas {
                 if let (Some((_, right)), Some((_, below))) = (right, below) {
                     let mut covered = 0.0_f32;
                     for axis in 0..2 {
-                        // The width of a pixel of the reduced picture on the plane, across the lines.
+                        // Width of a pixel of the reduced picture on the plane, across the lines.
                         let wide = (right[axis] - at[axis]).hypot(below[axis] - at[axis]) / pitch;
                         let away = (at[axis] / pitch - (at[axis] / pitch).round()).abs();
-                        // Where lines are nearer together than pixels they become a gray.
+                        // Lines closer together than pixels merge to a gray.
                         let line = (1.2 - away / wide.max(1e-9)).clamp(0.0, 1.0) * (0.25 / wide.max(1e-9)).min(1.0);
                         covered = covered.max(line);
                     }
@@ -82,7 +82,7 @@ impl Canvas {
         });
     }
 
-    /// Visits each pixel of the clip, its center and its depth.
+    /// Visits each pixel of the clip, with its center and its depth.
     fn each(&mut self, mut visit: impl FnMut(&mut [u8; 4], [f32; 2], &mut f32)) {
         let [left, top, right, bottom] = self.clipped();
         for row in top..bottom {
@@ -96,7 +96,7 @@ impl Canvas {
     }
 }
 
-/// Whether a place lies in a convex polygon with corners in either order.
+/// Whether a point lies in a convex polygon with corners in either order.
 fn surrounds(corners: &[[f32; 2]; 4], [x, y]: [f32; 2]) -> bool {
     let turn = |index: usize| {
         let ([x0, y0], [x1, y1]) = (corners[index], corners[(index + 1) % 4]);
@@ -105,7 +105,7 @@ fn surrounds(corners: &[[f32; 2]; 4], [x, y]: [f32; 2]) -> bool {
     (0..4).all(|index| turn(index) >= 0.0) || (0..4).all(|index| turn(index) <= 0.0)
 }
 
-/// Where the ray through a pixel meets the ground, if it does so before the eye and from above.
+/// Intersection of the ray through a pixel with the ground, if it is in front of the eye and hit from above.
 fn meet(eye: Eye, ground: &Ground, x: f32, y: f32) -> Option<[f32; 3]> {
     let focus = eye.place([x, y], 0.0);
     let (from, toward) = if eye.distance < f32::INFINITY {
@@ -120,7 +120,7 @@ fn meet(eye: Eye, ground: &Ground, x: f32, y: f32) -> Option<[f32; 3]> {
     seen.then(|| plus(from, way, toward)).filter(|place| place[2].is_finite())
 }
 
-/// Mixes a color into a pixel with an ordered dither: in the few colors of a GIF, gradients would have steps.
+/// Mixes a color into a pixel with an ordered dither: with the few colors of a GIF, gradients would show steps.
 #[inline(always)]
 fn mix_evenly(pixel: &mut [u8; 4], color: Rgb, share: f32, center: [f32; 2]) {
     const LEVELS: f32 = 3.0;

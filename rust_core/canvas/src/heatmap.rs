@@ -1,15 +1,15 @@
-//! Values on a uniform grid as colors: resampled by a cubic to the pixels of a picture, with isolines and masked cells.
+//! Heatmaps: values on a uniform grid as colors, resampled by a cubic to the pixels of a picture, with isolines and masked cells.
 
 use crate::color::{Ink, Rgb};
 
-/// Values at the cell centers of a grid of `columns` × `rows` cells, and the part of it that a picture shows.
+/// Values at the cell centers of a grid of `columns` × `rows` cells, and the part of the grid that a picture shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<'a> {
     /// Values, column by column, each from the lower edge upward.
     pub values: &'a [f64],
-    /// Number of cells to the right, and up.
+    /// Number of cells in the horizontal and vertical direction.
     pub cells: [usize; 2],
-    /// Pixels to the right, and down.
+    /// Number of pixels in the horizontal and vertical direction.
     pub size: [usize; 2],
     /// Coordinates of the center of the upper left pixel, in cells from the center of the lower left cell.
     pub corner: [f64; 2],
@@ -17,25 +17,25 @@ pub struct Samples<'a> {
     pub step: f64,
 }
 
-/// How values become colors.
+/// Mapping of values to colors.
 #[derive(Clone, Copy, Debug)]
 pub struct Shading<'a> {
     /// Colors of values from the first to the last of `ends`.
     pub table: &'a [Rgb],
-    /// Values of the first and of the last color.
+    /// Values of the first and the last color.
     pub ends: [f64; 2],
     /// Distance between isolines, and their ink.
     pub isolines: Option<(f64, Ink)>,
-    /// Strength of the light from the upper left on the surface of values; 0: none.
+    /// Strength of the light from the upper left on the surface of values; 0 for none.
     pub relief: f32,
 }
 
 /// Reach of the cubic kernel [samples].
 const REACH: f64 = 2.0;
-/// Output columns whose samples are gathered at once, so that whole cache lines are written.
+/// Number of output columns whose samples are gathered at once, so whole cache lines are written.
 const GROUP: usize = 16;
 
-/// Catmull and Rom's cubic, which passes through the samples.
+/// Catmull–Rom cubic, which interpolates the samples.
 ///
 /// Source: R. Keys, "Cubic convolution interpolation for digital image processing", IEEE Trans. ASSP 29, 1153 (1981), a = −1/2.
 fn cubic(x: f64) -> f64 {
@@ -47,7 +47,7 @@ fn cubic(x: f64) -> f64 {
     }
 }
 
-/// The quadratic B-spline. Of a mask it is one half on the faces of straight walls, however thin, and smooth along stairs.
+/// Quadratic B-spline. For a mask it is one half on the faces of straight walls, however thin, and smooth along stairs.
 fn smooth(x: f64) -> f64 {
     let x = x.abs();
     match x {
@@ -57,12 +57,12 @@ fn smooth(x: f64) -> f64 {
     }
 }
 
-/// Weights of the samples in each pixel along one axis. Where a pixel spans several samples the kernel is that much wider, so
-/// that it takes their mean instead of picking some.
+/// Weights of the samples in each pixel along one axis. If a pixel spans several samples, the kernel is wider by this factor. The
+/// pixel then is a mean of the samples instead of a selection.
 struct Weights {
-    /// The first sample of each pixel.
+    /// First sample of each pixel.
     first: Vec<usize>,
-    /// `taps` factors of the samples from there on, for each pixel.
+    /// Weights of the `taps` samples from there on, for each pixel.
     factors: Vec<f32>,
     taps: usize,
 }
@@ -82,7 +82,7 @@ impl Weights {
                 let place = lowest + index as f64;
                 let weight = kernel((place - at) / width);
                 sum += weight;
-                // Beyond the edges the outermost samples go on.
+                // Beyond the edges, the outermost samples are continued.
                 let sample = place.clamp(0.0, (count - 1) as f64) as usize;
                 spread[sample.clamp(begin, begin + taps - 1) - begin] += weight;
             }
@@ -98,12 +98,12 @@ impl Weights {
 }
 
 impl Samples<'_> {
-    /// The values at the pixels, row by row from the top.
+    /// Values at the pixels, row by row from the top.
     fn resampled(&self, kernel: fn(f64) -> f64) -> Vec<f32> {
         let ([columns, rows], [width, height], [x, y]) = (self.cells, self.size, self.corner);
         let across = Weights::new(kernel, columns, width, x, self.step);
         let along = Weights::new(kernel, rows, height, y, -self.step);
-        // Only the rows of cells that are seen.
+        // Only visible rows of cells.
         let lowest = along.first.iter().copied().min().unwrap_or(0);
         let highest = along.first.iter().copied().max().unwrap_or(0) + along.taps;
         let seen = highest - lowest;
@@ -136,15 +136,15 @@ impl Samples<'_> {
     }
 }
 
-/// How much of each pixel is covered by cells whose values are 1, not 0: 0–255, row by row from the top.
+/// Coverage of each pixel by cells whose values are 1, not 0: 0–255, row by row from the top.
 pub fn coverage(samples: Samples<'_>) -> Vec<u8> {
-    // The edge of the smoothed mask is where it is one half, and a pixel wide.
+    // The edge of the smoothed mask is the isoline of one half, one pixel wide.
     let steepness = (1.0 / samples.step).max(1.0) as f32;
     let covered = samples.resampled(smooth).into_iter();
     covered.map(|share| (255.0 * ((share - 0.5) * steepness + 0.5).clamp(0.0, 1.0) + 0.5) as u8).collect()
 }
 
-/// The pixels of a picture of values, row by row from the top; `walls` are their coverage of pixels, and their ink.
+/// Pixels of a heatmap, row by row from the top. `walls` is the coverage of pixels by walls, and the ink of walls.
 pub fn heatmap(samples: Samples<'_>, shading: &Shading<'_>, walls: Option<(&[u8], Rgb)>) -> Vec<Rgb> {
     let values = samples.resampled(cubic);
     let mut pixels = colors(&values, shading);
@@ -162,7 +162,7 @@ pub fn heatmap(samples: Samples<'_>, shading: &Shading<'_>, walls: Option<(&[u8]
     pixels
 }
 
-/// Colors of values; not a number has the color of the middle.
+/// Colors of values; NaN has the color of the middle.
 fn colors(values: &[f32], shading: &Shading<'_>) -> Vec<Rgb> {
     let ([low, high], table) = (shading.ends, shading.table);
     let scale = (table.len() as f64 / (high - low)) as f32;
@@ -174,7 +174,7 @@ fn colors(values: &[f32], shading: &Shading<'_>) -> Vec<Rgb> {
     values.iter().map(color).collect()
 }
 
-/// Lets light from the upper left fall on the surface of values: by its slope along the light, pixels become lighter or darker.
+/// Shades the surface of values by light from the upper left: pixels become lighter or darker by the slope along the light.
 fn light(pixels: &mut [Rgb], values: &[f32], width: usize, shading: &Shading<'_>) {
     let height = values.len() / width;
     let steepest = shading.relief * 2.0 / (shading.ends[1] - shading.ends[0]) as f32;
@@ -190,7 +190,7 @@ fn light(pixels: &mut [Rgb], values: &[f32], width: usize, shading: &Shading<'_>
     }
 }
 
-/// Draws lines a pixel wide where values are whole multiples of a distance, but 0.
+/// Draws lines one pixel wide where values are nonzero multiples of a distance.
 fn draw_isolines(pixels: &mut [Rgb], values: &[f32], width: usize, distance: f64, ink: Ink) {
     let height = values.len() / width;
     let (per_line, strength) = ((1.0 / distance) as f32, f32::from(ink[3]) / 255.0);
@@ -204,7 +204,7 @@ fn draw_isolines(pixels: &mut [Rgb], values: &[f32], width: usize, distance: f64
                 [values[row * width + right] - values[row * width + left], values[below + column] - values[above + column]];
             let steep = 0.5 * per_line * slope[0].hypot(slope[1]);
             if nearest != 0.0 && steep > 0.0 {
-                // The distance from the line, in pixels, by the slope.
+                // Distance from the line in pixels, from the slope.
                 let away = (value - nearest).abs() / steep;
                 let thinned = (1.0 / (4.0 * steep)).min(1.0);
                 blend(&mut pixels[row * width + column], [ink[0], ink[1], ink[2]], strength * thinned * (1.0 - away).max(0.0));
@@ -229,7 +229,7 @@ mod tests {
         Shading { table, ends: [-1.0, 1.0], isolines: None, relief: 0.0 }
     }
 
-    /// Samples of x + 10 y on 8 × 6 cells, seen in `size` pixels.
+    /// Samples of x + 10 y on 8 × 6 cells, shown in `size` pixels.
     fn slope(values: &[f64], size: [usize; 2], corner: [f64; 2], step: f64) -> Samples<'_> {
         Samples { values, cells: [8, 6], size, corner, step }
     }

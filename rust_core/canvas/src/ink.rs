@@ -4,29 +4,29 @@ use wide::{f32x4, u8x16, u16x8, u32x4};
 
 use crate::color::Ink;
 
-/// How a shape changes what is below it.
+/// Blending mode of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mixing {
-    /// It covers that.
+    /// Covers the background.
     #[default]
     Over,
-    /// Each channel becomes lighter or stays, as where light is added.
+    /// Lighten: each channel becomes lighter or stays, as when light is added.
     Lighter,
-    /// Each channel becomes darker or stays.
+    /// Darken: each channel becomes darker or stays.
     Darker,
 }
 
-/// Pixels that are blended at a time.
+/// Number of pixels blended at a time.
 pub(crate) const LANES: usize = 4;
 
-/// 2²³: a small number that is added to it stands, rounded, in the last bits, several times cheaper than by `as`, which handles
-/// NaN.
+/// Constant 2²³: a small number added to it is rounded, and stands in the last bits. This is several times cheaper than `as`,
+/// which handles NaN.
 const ROUNDING: f32 = 8_388_608.0;
 
-/// Every second channel of a pixel.
+/// Mask of every second channel of a pixel.
 const PAIR: u32 = 0x00FF_00FF;
 
-/// A color, its alpha replaced by a factor that turns coverage into 256ths of opacity.
+/// Color whose alpha is replaced by a factor that converts coverage to 256ths of opacity.
 #[derive(Clone, Copy)]
 pub(crate) struct Paint {
     color: u32,
@@ -38,7 +38,7 @@ impl Paint {
         Self { color: u32::from_le_bytes([red, green, blue, 0]), full: opacity * f32::from(alpha) * (256.0 / 255.0) }
     }
 
-    /// The same opacity in another color.
+    /// Replaces the color, keeping the opacity.
     pub(crate) fn with(self, color: u32) -> Self {
         Self { color, ..self }
     }
@@ -49,7 +49,7 @@ impl Paint {
         self.mix(pixel, self.amount(coverage));
     }
 
-    /// Blends into pixels side by side, of whose coverages a function of their columns gives [`LANES`] at a time.
+    /// Blends into adjacent pixels. The function gives the coverages of [`LANES`] pixels at a time from their columns.
     #[inline(always)]
     pub(crate) fn blend_row(self, pixels: &mut [[u8; 4]], mixing: Mixing, coverage: impl Fn(f32x4) -> f32x4) {
         let (groups, rest) = pixels.as_chunks_mut::<LANES>();
@@ -66,7 +66,7 @@ impl Paint {
         }
     }
 
-    /// Pixels with this blended in: [`Paint::amount`] and [`Paint::mix`] of several.
+    /// Blends into several pixels: [`Paint::amount`] and [`Paint::mix`] for a group.
     #[inline(always)]
     fn mixed(self, pixels: [[u8; 4]; LANES], coverages: f32x4, mixing: Mixing) -> [[u8; 4]; LANES] {
         let amounts: u32x4 = bytemuck::cast(coverages * self.full + ROUNDING);
@@ -86,13 +86,13 @@ impl Paint {
         })
     }
 
-    /// The opacity of a coverage of 0–1, in 256ths.
+    /// Opacity of a coverage of 0–1, in 256ths.
     #[inline(always)]
     pub(crate) fn amount(self, coverage: f32) -> u32 {
         (coverage * self.full + ROUNDING).to_bits() & 0x1FF
     }
 
-    /// Blends into a pixel, two channels in one multiplication.
+    /// Blends into a pixel, two channels per multiplication.
     #[inline(always)]
     pub(crate) fn mix(self, pixel: &mut [u8; 4], amount: u32) {
         const HALVES: u32 = 0x0080_0080;
@@ -103,19 +103,19 @@ impl Paint {
     }
 }
 
-/// Direction to the lamp: left, up, toward the viewer; a unit vector.
+/// Unit vector to the lamp at the upper left: right, down, toward the viewer.
 pub(crate) const LAMP: [f32; 3] = [-0.42, -0.62, 0.66];
-/// How far a lamp's light reaches around a ball, as that of a lamp that is not a point.
+/// Wrap-around of light at a ball, as from an extended lamp.
 const WRAP: f32 = 0.2;
-/// Light from below and from the sky, and that of the lamp.
+/// Intensities of light from below, from the sky and from the lamp.
 const FILL: f32 = 0.3;
 const SKY: f32 = 0.16;
 const KEY: f32 = 0.72;
-/// Light at the rim, of a lamp behind.
+/// Intensity of light at the rim, from a lamp behind.
 const RIM: f32 = 0.3;
 const HIGHLIGHT: f32 = 70.0;
 
-/// Shading of a sphere: Lambert's cosine of a lamp at the upper left, light from the sky and at the rim, and a highlight.
+/// Shading of a sphere: Lambert's cosine law for a lamp at the upper left, light from the sky and at the rim, and a highlight.
 pub(crate) struct Shade {
     pub(crate) strength: f32,
     pub(crate) per_radius: f32,

@@ -1,8 +1,8 @@
-//! Frames and films: anti-aliased discs, lines, polygons and text into pixels, and pixels into a GIF. It contains no
+//! Frames and films: rasterizes anti-aliased discs, lines, polygons and text, and encodes pixels as a GIF. The crate contains no
 //! physics.
 //!
-//! Shapes are drawn on a [`Canvas`]; a [`Histogram`] counts the colors of a few canvases for a [`Palette`]; a [`Gif`] takes
-//! canvases, and [`Background`] lets it do so on a thread of its own, while the next frame is drawn:
+//! Shapes are drawn on a [`Canvas`]. A [`Histogram`] counts the colors of a few canvases for a [`Palette`]. A [`Gif`] takes
+//! canvases; [`Background`] encodes them on a separate thread, while the next frame is drawn:
 //!
 //! ```
 //! use physcore_canvas::{Canvas, Disc, Gif, Histogram, Palette};
@@ -18,15 +18,31 @@
 //! # Ok::<(), physcore_canvas::Error>(())
 //! ```
 //!
-//! Data flow: `view` projects points to pixels and maps values to inks, `shapes` defines the coverage of a pixel, `band`
-//! rasterizes on some rows of the `canvas`, `ink` blends colors, `painting` sorts shapes by depth, `eye` keeps the depth of what pixels
-//! show, by which `light` finds shadows (`shadow`) and ambient occlusion, `ground` is what stands behind, `texture` covers
-//! surfaces, `liquid` finds liquid surfaces by `smoothing`, `heatmap` colors
-//! the values of grids, `density` exposes very many points, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
-//! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `tolerant` indices of
-//! which some may be replaced by near ones, `gif` writes the container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
-//! [`Quality`] sets the resolution of the histogram and the look-up, and whether a frame is stored in the smaller of two
-//! encodings.
+//! Modules, in the order of the data flow:
+//!
+//! - `view` projects points to pixels and maps values to inks;
+//! - `shapes` defines the coverage of a pixel;
+//! - `band` rasterizes on some rows of the `canvas`;
+//! - `ink` blends colors;
+//! - `painting` sorts shapes by depth;
+//! - `eye` records the depth of pixels;
+//! - `light` computes shadows (`shadow`) and ambient occlusion from these depths;
+//! - `ground` draws the background in space;
+//! - `texture` covers surfaces;
+//! - `liquid` reconstructs liquid surfaces by `smoothing`;
+//! - `heatmap` colors the values of grids;
+//! - `density` exposes very many points;
+//! - `palette` reduces millions of colors to 255 by `quantize`;
+//! - `nearest` finds the nearest palette color for each pixel;
+//! - `difference` leaves out unchanged pixels;
+//! - `lzw` compresses the indices;
+//! - `tolerant` compresses indices of which some may be replaced by near ones;
+//! - `gif` writes the container;
+//! - `background` moves encoding to another thread;
+//! - `file` makes the file appear only when complete.
+//!
+//! The [`Quality`] sets the resolution of the histogram and the look-up table. It also decides whether a frame is stored in the
+//! smaller of two encodings.
 
 mod background;
 mod band;

@@ -1,8 +1,8 @@
-//! Shadows and ambient occlusion on all that has been painted, by the depth of each pixel.
+//! Shadows and ambient occlusion of a painted picture, from the depth of each pixel.
 //!
-//! A lamp's light is held back by what stands in its way (`shadow`), light from everywhere by what is near: the share of it
-//! that does not come through is estimated from the depths of pixels around (after M. McGuire, M. Mara and D. Luebke,
-//! "Scalable ambient obscurance", 2012).
+//! The light of a lamp is blocked by objects in its way (`shadow`). Ambient light is blocked by nearby surfaces. The blocked
+//! share is estimated from the depths of surrounding pixels (after M. McGuire, M. Mara and D. Luebke, "Scalable ambient
+//! obscurance", 2012).
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 #![expect(clippy::doc_markdown, reason = "names of people")]
@@ -12,38 +12,38 @@ use crate::eye::{Eye, OPEN, is_center};
 use crate::math::{cross, dot, minus, plus, unit};
 use crate::shadow::ShadowMap;
 
-/// The light of a scene in space.
+/// Light of a scene in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Unit vector to the lamp: right, up, toward the eye.
     pub lamp: [f32; 3],
-    /// The share of light that a place in the deepest shadow has lost.
+    /// Share of light lost in the deepest shadow.
     pub shadow: f32,
-    /// The share of light that a place has lost whose surroundings hide everything.
+    /// Share of light lost where the surroundings block everything.
     pub occlusion: f32,
-    /// How far ambient light is looked for [pixels].
+    /// Radius of ambient occlusion [pixels].
     pub reach: f32,
 }
 
-/// How much less than red, green and blue lose in a shadow: it is lit by the sky.
+/// Relative losses of red, green and blue in a shadow, which is still lit by the sky.
 const COOL: [f32; 3] = [1.0, 0.97, 0.9];
-/// Pixels that are no farther apart in depth than so many pixels are wide lose about as much light.
+/// Maximum difference in depth of pixels that lose about equal light [pixel widths].
 const NEAR: f32 = 8.0;
-/// Places around a pixel that ambient light is looked for at.
+/// Number of sample positions of ambient occlusion around a pixel.
 const TAPS: usize = 18;
-/// The angle from one of them to the next [rad], of which no multiple comes near to a turn.
+/// Golden angle between successive sample positions [rad]; none of its multiples is near a full turn.
 const GOLDEN: f32 = 2.399_963_2;
-/// The cosine below which a place around is not above the surface.
+/// Cosine below which a sample position does not count as above the surface.
 const BIAS: f32 = 0.12;
-/// The cosine of the lamp's light from which on a surface shows a full shadow: one that is turned away is dark already.
+/// Cosine of the lamp's incidence above which a surface shows the full shadow. A surface turned away is dark already.
 const FACING: f32 = 0.35;
 
-/// What is looked up at each pixel: depths, row by row.
+/// Depths of the pixels, row by row.
 pub(crate) struct Depths<'a> {
     pub(crate) eye: Eye,
     pub(crate) width: usize,
     pub(crate) values: &'a [f32],
-    /// Those of the backdrop; empty if there is none.
+    /// Depths of the backdrop; empty without a backdrop.
     pub(crate) backdrop: &'a [f32],
 }
 
@@ -54,13 +54,13 @@ impl Depths<'_> {
         self.backdrop.get(pixel) == Some(&self.values[pixel])
     }
 
-    /// The place that a pixel shows.
+    /// Position that a pixel shows.
     #[inline(always)]
     fn place(&self, column: usize, row: usize) -> [f32; 3] {
         self.eye.place([column as f32 + 0.5, row as f32 + 0.5], self.values[row * self.width + column])
     }
 
-    /// The step to a pixel beside another one, of the two on both sides the one that is nearer in depth; None if there is none.
+    /// Step to an adjacent pixel: of the two neighbors, the one nearer in depth; None if both are missing.
     #[inline(always)]
     fn step(&self, here: [f32; 3], before: Option<(usize, usize)>, after: Option<(usize, usize)>) -> Option<[f32; 3]> {
         let found = |pixel: Option<(usize, usize)>| {
@@ -76,7 +76,7 @@ impl Depths<'_> {
         }
     }
 
-    /// The normal of the surface at a pixel.
+    /// Normal of the surface at a pixel.
     fn normal(&self, here: [f32; 3], column: usize, row: usize) -> [f32; 3] {
         let height = self.values.len() / self.width;
         let left = column.checked_sub(1).map(|column| (column, row));
@@ -90,24 +90,24 @@ impl Depths<'_> {
     }
 }
 
-/// The side of the tiles that are lit or left out [pixels].
+/// Side of the tiles that are lit or skipped [pixels].
 const TILE: usize = 16;
 
-/// A light, prepared for one painting.
+/// Light prepared for one painting.
 pub(crate) struct Lighting {
     light: Light,
     shadows: Option<ShadowMap>,
-    /// Where ambient light is looked for around a pixel: columns and rows.
+    /// Offsets of the sample positions of ambient occlusion: columns and rows.
     taps: [[i32; 2]; TAPS],
-    /// Tiles that are near to something else than the backdrop, row by row: elsewhere nothing holds back ambient light.
+    /// Mask of tiles near something other than the backdrop, row by row. Elsewhere no ambient light is blocked.
     crowded: Vec<bool>,
     tiles: usize,
-    /// The shares of the lamp's and of ambient light that are held back from every second pixel of every second row.
+    /// Blocked shares of the lamp's and of ambient light, for every second pixel of every second row.
     held: Vec<[f32; 2]>,
 }
 
 impl Lighting {
-    /// A light for pixels with these depths.
+    /// Prepares a light for pixels with these depths.
     pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, threads: usize) -> Self {
         let taps = std::array::from_fn(|index| {
             let (radius, angle) = (light.reach * ((index as f32 + 0.5) / TAPS as f32).sqrt(), GOLDEN * index as f32);
@@ -119,7 +119,7 @@ impl Lighting {
         found
     }
 
-    /// The light held back from every second pixel of every second row, by so many threads.
+    /// Blocked light for every second pixel of every second row, computed by `threads` threads.
     fn sparse(&self, depths: &Depths<'_>, threads: usize) -> Vec<[f32; 2]> {
         let (across, height) = (depths.width.div_ceil(2), depths.values.len() / depths.width);
         let mut held = vec![[0.0; 2]; across * height.div_ceil(2)];
@@ -139,13 +139,13 @@ impl Lighting {
         held
     }
 
-    /// The light held back from a pixel: the mean of those around it for which it is known and that lie about as deep; where none
-    /// does, its own.
+    /// Blocked light of a pixel: the mean over surrounding samples of about equal depth. Without such samples, it is computed for
+    /// the pixel itself.
     #[inline(always)]
     fn between(&self, depths: &Depths<'_>, depth: f32, column: usize, row: usize) -> [f32; 2] {
         let across = depths.width.div_ceil(2);
         if !is_center(depth) {
-            // At an outline a pixel is a mixture of what lies on both sides.
+            // At an outline, a pixel is a mixture of both sides.
             let around = |place: usize, count: usize| [place.saturating_sub(1) / 2, place.div_ceil(2).min(count - 1)];
             let rows = around(row, self.held.len() / across).map(|row| row * across);
             let [left, right] = around(column, across);
@@ -191,7 +191,7 @@ impl Lighting {
         }
     }
 
-    /// The shares of the lamp's and of ambient light that a pixel's place has lost.
+    /// Shares of the lamp's and of ambient light that the position of a pixel loses.
     fn at(&self, depths: &Depths<'_>, column: usize, row: usize) -> [f32; 2] {
         let here = depths.place(column, row);
         let crowded = self.crowded[row / TILE * self.tiles + column / TILE];
@@ -209,13 +209,13 @@ impl Lighting {
         [self.light.shadow * dark, self.light.occlusion * hidden]
     }
 
-    /// The share of ambient light that is held back by what is around a place on a surface, which a pixel shows.
+    /// Share of ambient light blocked by the surroundings of a surface point that a pixel shows.
     #[inline(always)]
     fn occlusion(&self, depths: &Depths<'_>, here: [f32; 3], normal: [f32; 3], [column, row]: [i32; 2]) -> f32 {
         let reach = self.light.reach * depths.eye.length(-here[2]);
         let (per_square, width) = (1.0 / (reach * reach), depths.width as i32);
         let height = (depths.values.len() / depths.width) as i32;
-        // What stands still takes no light from itself: it would only do so where something is near.
+        // Static shapes take no light from themselves: they would do so only near moving ones.
         let still = depths.is_backdrop((row * width + column) as usize);
         let mut hidden = 0.0;
         for [right, down] in self.taps {
@@ -226,7 +226,7 @@ impl Lighting {
             }
             let way = minus(depths.place(column as usize, row as usize), here);
             let above = dot(way, normal);
-            // Written so that a pixel without depth is not above.
+            // Comparisons are written so that a pixel without depth is not above.
             if above > 0.0 && above < reach {
                 let away = dot(way, way);
                 hidden += (1.0 - away * per_square).max(0.0) * (above / away.sqrt() - BIAS).max(0.0);
@@ -236,7 +236,7 @@ impl Lighting {
     }
 }
 
-/// The number of tiles across a picture, and which of them are no farther than so many from one that differs from the backdrop.
+/// Number of tiles across a picture, and mask of the tiles within `reach` tiles of one that differs from the backdrop.
 fn crowded(depths: &Depths<'_>, reach: usize) -> (usize, Vec<bool>) {
     let (across, height) = (depths.width.div_ceil(TILE), depths.values.len() / depths.width);
     let down = height.div_ceil(TILE);

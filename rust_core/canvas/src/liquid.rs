@@ -1,10 +1,12 @@
 //! Liquid surfaces in screen space, reconstructed from particles.
 //!
 //! In 2D the drops add up to a field, whose isoline bounds the liquid (metaballs: J. Blinn, "A generalization of algebraic
-//! surface drawing", 1982). In 3D the drops are spheres; their front is smoothed in screen space by a filter that does not
-//! reach across depth steps (N. Truong and C. Yuksel, "A narrow-range filter for screen-space fluid rendering", 2018), its
-//! slope gives the shading, and the thickness of liquid behind each pixel the opacity (W. van der Laan, S. Green and M.
-//! Sainz, "Screen space fluid rendering with curvature flow", 2009).
+//! surface drawing", 1982).
+//!
+//! In 3D the drops are spheres. Their front is smoothed in screen space by a filter that does not reach across depth steps (N.
+//! Truong and C. Yuksel, "A narrow-range filter for screen-space fluid rendering", 2018). The slope of the front gives the
+//! shading. The thickness of the liquid at each pixel gives the opacity (W. van der Laan, S. Green and M. Sainz, "Screen space
+//! fluid rendering with curvature flow", 2009).
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
@@ -18,7 +20,7 @@ use crate::shadow::Caster;
 use crate::smoothing::{blur_plane, narrow_range};
 use crate::view::opaque;
 
-/// A particle of a liquid.
+/// Particle of a liquid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drop {
     /// Center, as [`Disc::center`](crate::Disc::center) [pixels].
@@ -27,7 +29,7 @@ pub struct Drop {
     pub radius: f32,
     /// Depth behind the focus, in the unit of depths; without meaning in 2D.
     pub depth: f32,
-    /// Color; its opacity is how little light comes through: 255 for milk, less for water.
+    /// Color. The opacity says how little light passes through: 255 for milk, less for water.
     pub color: Ink,
 }
 
@@ -38,59 +40,59 @@ impl Drop {
 
 /// Depth of an empty pixel: beyond any drop.
 const NOTHING: f32 = 1e30;
-/// Isovalue of the edge of a liquid in 2D, as a fraction of the field inside: an isolated drop then has a radius of a third
-/// of its support.
+/// Isovalue of the edge of a liquid in 2D, as a fraction of the field inside. An isolated drop then has a radius of a third of
+/// its support.
 const EDGE: f32 = 0.3;
 /// Isovalue at which the lighter rim of a liquid in 2D ends.
 const RIM: f32 = 0.75;
 const RIM_LIGHT: f32 = 0.5;
-/// How far from its edge a liquid in 2D is darker, over a drop's support, and by how much.
+/// Depth over which a liquid in 2D darkens inward from its edge, over the support of a drop, and the maximum darkening.
 const DEEP: f32 = 4.0;
 const DARKER: f32 = 0.2;
 /// Thickness below which the edge of a liquid in 3D fades.
 const BRIM: f32 = 0.2;
-/// Optical depth of a liquid as thick as a drop's support for the light that it scatters, if it is clear, and if it is not.
+/// Optical depth for scattered light of a liquid as thick as the support of a drop: for a clear and for an opaque liquid.
 const SCATTERS: [f32; 2] = [0.05, 4.0];
-/// Exponent by which the light that comes through as much of a clear liquid takes its color.
+/// Exponent of the tint of transmitted light, for a liquid as thick as the support of a drop.
 const TINTS: f32 = 0.1;
-/// How far light is bent to the side that comes through, over the thickness.
+/// Lateral refraction of transmitted light, over the thickness.
 const BENDS: f32 = 0.35;
-/// The farthest that it is bent [pixels].
+/// Maximum refraction [pixels].
 const FARTHEST: f32 = 24.0;
-/// How far the color of a drop in 3D reaches, over its support.
+/// Reach of the color of a drop in 3D, over its support.
 const SMOOTH: f32 = 1.7;
 const ROUNDS: usize = 2;
-/// Thickness from which on shadows fall on a liquid in 3D, and no longer on what is seen through it, if it is clear, and if it
-/// is not.
+/// Thickness above which shadows fall on a liquid in 3D instead of on the background seen through it: for a clear and for an
+/// opaque liquid.
 const SHADED: [f32; 2] = [1.2, 0.5 * BRIM];
-/// How far the thickness of a liquid in 3D is blurred, over a drop's support.
+/// Blur radius of the thickness of a liquid in 3D, over the support of a drop.
 const SOFT: f32 = 0.3;
-/// The farthest that it is blurred [pixels].
+/// Maximum blur radius [pixels].
 const FARTHEST_BLUR: usize = 16;
-/// The share of light that a liquid holds back.
+/// Share of light that a liquid blocks.
 const HELD: f32 = 0.5;
 
-/// The drops of one frame, and their screen-space buffers, which are reused for the next frame.
+/// Drops of one frame, and their screen-space buffers, which are reused for the next frame.
 #[derive(Debug, Default)]
 pub struct Liquid {
     drops: Vec<Drop>,
     sky: Rgb,
-    /// How much of its color it sends out by itself, 0 to 1.
+    /// Share of its color that the liquid emits, 0 to 1.
     glow: f32,
     /// Pixels per unit of depth; 0 in 2D.
     scale: f32,
     width: usize,
-    /// The rows where there is liquid in 3D, and around.
+    /// Rows that contain liquid in 3D, with a margin.
     rows: Range<usize>,
     /// Depth difference above which neighboring pixels belong to different parts of the surface [pixels].
     range: f32,
     /// Depth of the front in 3D [pixels].
     front: Vec<f32>,
-    /// In 2D the field over its mean inside, in 3D the thickness over a drop's support.
+    /// Field over its mean inside (2D), or thickness over the support of a drop (3D).
     amount: Vec<f32>,
-    /// In 2D how far a pixel is from the edge, 0 to 1.
+    /// Normalized distance from the edge in 2D, 0 to 1.
     inside: Vec<f32>,
-    /// Weighted sums of the colors and opacities of the visible drops, and of the weights.
+    /// Weighted sums of the colors and opacities of the visible drops, and sums of the weights.
     colors: Vec<[f32; 5]>,
     scratch: [Vec<f32>; 3],
 }
@@ -104,7 +106,7 @@ impl Liquid {
         }
     }
 
-    /// Scales the liquid to a picture with so many times as many pixels along each side.
+    /// Scales the liquid to a picture with `times` as many pixels along each side.
     pub(crate) fn magnify(&mut self, times: f32) {
         self.scale *= times;
         for drop in &mut self.drops {
@@ -113,23 +115,26 @@ impl Liquid {
         }
     }
 
-    /// Begins a frame, before any drop: `scale` in pixels per unit of depth (0 in 2D), and the color reflected at grazing
-    /// angles; `glow` is how much of its color it sends out by itself.
+    /// Begins a frame, before any drop.
+    ///
+    /// - `scale`: pixels per unit of depth (0 in 2D).
+    /// - `sky`: color reflected at grazing angles.
+    /// - `glow`: share of its color that the liquid emits.
     pub fn begin(&mut self, scale: f32, sky: Rgb, glow: f32) {
         (self.scale, self.sky, self.glow) = (scale, sky, glow.clamp(0.0, 1.0));
     }
 
-    /// The number of drops.
+    /// Number of drops.
     pub fn len(&self) -> usize {
         self.drops.len()
     }
 
-    /// Whether there is any.
+    /// Whether there are no drops.
     pub fn is_empty(&self) -> bool {
         self.drops.is_empty()
     }
 
-    /// Reconstructs the surface of the drops, for a canvas of this size.
+    /// Reconstructs the surface of the drops for a canvas of this size.
     pub(crate) fn settle(&mut self, width: usize, height: usize) {
         self.width = width;
         for (plane, empty) in [(&mut self.front, NOTHING), (&mut self.amount, 0.0)] {
@@ -150,7 +155,7 @@ impl Liquid {
         }
     }
 
-    /// The rows of so many that drops reach, and as many around as their thickness is blurred by.
+    /// Rows of a picture that drops reach, with a margin for the blur of the thickness.
     fn occupied(&self, height: usize) -> Range<usize> {
         let ends = self.drops.iter().map(|drop| (drop.center[1] - drop.radius, drop.center[1] + drop.radius));
         let (low, high) = ends.fold((f32::MAX, f32::MIN), |(low, high), ends| (low.min(ends.0), high.max(ends.1)));
@@ -159,28 +164,28 @@ impl Liquid {
         ((low - around).clamp(0.0, height as f32) as usize).min(last)..last
     }
 
-    /// Whether a shape at a depth is in front of the liquid at a pixel; always in 2D.
+    /// Whether a shape at a depth is in front of the liquid at a pixel; always true in 2D.
     pub(crate) fn leaves_in_front(&self, [x, y]: [f32; 2], depth: f32) -> bool {
         let (column, row) = (x as usize, y as usize);
         let inside = column < self.width && row < self.front.len() / self.width;
         self.scale == 0.0 || !inside || depth * self.scale <= self.front[row * self.width + column]
     }
 
-    /// The shadows of its drops in 3D, with the share of light that they hold back.
+    /// Shadow casters of the drops in 3D, with the share of light that they block.
     pub(crate) fn casters(&self, eye: Eye) -> impl Iterator<Item = (Caster, f32)> {
         self.drops.iter().filter(|_| self.scale > 0.0).map(move |drop| {
             let depth = drop.depth / self.scale;
-            // Less than its sphere, or a surface that is smooth would be in the shadow of its own drops.
+            // Smaller than the sphere: otherwise a smooth surface would be in the shadow of its own drops.
             (Caster::Ball(eye.place(drop.center, depth), 0.5 * drop.radius / eye.magnification(depth)), HELD)
         })
     }
 
-    /// Whether it shows what is behind it.
+    /// Whether the liquid is in 3D and shows the background through it.
     pub(crate) fn is_deep(&self) -> bool {
         self.scale > 0.0
     }
 
-    /// Paints the liquid on some rows; `behind` are the pixels of the whole picture without it, in 3D.
+    /// Paints the liquid on some rows. `behind` is the whole picture without the liquid, for 3D.
     pub(crate) fn paint(&self, band: &mut Band<'_>, behind: &[[u8; 4]]) {
         for row in band.rows() {
             for column in 0..self.width {
@@ -209,7 +214,7 @@ impl Liquid {
         self.drops.clear();
     }
 
-    /// The field Σ (1 − d²/r²)³ of all drops, over its mean π/4 (r/s)² inside a liquid whose drops are s apart.
+    /// Computes the field Σ (1 − d²/r²)³ of all drops, over its mean π/4 (r/s)² inside a liquid with drop spacing s.
     fn splat_field(&mut self) {
         const INSIDE: f32 = 0.25 * std::f32::consts::PI * Drop::REACH * Drop::REACH;
         let Self { drops, amount, colors, width, .. } = self;
@@ -222,7 +227,7 @@ impl Liquid {
         }
     }
 
-    /// The front depth of the union of all spheres, and the sum of their thicknesses over the support.
+    /// Computes the front depth of the union of all spheres, and the sum of their thicknesses over the support.
     fn splat_front(&mut self) {
         let Self { drops, front, amount, width, .. } = self;
         for drop in drops.iter() {
@@ -230,18 +235,17 @@ impl Liquid {
                 let half = (1.0 - square).max(0.0).sqrt();
                 let near = drop.depth - half * drop.radius;
                 front[pixel] = if near < front[pixel] { near } else { front[pixel] };
-                // Drops overlap: where their spacing is their support radius, each stands for r³ of the 4π/3 r³ of its
-                // sphere.
+                // Drops overlap: if their spacing is their support radius, each represents r³ of the 4π/3 r³ of its sphere.
                 amount[pixel] += half * (1.5 / std::f32::consts::PI);
             });
         }
     }
 
-    /// The colors of the drops no deeper than their own size behind the front.
+    /// Computes the colors of the drops no deeper than their own size behind the front.
     fn splat_visible_colors(&mut self) {
         let Self { drops, front, colors, width, .. } = self;
         for drop in drops.iter().filter(|drop| !is_hidden(drop, front, *width)) {
-            // Wider than it is: colors change more smoothly than the surface does.
+            // Wider than the drop: colors change more smoothly than the surface.
             let wide = Drop { radius: SMOOTH * drop.radius, ..*drop };
             for_each_pixel(&wide, *width, front.len(), |pixel, square| {
                 let behind = (drop.depth - front[pixel]) / (2.0 * drop.radius);
@@ -251,8 +255,8 @@ impl Liquid {
         }
     }
 
-    /// Narrow-range filter: smooths the front over about a drop by the weights (1 − d²)², along rows and columns in turn,
-    /// without neighbors that differ by more than the range in depth.
+    /// Smooths the front by a narrow-range filter, with the weights (1 − d²)² over about a drop, along rows and columns in turn.
+    /// Neighbors that differ in depth by more than the range are excluded.
     fn smooth(&mut self) {
         let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
         let reach = (1.5 * mean).clamp(1.0, 32.0);
@@ -267,7 +271,7 @@ impl Liquid {
         }
     }
 
-    /// Blurs the thickness a little: where the outlines of drops meet, the rim would have teeth.
+    /// Blurs the thickness slightly: otherwise the rim would be jagged where the outlines of drops meet.
     fn soften(&mut self) {
         let reach = ((SOFT * self.mean_radius()) as usize).clamp(1, FARTHEST_BLUR);
         let (width, [other, ..]) = (self.width, &mut self.scratch);
@@ -277,7 +281,7 @@ impl Liquid {
         blur_plane(&mut self.amount[rows], other, width, reach);
     }
 
-    /// How far inside a liquid in 2D pixels are, by the mean of what is covered around them.
+    /// Estimates the distance of pixels in a 2D liquid from its edge, by the mean coverage around them.
     fn find_inside(&mut self) {
         let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
         let reach = (DEEP * mean).clamp(1.0, 64.0) as usize;
@@ -289,8 +293,8 @@ impl Liquid {
         blur_plane(&mut self.inside, other, width, reach);
     }
 
-    /// The color and coverage of a pixel in 2D: the edge is one pixel wide, and a rim follows it that is lighter above than
-    /// below; farther inside it is darker.
+    /// Color and coverage of a pixel in 2D. The edge is one pixel wide. The rim along it is lighter above than below, and the
+    /// interior is darker.
     fn rimmed(&self, row: usize, column: usize) -> (Ink, f32) {
         let pixel = row * self.width + column;
         let [dx, dy] = self.slope(&self.amount, row, column, |_, _| true);
@@ -305,15 +309,19 @@ impl Liquid {
         (opaque([lit(red), lit(green), lit(blue)]), coverage)
     }
 
-    /// The color and coverage of a pixel in 3D: what is behind, bent and tinted on its way through (Beer and Lambert), what is
-    /// scattered on the way by the light of the lamp and the sky, a highlight, and the sky where the surface is seen flat.
+    /// Color and coverage of a pixel in 3D, as the sum of:
+    ///
+    /// - the background, refracted and tinted by the liquid (Beer–Lambert law);
+    /// - light of the lamp and the sky, scattered in the liquid;
+    /// - a highlight;
+    /// - the reflected sky at grazing angles.
     fn lit(&self, row: usize, column: usize, behind: &[[u8; 4]]) -> (Ink, f32) {
         let pixel = row * self.width + column;
         let steepest = 3.0;
         let near = |a: f32, b: f32| (a - b).abs() < self.range;
         let [dx, dy] = self.slope(&self.front, row, column, near).map(|slope| slope.clamp(-steepest, steepest));
         let scale = 1.0 / (1.0 + dx * dx + dy * dy).sqrt();
-        // The viewer is where depths are small: the normal leans to where the depth grows.
+        // The viewer is at small depths: the normal leans toward increasing depth.
         let (nx, ny, nz) = (dx * scale, dy * scale, scale);
         let light = nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2];
         let half = [LAMP[0], LAMP[1], LAMP[2] + 1.0].map(|component| component / (2.0 + 2.0 * LAMP[2]).sqrt());
@@ -336,20 +344,20 @@ impl Liquid {
         ([channel(0), channel(1), channel(2), 255], (amount / BRIM).min(1.0))
     }
 
-    /// The mean support radius of the drops [pixels].
+    /// Mean support radius of the drops [pixels].
     fn mean_radius(&self) -> f32 {
         0.25 * self.range
     }
 
-    /// The pixel behind at a row and column, or the nearest one in the picture.
+    /// Background pixel at a row and column, or the nearest pixel in the picture.
     fn behind(&self, row: f32, column: f32, pixels: &[[u8; 4]]) -> [u8; 4] {
         let last = (pixels.len() / self.width - 1) as f32;
         let (row, column) = (row.clamp(0.0, last), column.clamp(0.0, (self.width - 1) as f32));
         pixels[(row + 0.5) as usize * self.width + (column + 0.5) as usize]
     }
 
-    /// Gradient of a buffer to the right and down; where one of the two one-sided differences is much smaller, that one, so
-    /// that a depth step counts on one side only.
+    /// Gradient of a buffer to the right and down. If one of the two one-sided differences is much smaller, it is used alone, so
+    /// a depth step counts on one side only.
     fn slope(&self, plane: &[f32], row: usize, column: usize, joined: impl Fn(f32, f32) -> bool) -> [f32; 2] {
         let pixel = row * self.width + column;
         let here = plane[pixel];
@@ -370,7 +378,7 @@ impl Liquid {
         ]
     }
 
-    /// The weighted mean color of the drops at a pixel, and their opacity, 0 to 1.
+    /// Weighted mean color of the drops at a pixel, and their opacity, 0 to 1.
     fn mean(&self, pixel: usize) -> ([f32; 3], f32) {
         let [red, green, blue, opacity, weight] = self.colors[pixel];
         let per_weight = 1.0 / weight.max(1e-12);
@@ -378,7 +386,7 @@ impl Liquid {
     }
 }
 
-/// Visits every pixel in a drop's support, with the squared distance from its center over its radius.
+/// Visits every pixel in the support of a drop, with the squared distance from its center over its squared radius.
 #[inline(always)]
 fn for_each_pixel(drop: &Drop, width: usize, count: usize, mut visit: impl FnMut(usize, f32)) {
     let ([x, y], radius, height) = (drop.center, drop.radius, count / width.max(1));

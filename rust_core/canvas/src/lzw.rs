@@ -1,21 +1,21 @@
-//! LZW as GIF uses it (Welch 1984; `GIF89a`, appendix F).
+//! LZW compression as used by GIF (Welch 1984; `GIF89a`, appendix F).
 
-/// The transparent index: the pixel keeps its previous color.
+/// Transparent index: the pixel keeps its previous color.
 pub(crate) const TRANSPARENT: u8 = 0;
 
 pub(crate) const GREATEST_CODE: u32 = 4095;
 const SLOTS: usize = 1 << 14;
-/// (string, next symbol) → longer string, in an open-addressed table: 12 + 8 bits of key above 12 bits of code, 0 is free. At most
-/// a quarter full, so a search takes little more than one probe.
+/// Open-addressed hash table from (string, next symbol) to the longer string: 12 + 8 bits of key above 12 bits of code; 0 is
+/// free. The table is at most a quarter full, so a search takes little more than one probe.
 pub(crate) type Slots = [u32; SLOTS];
 
-/// A table without strings.
+/// Returns an empty table.
 #[expect(clippy::large_stack_arrays, reason = "64 KiB once per film, on the way to the heap")]
 pub(crate) fn free_slots() -> Box<Slots> {
     Box::new([0; SLOTS])
 }
 
-/// The encoder's dictionary, reused from frame to frame for its allocation.
+/// Dictionary of the encoder, reused from frame to frame for its allocation.
 pub(crate) struct Encoder {
     slots: Box<Slots>,
     bytes: Vec<u8>,
@@ -26,7 +26,7 @@ impl Encoder {
         Self { slots: free_slots(), bytes: Vec::new() }
     }
 
-    /// Appends to `out` the code size and the sub-blocks for `symbols`, all of them below 2^`bits`.
+    /// Appends the code size and the sub-blocks for `symbols` to `out`; all symbols are below 2^`bits`.
     pub(crate) fn encode(&mut self, symbols: &[u8], bits: u32, out: &mut Vec<u8>) {
         let bits = bits.max(2);
         let (clear, end) = (1 << bits, (1 << bits) + 1);
@@ -62,11 +62,11 @@ impl Encoder {
     }
 }
 
-/// The code of a string with one more symbol, or else the free slot where it belongs.
+/// Finds the code of a string with one more symbol, or the free slot for it.
 #[inline(always)]
 pub(crate) fn find(slots: &Slots, string: u32, symbol: u8) -> Result<u32, usize> {
     let key = key(string, symbol);
-    // The symbols are spread by the golden ratio; the string, which each step must wait for, needs one operation more.
+    // Symbols are spread by the golden ratio. The string, for which each step must wait, needs only one more operation.
     let spread = u32::from(symbol).wrapping_mul(0x9E37_79B1) >> (32 - SLOTS.ilog2());
     let mut slot = (spread ^ string) as usize % SLOTS;
     loop {
@@ -81,7 +81,7 @@ pub(crate) fn find(slots: &Slots, string: u32, symbol: u8) -> Result<u32, usize>
     }
 }
 
-/// One more than the two numbers side by side, so that none is 0.
+/// Key of a string and a symbol: both numbers side by side, plus one, so no key is 0.
 #[inline(always)]
 pub(crate) fn key(string: u32, symbol: u8) -> u32 {
     (string << 8 | u32::from(symbol)) + 1
@@ -116,7 +116,8 @@ impl<'a> Codes<'a> {
         }
     }
 
-    /// The decoder adds a string one code later than the encoder, so codes grow when `newest` is the first that needs it.
+    /// Widens the codes. The decoder adds a string one code later than the encoder, so codes grow when `newest` is the first that
+    /// needs it.
     #[inline(always)]
     pub(crate) fn widen(&mut self, newest: u32) {
         if newest == 1 << self.width && self.width < 12 {
@@ -124,7 +125,7 @@ impl<'a> Codes<'a> {
         }
     }
 
-    /// Writes the last code and sends everything off, in blocks of up to 255 bytes, each with its length, and an empty one.
+    /// Writes the last code, and appends everything in blocks of up to 255 bytes with their lengths, followed by an empty block.
     pub(crate) fn finish(mut self, end: u32, out: &mut Vec<u8>) {
         self.write(end);
         self.bytes.extend_from_slice(&self.pending.to_le_bytes()[..self.count.div_ceil(8) as usize]);
@@ -141,7 +142,7 @@ impl<'a> Codes<'a> {
 mod tests {
     use super::Encoder;
 
-    /// The symbols decoded by the `weezl` crate, which shares no code with this file.
+    /// Decodes symbols by the `weezl` crate, which shares no code with this file.
     fn decoded(blocks: &[u8]) -> Vec<u8> {
         let mut codes = Vec::new();
         let mut rest = &blocks[1..];
@@ -157,7 +158,8 @@ mod tests {
         symbols
     }
 
-    /// Every length, so that each width of codes is met just before the end too; noise, which fills the dictionary, and runs.
+    /// Covers every length, so each code width also occurs just before the end, for noise, which fills the dictionary, and for
+    /// runs.
     #[test]
     fn another_decoder_reads_what_was_written() {
         let noise: Vec<u8> = (0..9000_u32).map(|n| (n.wrapping_mul(n).wrapping_mul(0x9E37_79B1) >> 27) as u8).collect();

@@ -17,13 +17,13 @@ pub(crate) fn minus(one: Vector, other: Vector) -> Vector {
     [one[0] - other[0], one[1] - other[1], one[2] - other[2]]
 }
 
-/// A vector and a multiple of another.
+/// Adds a multiple of another vector to a vector.
 #[inline(always)]
 pub(crate) fn plus(one: Vector, factor: f32, other: Vector) -> Vector {
     [one[0] + factor * other[0], one[1] + factor * other[1], one[2] + factor * other[2]]
 }
 
-/// The vector of length one in a direction; that of no direction points toward the eye.
+/// Unit vector in a direction; for a zero vector, the unit vector toward the eye.
 #[inline(always)]
 pub(crate) fn unit(vector: Vector) -> Vector {
     let square = dot(vector, vector);
@@ -35,14 +35,14 @@ pub(crate) fn unit(vector: Vector) -> Vector {
     }
 }
 
-/// Two unit vectors across a direction and across each other.
+/// Two unit vectors perpendicular to a direction and to each other.
 pub(crate) fn across(direction: Vector) -> [Vector; 2] {
     let helper = if direction[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let first = unit(cross(direction, helper));
     [first, cross(direction, first)]
 }
 
-/// The threshold of an ordered dither at a pixel, between 0 and 1: each of 64 once in 8 × 8 pixels.
+/// Threshold of an ordered dither at a pixel, between 0 and 1: each of 64 values once in 8 × 8 pixels.
 ///
 /// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973).
 #[inline(always)]

@@ -1,10 +1,10 @@
-//! The nearest of a palette's colors, for every pixel.
+//! Nearest palette color of every pixel.
 
 use crate::band::GLOW;
 use crate::color::Rgb;
 use crate::math::threshold;
 
-/// Colors as one array per channel, so that the distances to all of them are found at once.
+/// Colors as one array per channel: the distances to all of them are computed at once.
 #[derive(Clone, Debug)]
 pub(crate) struct Centers {
     channels: [Vec<f32>; 3],
@@ -17,19 +17,19 @@ impl Centers {
         Self { channels, distances: vec![0.0; colors.len()] }
     }
 
-    /// The color of a number, from 1.
+    /// Color with a palette number, from 1.
     fn color(&self, number: u8) -> [f32; 3] {
         std::array::from_fn(|channel| self.channels[channel][usize::from(number) - 1])
     }
 
-    /// The position of the nearest color, of equally near ones the first.
+    /// Index of the nearest color; the first one of equally near colors.
     pub(crate) fn nearest(&mut self, color: [f32; 3]) -> usize {
         let [x, y, z] = &self.channels;
         for (((distance, x), y), z) in self.distances.iter_mut().zip(x).zip(y).zip(z) {
             let (dx, dy, dz) = (x - color[0], y - color[1], z - color[2]);
             *distance = dx * dx + dy * dy + dz * dz;
         }
-        // Eight minima side by side; comparing, not `min`, because only that is one instruction.
+        // Eight minima side by side, by comparisons, which are one instruction each, unlike `min`.
         let mut lanes = [f32::INFINITY; 8];
         let (chunks, rest) = self.distances.as_chunks::<8>();
         for chunk in chunks {
@@ -42,20 +42,20 @@ impl Centers {
     }
 }
 
-/// Look-up table of the nearest color for each cell of colors with the same upper bits, filled on first use.
+/// Look-up table of the nearest color for each cell of colors with equal upper bits, filled on first use.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     bits: u32,
     centers: Centers,
-    /// Palette numbers, from 1; 0 is not yet known.
+    /// Palette numbers, from 1; 0 if not yet known.
     numbers: Vec<u8>,
 }
 
-/// Pixels per group, whose cells are computed by vector instructions.
+/// Number of pixels per group, whose cells are computed by vector instructions.
 const GROUP: usize = 16;
 
 impl Table {
-    /// A table with 2^`bits` levels of each channel.
+    /// Creates a table with 2^`bits` levels of each channel.
     pub(crate) fn new(colors: &[Rgb], bits: u32) -> Self {
         let mut numbers = vec![0; 1 << (3 * bits)];
         for (&[red, green, blue], number) in colors.iter().zip(1..=u8::MAX) {
@@ -66,8 +66,8 @@ impl Table {
         Self { bits, centers: Centers::new(&centers), numbers }
     }
 
-    /// The number of each pixel's color, into `out`, which is as long; of glow in a picture of so many columns one of the two
-    /// colors that it lies between.
+    /// Writes the number of each pixel's color to `out`, which has equal length. A pixel of glow gets one of the two colors
+    /// between which it lies. The picture has `width` columns.
     pub(crate) fn look_up_dithered(&mut self, pixels: &[[u8; 4]], width: usize, out: &mut [u8]) {
         self.look_up(pixels, out);
         let rows = pixels.chunks_exact(width.max(1)).zip(out.chunks_exact_mut(width.max(1)));
@@ -80,13 +80,13 @@ impl Table {
         }
     }
 
-    /// The nearest color of a pixel, or one on its other side, in shares by which their mean over all thresholds is about its
-    /// own; the nearest one where there is none such.
+    /// Chooses the nearest color of a pixel, or one on its other side, in proportions whose mean over all thresholds is about the
+    /// color. Without a suitable second color, the nearest one is returned.
     ///
-    /// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973), for two levels that
-    /// are found for each color.
+    /// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973), applied to two levels
+    /// that are searched for each color.
     fn dithered(&mut self, pixel: [u8; 4], nearest: u8, threshold: f32) -> u8 {
-        /// How many times as far as the color the other one is looked for.
+        /// Search distances of the second color, as multiples of the error of the nearest one.
         const TIMES: [f32; 3] = [2.0, 4.0, 8.0];
         let near = self.centers.color(nearest);
         let off: [f32; 3] = std::array::from_fn(|channel| f32::from(pixel[channel]) - near[channel]);
@@ -98,7 +98,7 @@ impl Table {
             let way: [f32; 3] = std::array::from_fn(|channel| far[channel] - near[channel]);
             let square: f32 = way.iter().map(|part| part * part).sum();
             let along: f32 = way.iter().zip(off).map(|(part, off)| part * off).sum();
-            // Half of the error at most may remain.
+            // At most half of the error may remain.
             if other != nearest && error - along * along / square < 0.25 * error {
                 return if along > threshold * square { other } else { nearest };
             }
@@ -106,7 +106,7 @@ impl Table {
         nearest
     }
 
-    /// The number of each pixel's nearest color, into `out`, which is as long.
+    /// Writes the number of each pixel's nearest color to `out`, which has equal length.
     fn look_up(&mut self, pixels: &[[u8; 4]], out: &mut [u8]) {
         let (groups, rest) = pixels.as_chunks::<GROUP>();
         let (targets, tail) = out.as_chunks_mut::<GROUP>();
@@ -132,14 +132,14 @@ impl Table {
     }
 }
 
-/// The cell that a color lies in: the upper `bits` bits of each channel.
+/// Cell of a color: the upper `bits` bits of each channel.
 #[inline(always)]
 pub(crate) fn cell([red, green, blue, _]: [u8; 4], bits: u32) -> u32 {
     let [red, green, blue] = [red, green, blue].map(|channel| u32::from(channel) >> (8 - bits));
     red << (2 * bits) | green << bits | blue
 }
 
-/// The middle of the values that share the upper `bits` bits of a channel.
+/// Middle of the values that share the upper `bits` bits of a channel.
 fn middle(channel: u8, bits: u32) -> f32 {
     let below = 0xFF >> bits;
     f32::from(channel & !below) + f32::from(below) / 2.0

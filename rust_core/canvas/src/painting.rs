@@ -14,12 +14,12 @@ use crate::shadow::{Caster, ShadowMap};
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
 
-/// Shapes queued for drawing. Those with greater depth are drawn first, equal depths in the order of adding; a liquid hides
-/// shapes behind its front.
+/// Queue of shapes for drawing. Shapes with greater depth are drawn first, shapes of equal depth in the order of addition. A
+/// liquid hides shapes behind its front.
 #[derive(Debug, Default)]
 pub struct Painting {
     discs: Vec<Disc>,
-    /// With the depths of their ends.
+    /// Lines, with the depths of their ends.
     lines: Vec<(Line, [f32; 2])>,
     triangles: Vec<(Triangle, Option<u16>)>,
     halos: Vec<Halo>,
@@ -31,7 +31,7 @@ pub struct Painting {
     light: Option<Light>,
 }
 
-/// A thin lens, which blurs shapes in front of and behind the focus, at depth 0; without blur by default.
+/// Thin lens that blurs shapes in front of and behind the focus, at depth 0; no blur by default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Circle of confusion per unit of distance from the focus, close to the focus [pixels].
@@ -47,8 +47,9 @@ impl Default for Lens {
 }
 
 impl Lens {
-    /// Circle of confusion of a point at a depth z [pixels]: c = b |z| / (1 + z / d), for a thin lens (M. Potmesil and I.
-    /// Chakravarty, "A lens and aperture camera model for synthetic image generation", 1981).
+    /// Circle of confusion of a point at a depth z [pixels], for a thin lens: c = b |z| / (1 + z / d).
+    ///
+    /// Source: M. Potmesil and I. Chakravarty, "A lens and aperture camera model for synthetic image generation" (1981).
     fn confusion(self, depth: f32) -> f32 {
         const NEAREST: f32 = 0.05;
         self.blur * depth.abs() / (1.0 + depth / self.distance).max(NEAREST)
@@ -78,7 +79,7 @@ impl Painting {
         self.lens = lens;
     }
 
-    /// Lets a light fall on all that is painted next, and on what is behind it, on a canvas that has an eye.
+    /// Lights everything painted next, and its background, on a canvas that has an eye.
     pub fn light(&mut self, light: Light) {
         self.light = Some(light);
     }
@@ -89,7 +90,7 @@ impl Painting {
         self.discs.push(if self.lens.blur > 0.0 { disc.blurred(self.lens.confusion(depth)) } else { disc });
     }
 
-    /// Paints all queued shapes, then discs without depth, which are not stored: a million of them take no memory.
+    /// Paints all queued shapes, then discs without depth. The discs are not stored, so a million of them take no memory.
     pub fn paint_discs(&mut self, canvas: &mut Canvas, discs: &(impl Iterator<Item = Disc> + Clone + Sync)) {
         self.paint(canvas);
         let times = canvas.samples() as f32;
@@ -106,7 +107,7 @@ impl Painting {
         self.lines.push((seen, depths));
     }
 
-    /// Adds a line that only makes lighter, or darker, what is below it; `depth` as for [`Painting::disc`].
+    /// Adds a line that only lightens, or only darkens, the background; `depth` as for [`Painting::disc`].
     pub fn trail(&mut self, line: Line, mixing: Mixing, depth: f32) {
         self.line(line, [depth; 2]);
         if let Some(Entry { shape, .. }) = self.order.last_mut() {
@@ -114,7 +115,7 @@ impl Painting {
         }
     }
 
-    /// Adds a triangle; `depth` as for [`Painting::disc`], `texture` as [`Painting::texture`] gave it.
+    /// Adds a triangle; `depth` as for [`Painting::disc`], `texture` as returned by [`Painting::texture`].
     pub fn triangle(&mut self, triangle: Triangle, texture: Option<u16>, depth: f32) {
         self.add(depth, Shape::Triangle(self.triangles.len() as u32));
         self.triangles.push((triangle, texture));
@@ -132,8 +133,8 @@ impl Painting {
         (self.textures.len() - 1) as u16
     }
 
-    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), the reflected color, and how much of its own it
-    /// sends out.
+    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), the reflected color, and the share of its color that
+    /// the liquid emits.
     pub fn begin_liquid(&mut self, scale: f32, sky: Rgb, glow: f32) {
         self.liquid.begin(scale, sky, glow);
     }
@@ -143,7 +144,7 @@ impl Painting {
         self.liquid.drop(drop);
     }
 
-    /// The number of queued shapes and drops.
+    /// Number of queued shapes and drops.
     pub fn len(&self) -> usize {
         self.order.len() + self.liquid.len()
     }
@@ -153,7 +154,7 @@ impl Painting {
         self.len() == 0
     }
 
-    /// Paints all queued shapes and empties the queue; the memory is reused for the next frame.
+    /// Paints all queued shapes and empties the queue; its memory is reused for the next frame.
     pub fn paint(&mut self, canvas: &mut Canvas) {
         if canvas.samples() > 1 {
             self.magnify(canvas.samples() as f32);
@@ -183,7 +184,7 @@ impl Painting {
         self.has_depth = false;
     }
 
-    /// Scales all queued shapes to a picture with so many times as many pixels along each side.
+    /// Scales all queued shapes to a picture with `times` as many pixels along each side.
     fn magnify(&mut self, times: f32) {
         self.discs.iter_mut().for_each(|disc| *disc = disc.scaled(times));
         self.lines.iter_mut().for_each(|(line, _)| *line = line.scaled(times));
@@ -193,7 +194,7 @@ impl Painting {
         self.light = self.light.map(|light| Light { reach: times * light.reach, ..light });
     }
 
-    /// Lets light fall on what is painted; where nothing throws a shadow, nothing is lit.
+    /// Lights the painted shapes. Without shadow casters, nothing is lit.
     fn shade(&self, canvas: &mut Canvas, light: Light, eye: Eye) {
         let casters = self.casters(eye);
         if casters.is_empty() {
@@ -207,7 +208,7 @@ impl Painting {
         in_bands(canvas, threads(FEW), &|band: &mut Band<'_>| lighting.shade(band, &depths));
     }
 
-    /// What throws shadows, with the share of light that it holds back.
+    /// Shadow casters, with the share of light that each blocks.
     fn casters(&self, eye: Eye) -> Vec<(Caster, f32)> {
         let mut casters = Vec::with_capacity(self.len());
         for Entry { depth, shape } in self.order.iter().filter(|entry| entry.depth.is_finite()) {
@@ -236,7 +237,7 @@ impl Painting {
         casters
     }
 
-    /// Draws what is behind the liquid, then the liquid, through which that is seen, then what is in front of it.
+    /// Draws the shapes behind the liquid, then the transparent liquid, then the shapes in front.
     fn draw_with_liquid(&self, canvas: &mut Canvas, threads: usize) {
         let in_front = |entry: &&Entry| self.liquid.leaves_in_front(self.anchor(entry), entry.depth);
         in_bands(canvas, threads, &|band: &mut Band<'_>| {
@@ -271,7 +272,7 @@ impl Painting {
         }
     }
 
-    /// The center of a shape [pixels].
+    /// Center of a shape [pixels].
     fn anchor(&self, entry: &Entry) -> [f32; 2] {
         match entry.shape {
             Shape::Disc(index) => self.discs[index as usize].center,
@@ -293,7 +294,7 @@ impl Painting {
     }
 }
 
-/// The number of threads worth using for `shapes` shapes.
+/// Number of threads worth using for `shapes` shapes.
 fn threads(shapes: usize) -> usize {
     if shapes < FEW { 1 } else { available_parallelism().map_or(1, usize::from) }
 }

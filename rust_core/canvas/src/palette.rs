@@ -1,7 +1,7 @@
-//! One palette for a whole film: up to 255 colors chosen from a few of its frames.
+//! Palette of a whole film: up to 255 colors chosen from a few of its frames.
 //!
-//! Colors are compared as bytes of sRGB, which are about perceptually uniform. Oklab has a larger error by that measure,
-//! and its roots and powers depend in their last bit on the machine.
+//! Colors are compared as bytes of sRGB, which are approximately perceptually uniform. Oklab has a larger error by this measure.
+//! The last bits of its roots and powers depend on the machine.
 
 use crate::canvas::Canvas;
 use crate::color::Rgb;
@@ -16,12 +16,12 @@ pub struct Histogram {
     cells: Vec<Tally>,
 }
 
-/// Colors that differ by at most about so much in each channel are alike [levels of 255].
+/// Maximum difference of similar colors, approximately, in each channel [levels of 255].
 const ALIKE: usize = 24;
-/// A color that is included counts as so many pixels.
+/// Number of pixels as which an included color counts.
 const INCLUDED: u64 = 100;
 
-/// The number of pixels in a cell and the sums of their channels: a color alone in its cell is kept exactly.
+/// Number of pixels in a cell and the sums of their channels: a color that is alone in its cell is kept exactly.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     count: u64,
@@ -35,7 +35,7 @@ impl Default for Histogram {
 }
 
 impl Histogram {
-    /// An empty histogram of the resolution of a quality.
+    /// Returns an empty histogram with the resolution of a quality.
     pub fn new(quality: Quality) -> Self {
         Self { quality, cells: vec![Tally::default(); 1 << (3 * quality.histogram_bits())] }
     }
@@ -51,8 +51,8 @@ impl Histogram {
         }
     }
 
-    /// Counts those of some colors as a few pixels of which none alike was seen: a palette of samples of a film then has them too,
-    /// for what shows them between the samples.
+    /// Counts each color without a similar observed color as a few pixels. A palette from samples of a film then also suits the
+    /// frames between the samples.
     pub fn include(&mut self, colors: &[Rgb]) {
         let missing: Vec<Rgb> = colors.iter().copied().filter(|&color| !self.has_seen(color)).collect();
         for color in missing {
@@ -62,7 +62,7 @@ impl Histogram {
         }
     }
 
-    /// Whether a color like this one was seen.
+    /// Whether a color similar to this one was observed.
     fn has_seen(&self, color: Rgb) -> bool {
         let bits = self.quality.histogram_bits();
         let (size, last) = (256 >> bits, (1_usize << bits) - 1);
@@ -74,26 +74,26 @@ impl Histogram {
         columns.flat_map(|column| blues.clone().map(move |blue| column | blue)).any(|cell| self.cells[cell].count > 0)
     }
 
-    /// The mean color and the count of each occupied cell.
+    /// Mean color and count of each occupied cell.
     fn colors(&self) -> impl Iterator<Item = (Rgb, u64)> {
         let seen = self.cells.iter().filter(|tally| tally.count > 0);
         seen.map(|&Tally { count, sums }| (sums.map(|sum| ((sum + count / 2) / count) as u8), count))
     }
 }
 
-/// Up to 255 colors, numbered from 1: a GIF's table has 256 entries, of which one stands for "transparent".
+/// Up to 255 colors, numbered from 1: a GIF's table has 256 entries, one of which is transparent.
 #[derive(Clone, Debug)]
 pub struct Palette {
     quality: Quality,
     colors: Vec<Rgb>,
-    /// How many of them, the first ones, were reserved.
+    /// Number of reserved colors, which come first.
     reserved: usize,
     table: Table,
 }
 
 impl Palette {
-    /// At most `most` colors, fitted to a histogram. The `reserved` ones are contained exactly; so are all colors, if they
-    /// are few and no two share a cell.
+    /// Fits a palette of at most `most` colors to a histogram. It contains the `reserved` colors exactly. It also contains all
+    /// other colors exactly, if they are few and no two share a cell.
     pub fn new(histogram: &Histogram, reserved: &[Rgb], most: u8) -> Self {
         let most = usize::from(most.max(1));
         let mut colors: Vec<Rgb> = Vec::new();
@@ -119,22 +119,23 @@ impl Palette {
         Self { table: Table::new(&colors, quality.table_bits()), quality, colors, reserved }
     }
 
-    /// How many colors, the first ones, were reserved.
+    /// Number of reserved colors, which come first.
     pub(crate) fn reserved(&self) -> usize {
         self.reserved
     }
 
-    /// The colors; the first has number 1.
+    /// Colors; the first has number 1.
     pub fn colors(&self) -> &[Rgb] {
         &self.colors
     }
 
-    /// The quality of the histogram.
+    /// Quality of the histogram.
     pub fn quality(&self) -> Quality {
         self.quality
     }
 
-    /// The number of each pixel's color in a picture of so many columns, into `out`: the nearest one, but glow is dithered.
+    /// Writes the number of each pixel's color in a picture of `width` columns to `out`: the nearest color, except that glow is
+    /// dithered.
     pub fn indices(&mut self, pixels: &[[u8; 4]], width: usize, out: &mut Vec<u8>) {
         out.resize(pixels.len(), 0);
         self.table.look_up_dithered(pixels, width, out);

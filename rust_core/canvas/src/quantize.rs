@@ -1,15 +1,15 @@
-//! Color quantization: a variance cut (split the box with the greatest spread at its mean; after Wu 1991), improved by a
-//! few rounds of k-means (Lloyd 1982).
+//! Color quantization by variance cuts, improved by a few rounds of k-means (Lloyd 1982). A variance cut splits the box with the
+//! greatest spread at its mean (after Wu 1991).
 
 use crate::color::Rgb;
 use crate::nearest::Centers;
 
-/// On the film of `benches/film.py` three rounds gain 0.3 dB, and seven more 0.04.
+/// Number of k-means rounds. With the film of `benches/film.py`, three rounds gain 0.3 dB, and seven more rounds 0.04 dB.
 const ROUNDS: usize = 3;
 
 type Color = [f32; 3];
 
-/// A color and its weight.
+/// Color and its weight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     color: Color,
@@ -17,15 +17,15 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Weight by area^¾: least squares would take the area itself, which neglects small bright objects beside a large dark
-    /// surface. On `benches/film.py` this costs 0.3 dB, the square root 1.6.
+    /// Weight of a color by area^¾. Least squares would take the area itself, which neglects small bright objects beside a large
+    /// dark surface. With `benches/film.py` this weight costs 0.3 dB, and the square root would cost 1.6 dB.
     pub(crate) fn new(color: Rgb, count: u64) -> Self {
         let root = (count as f32).sqrt();
         Self { color: color.map(f32::from), weight: root * root.sqrt() }
     }
 }
 
-/// At most `count` colors that minimize the weighted squared distances of the samples.
+/// Computes at most `count` colors that minimize the weighted squared distances of the samples.
 pub(crate) fn quantize(mut samples: Vec<Sample>, count: usize) -> Vec<Rgb> {
     let mut centers = variance_cut(&mut samples, count);
     for _ in 0..ROUNDS {
@@ -45,8 +45,8 @@ pub(crate) fn quantize(mut samples: Vec<Sample>, count: usize) -> Vec<Rgb> {
     centers.into_iter().map(|center| center.map(|channel| channel.round() as u8)).collect()
 }
 
-/// Cuts the samples into parts, always the one with the greatest spread, at the mean of its widest channel; returns the
-/// means of the parts.
+/// Divides the samples repeatedly: cuts the part with the greatest spread at the mean of its widest channel. Returns the means of
+/// the parts.
 fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Color> {
     if count == 0 {
         return Vec::new();
@@ -68,7 +68,7 @@ fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Color> {
     parts.iter().map(|part| part.mean).collect()
 }
 
-/// A range of the samples, with its mean color and spread.
+/// Range of the samples, with its mean color and spread.
 struct Part {
     start: usize,
     length: usize,

@@ -1,25 +1,25 @@
-//! Shadows: the heights of what stands between a lamp and a place, seen from the lamp.
+//! Shadow maps: heights of the objects between a lamp and a point, seen from the lamp.
 //!
-//! A map of what the lamp sees holds, for each texel, how much of the light is held back, and the mean height toward the
-//! lamp, with its square, of what does so. These can be blurred before they are asked for, which makes shadows soft (W.
-//! Donnelly and A. Lauritzen, "Variance shadow maps", 2006), and two maps, of which one is blurred more, make them softer the
-//! farther they fall (R. Fernando, "Percentage-closer soft shadows", 2005).
+//! Each texel of the map holds the share of blocked light. It also holds the mean height of the blocking objects toward the
+//! lamp, and the mean square of this height. These values can be blurred before the look-up, which makes shadows soft (W.
+//! Donnelly and A. Lauritzen, "Variance shadow maps", 2006). Two maps with different blur make shadows softer the farther they
+//! fall (R. Fernando, "Percentage-closer soft shadows", 2005).
 
 use crate::math::{across, dot};
 
-/// What throws a shadow.
+/// Shadow caster.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Caster {
-    /// A ball: center and radius.
+    /// Ball: center and radius.
     Ball([f32; 3], f32),
-    /// A rod with round ends: its ends and radius.
+    /// Rod with round ends: ends and radius.
     Rod([f32; 3], [f32; 3], f32),
-    /// The corners of a triangle.
+    /// Corners of a triangle.
     Triangle([[f32; 3]; 3]),
 }
 
 impl Caster {
-    /// Whether it has a place.
+    /// Whether all coordinates are finite.
     pub(crate) fn is_somewhere(&self) -> bool {
         let finite = |place: &[f32; 3]| place.iter().all(|component| component.is_finite());
         match self {
@@ -30,25 +30,25 @@ impl Caster {
     }
 }
 
-/// Texels along the longer side of a map.
+/// Number of texels along the longer side of a map.
 const SIDE: usize = 300;
-/// Blur of the sharper map, and of the softer one [texels]; both are used twice.
+/// Blur radius of the sharper and of the softer map [texels]; both are applied twice.
 const BLURS: [usize; 2] = [1, 8];
-/// Free texels around all that throws a shadow.
+/// Number of free texels around all shadow casters.
 const MARGIN: usize = 2 * BLURS[1] + 2;
-/// How high above a place something has to be for its softest shadow, over the size of the map.
+/// Height above a point at which its shadow is softest, over the size of the map.
 const SOFT: f32 = 0.3;
-/// The least standard deviation of heights, over the size of the map.
+/// Minimum standard deviation of heights, over the size of the map.
 const ROUGH: f32 = 0.003;
 
-/// The share of light held back, and its products with the height of what does so and with the square of that.
+/// Share of blocked light, and its products with the height of the blocking object and with the square of this height.
 type Texel = [f32; 3];
 
-/// What a lamp sees.
+/// Shadow map of a lamp.
 #[derive(Debug)]
 pub(crate) struct ShadowMap {
     axes: [[f32; 3]; 3],
-    /// The corner along the first two axes.
+    /// Corner of the map along the first two axes.
     corner: [f32; 2],
     per_length: f32,
     width: usize,
@@ -58,7 +58,7 @@ pub(crate) struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// The map of a lamp in a direction, of casters that hold back a share of its light; None where there are none.
+    /// Computes the map of a lamp in a direction, for casters that block a share of its light; None without casters.
     pub(crate) fn new(lamp: [f32; 3], casters: &[(Caster, f32)]) -> Option<Self> {
         let [first, second] = across(lamp);
         let axes = [first, second, lamp];
@@ -107,7 +107,7 @@ impl ShadowMap {
         Some(Self { axes, corner, per_length, width, sharp, soft, size })
     }
 
-    /// Whether a place may be in a shadow.
+    /// Whether a point may be in a shadow.
     #[inline(always)]
     pub(crate) fn reaches(&self, place: [f32; 3]) -> bool {
         let x = (dot(self.axes[0], place) - self.corner[0]) * self.per_length;
@@ -115,12 +115,12 @@ impl ShadowMap {
         x > 0.0 && y > 0.0 && x < self.width as f32 && y < (self.sharp.len() / self.width) as f32
     }
 
-    /// The length of a texel's side.
+    /// Length of the side of a texel.
     pub(crate) fn texel(&self) -> f32 {
         1.0 / self.per_length
     }
 
-    /// The share of the light that is held back from a place, 0 to 1.
+    /// Share of the light blocked at a point, 0 to 1.
     #[inline(always)]
     pub(crate) fn at(&self, place: [f32; 3]) -> f32 {
         let [u, v, height] = self.axes.map(|axis| dot(axis, place));
@@ -143,7 +143,7 @@ impl ShadowMap {
         sharp + softness * (soft - sharp)
     }
 
-    /// The share of the light held back at a height: of what is there, the least part that can be above (Chebyshev's inequality).
+    /// Share of the light blocked at a height: a lower bound of the part above it (Chebyshev's inequality).
     #[inline(always)]
     fn held(&self, [held, first, second]: Texel, height: f32) -> f32 {
         if held <= 1e-4 {
@@ -160,7 +160,7 @@ impl ShadowMap {
     }
 }
 
-/// The mean of four texels.
+/// Mean of four texels, by bilinear interpolation.
 #[inline(always)]
 fn between(texels: &[Texel], index: usize, width: usize, right: f32, down: f32) -> Texel {
     let (upper, lower) = (&texels[index..index + 2], &texels[index + width..index + width + 2]);
@@ -171,7 +171,7 @@ fn between(texels: &[Texel], index: usize, width: usize, right: f32, down: f32) 
     })
 }
 
-/// What the lamp sees, before it is blurred.
+/// View of the lamp, before the blur.
 struct Heights {
     width: usize,
     held: Vec<f32>,
@@ -179,17 +179,17 @@ struct Heights {
 }
 
 impl Heights {
-    /// Something at a texel.
+    /// Adds an object at a texel.
     #[inline(always)]
     fn add(&mut self, index: usize, share: f32, height: f32) {
         self.held[index] = (self.held[index].max(share) + 0.2 * share).min(1.0).min(self.held[index] + share);
         self.top[index] = self.top[index].max(height);
     }
 
-    /// A ball at a texel, its radius in texels and in the unit of heights.
+    /// Adds a ball at a texel; its radius is given in texels and in the unit of heights.
     fn ball(&mut self, [x, y, height]: [f32; 3], radius: f32, length: f32, share: f32) {
         if radius < 0.7 {
-            // Smaller than a texel: less than all of its light is held back.
+            // Smaller than a texel: only a part of the light of the texel is blocked.
             let index = y as usize * self.width + x as usize;
             return self.add(index, share * std::f32::consts::PI * radius * radius, height);
         }
@@ -199,7 +199,7 @@ impl Heights {
         });
     }
 
-    /// A rod between texels.
+    /// Adds a rod between texels.
     fn rod(&mut self, [x0, y0, z0]: [f32; 3], [x1, y1, z1]: [f32; 3], radius: f32, share: f32) {
         let (half, share) = (radius.max(0.6), share * (radius / 0.6).min(1.0));
         let (ux, uy) = (x1 - x0, y1 - y0);
@@ -211,7 +211,7 @@ impl Heights {
         });
     }
 
-    /// A triangle between texels.
+    /// Adds a triangle between texels.
     fn triangle(&mut self, [a, b, c]: [[f32; 3]; 3], share: f32) {
         let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         if doubled == 0.0 {
@@ -228,7 +228,7 @@ impl Heights {
         });
     }
 
-    /// Adds what there is at the centers of the texels between two corners.
+    /// Adds the object at the centers of the texels between two corners, where it exists.
     #[inline(always)]
     fn each(&mut self, low: [f32; 2], high: [f32; 2], found: impl Fn(f32, f32) -> Option<(f32, f32)>) {
         let rows = self.held.len() / self.width;
@@ -243,7 +243,7 @@ impl Heights {
     }
 }
 
-/// Texels blurred twice by the mean of those up to some texels away, along rows and then along columns.
+/// Blurs texels twice by the mean over `reach` neighbors on each side, along rows and then along columns.
 fn blurred(mut texels: Vec<Texel>, width: usize, reach: usize) -> Vec<Texel> {
     let mut other = texels.clone();
     let height = texels.len() / width;
@@ -258,7 +258,7 @@ fn blurred(mut texels: Vec<Texel>, width: usize, reach: usize) -> Vec<Texel> {
     texels
 }
 
-/// The means of a row of so many texels at some distance from one another; beyond its ends is nothing.
+/// Means of a row of `count` texels, which are `stride` apart; beyond its ends all values are zero.
 fn mean(from: &[Texel], to: &mut [Texel], count: usize, stride: usize, reach: usize) {
     let share = 1.0 / (2 * reach + 1) as f32;
     let mut sum = [0.0_f32; 3];

@@ -1,6 +1,6 @@
-//! Smoothing of planes of values, row by row: means over places around, and a filter that does not reach across steps.
+//! Smoothing of planes of values, row by row: box means, and a filter that does not reach across steps.
 
-/// The means of values up to some places away along rows and then along columns, by means of a plane as large.
+/// Box means of values over `reach` neighbors on each side, along rows and then along columns. `other` is a buffer of equal size.
 pub(crate) fn blur_plane(values: &mut [f32], other: &mut [f32], width: usize, reach: usize) {
     let height = values.len() / width.max(1);
     for row in 0..height {
@@ -11,7 +11,7 @@ pub(crate) fn blur_plane(values: &mut [f32], other: &mut [f32], width: usize, re
     }
 }
 
-/// The means of the values up to some places away in a row of them at a distance from one another; at its ends they go on.
+/// Box means over `reach` neighbors in a row of `count` values, which are `stride` apart; the end values are continued.
 fn blur(from: &[f32], to: &mut [f32], count: usize, stride: usize, reach: usize) {
     let share = 1.0 / (2 * reach + 1) as f32;
     let at = |index: usize| from[index.saturating_sub(reach).min(count - 1) * stride];
@@ -23,8 +23,8 @@ fn blur(from: &[f32], to: &mut [f32], count: usize, stride: usize, reach: usize)
     }
 }
 
-/// One pass, along rows or else along columns, of a filter by weights of the distance, without values that differ by more than a
-/// range.
+/// One pass of a narrow-range filter, along rows or along columns. The weights depend on the distance, and values that differ by
+/// more than a range are excluded.
 ///
 /// Source: N. Truong and C. Yuksel, "A narrow-range filter for screen-space fluid rendering" (2018).
 pub(crate) fn narrow_range(

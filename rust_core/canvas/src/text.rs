@@ -1,5 +1,6 @@
-//! Text: anti-aliased outlines of Noto Sans, of its faces with mathematical and other symbols, and of Droid Sans Fallback for
-//! Chinese, Japanese and Korean; `scripts/subset-fonts` makes them. Signs stand one after the other, without ligatures.
+//! Text: anti-aliased outlines of Noto Sans, of its fonts with mathematical and other symbols, and of Droid Sans Fallback. The
+//! latter has Chinese, Japanese and Korean. The fonts are made by `scripts/subset-fonts`. Characters are placed one after the
+//! other, without ligatures.
 
 #![expect(clippy::cast_possible_wrap, reason = "no label is longer than a picture is wide by far")]
 
@@ -10,7 +11,7 @@ use ab_glyph::{Font, FontRef, Glyph, GlyphId, PxScale, point};
 use crate::canvas::Canvas;
 use crate::color::Ink;
 
-/// Faces: of those that have a sign, the first one draws it.
+/// Fonts. The first font that has a character draws it.
 static FACES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     let files: [&'static [u8]; 5] = [
         include_bytes!("../fonts/noto-sans.ttf"),
@@ -22,25 +23,26 @@ static FACES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     files.into_iter().filter_map(|bytes| FontRef::try_from_slice(bytes).ok()).collect()
 });
 
-/// Drawn in place of a sign that no face has: U+FFFD, a question mark in a black diamond.
+/// Replacement of a character that no font has: U+FFFD, a question mark in a black diamond.
 const MISSING: char = '\u{FFFD}';
 
-/// The em over the height of a line: an ascent of 1.07 em and a descent of 0.29 em leave no gap.
+/// Ratio of the em to the height of a line: an ascent of 1.07 em and a descent of 0.29 em leave no gap.
 const EM: f32 = 1.0 / 1.362;
-/// The baseline over the height of a line, from its upper edge.
+/// Ratio of the baseline to the height of a line, from its upper edge.
 const BASELINE: f32 = 1.069 * EM;
 
-/// Coverage of pixels, over that of the outline: stems of small text are about a pixel wide, and lie between two.
+/// Ratio of the drawn coverage of pixels to that of the outline: stems of small text are about a pixel wide, and lie between two
+/// pixels.
 const STRENGTH: f32 = 1.3;
 
 /// Alignment of a label at the given x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// Its left end.
+    /// Left end at x.
     Left,
-    /// Its middle.
+    /// Middle at x.
     Center,
-    /// Its right end.
+    /// Right end at x.
     Right,
 }
 
@@ -49,7 +51,7 @@ pub fn text_width(text: &str, height: usize) -> usize {
     advances(text, height).sum::<f32>().ceil() as usize
 }
 
-/// The signs of a text that no face has, each once.
+/// Characters of a text that no font has, each once.
 pub fn missing_signs(text: &str) -> String {
     let mut missing = String::new();
     for sign in text.chars() {
@@ -61,7 +63,7 @@ pub fn missing_signs(text: &str) -> String {
 }
 
 impl Canvas {
-    /// Writes one line of text, `height` pixels high, with its upper edge at `y`. A sign that no face has becomes U+FFFD.
+    /// Writes one line of text, `height` pixels high, with its upper edge at `y`. A character that no font has becomes U+FFFD.
     pub fn text(&mut self, text: &str, [x, y]: [i32; 2], height: usize, color: Ink, align: Align) {
         let samples = self.samples();
         let (x, y, height) = (samples as i32 * x, samples as i32 * y, samples * height);
@@ -89,7 +91,7 @@ impl Canvas {
     }
 }
 
-/// How far the pen goes for each sign [pixels].
+/// Advance width of each character [pixels].
 fn advances(text: &str, height: usize) -> impl Iterator<Item = f32> {
     text.chars().map(move |sign| {
         glyph_of(sign).map_or(0.0, |(face, id)| {
@@ -99,23 +101,23 @@ fn advances(text: &str, height: usize) -> impl Iterator<Item = f32> {
     })
 }
 
-/// The scale of a face at which its em is as large as that of the others.
+/// Scale of a font that makes its em equal to that of the others.
 fn scale(face: &FontRef<'_>, height: usize) -> PxScale {
     let units = face.units_per_em().unwrap_or(1000.0);
     PxScale::from(EM * height as f32 * face.height_unscaled() / units)
 }
 
-/// The face and the glyph of a sign; none of control characters.
+/// Font and glyph of a character; None for control characters.
 fn glyph_of(sign: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
     if is_empty(sign) { None } else { find(sign).or_else(|| find(MISSING)) }
 }
 
-/// The first face that has a sign, and its glyph there.
+/// First font that has a character, with the glyph.
 fn find(sign: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
     FACES.iter().map(|face| (face, face.glyph_id(sign))).find(|(_, id)| id.0 != 0)
 }
 
-/// Whether a sign takes no place: a control character, or one that selects among forms of the sign before it.
+/// Whether a character has no width: a control character, or a selector of variants of the previous character.
 fn is_empty(sign: char) -> bool {
     sign.is_control() || matches!(sign, '\u{200B}'..='\u{200F}' | '\u{2060}'..='\u{2064}' | '\u{FE00}'..='\u{FE0F}' | '\u{FEFF}')
 }

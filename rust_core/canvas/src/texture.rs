@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::error::Error;
 
-/// A picture in sRGB with bilinear interpolation.
+/// Picture in sRGB with bilinear interpolation.
 #[derive(Clone, Debug)]
 pub struct Texture {
     width: usize,
@@ -11,7 +11,7 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// A texture from its pixels, row by row from the top.
+    /// Creates a texture from its pixels, row by row from the top.
     pub fn new(width: usize, texels: Vec<Rgb>) -> Result<Self, Error> {
         let height = texels.len().checked_div(width).unwrap_or(0);
         if width == 0 || height == 0 || width * height != texels.len() {
@@ -20,7 +20,7 @@ impl Texture {
         Ok(Self { width, texels })
     }
 
-    /// The color at texture coordinates 0–1, to the right and up from the lower left corner; clamped to the edges.
+    /// Color at texture coordinates 0–1, to the right and up from the lower left corner; clamped to the edges.
     #[inline(always)]
     pub(crate) fn at(&self, [right, up]: [f32; 2]) -> [f32; 3] {
         let height = self.texels.len() / self.width;
@@ -40,7 +40,7 @@ impl Texture {
     }
 }
 
-/// The texel whose center precedes a coordinate 0–1 of `count` texels, and the offset from it in texels.
+/// Texel whose center precedes a coordinate 0–1 of `count` texels, and the offset from it in texels.
 fn texel_at(fraction: f32, count: usize) -> (usize, f32) {
     let position = (fraction * count as f32 - 0.5).clamp(0.0, (count - 1) as f32);
     let index = position as usize;

@@ -1,29 +1,30 @@
-//! LZW with a choice: each pixel may have one of several colors, and the longest known string of such colors is taken.
+//! LZW compression with tolerance: each pixel may have one of several colors, and the longest known string of such colors is
+//! used.
 //!
-//! The idea is that of `gifsicle --lossy` (K. Lesiński, 2014). Here the choice is bounded for each pixel by itself, so that errors
+//! The idea is that of `gifsicle --lossy` (K. Lesiński, 2014). Here the error is bounded for each pixel separately, so errors
 //! neither add up nor spread.
 
 use crate::color::Rgb;
 use crate::lzw::{Codes, GREATEST_CODE, Slots, TRANSPARENT, find, free_slots, key};
 
-/// Strings that are tried at each place without finding a longer one.
+/// Number of strings tried at each position without finding a longer one.
 const TRIALS: usize = 24;
 
-/// Rows of [`Tolerance`] from here on allow one color alone.
+/// First row of [`Tolerance`] whose entries allow a single color only.
 const EXACT: u16 = 256;
 
-/// The colors of a palette that may stand for each of them.
+/// Table of the palette colors that may replace each color.
 #[derive(Clone, Debug)]
 pub(crate) struct Tolerance {
-    /// 2 · 256 rows of 256.
+    /// Table of 2 · 256 rows of 256 entries.
     allowed: Vec<bool>,
-    /// Of each row those that are allowed, the nearest last.
+    /// Allowed colors of each row, the nearest last.
     ordered: Vec<Vec<u8>>,
 }
 
 impl Tolerance {
-    /// Colors at most `distance` apart stand for each other, where green counts twice as much as red and four times as much as
-    /// blue; the `reserved` first ones only for themselves, so that grounds stay clean.
+    /// Builds the table: colors at most `distance` apart may replace each other. Green counts twice as much as red and four times
+    /// as much as blue. The first `reserved` colors are replaced by none, so backgrounds stay clean.
     pub(crate) fn new(colors: &[Rgb], reserved: usize, distance: u8) -> Self {
         let mut table = Self { allowed: vec![false; 2 * 256 * 256], ordered: vec![Vec::new(); 2 * 256] };
         for (row, color) in colors.iter().enumerate() {
@@ -47,19 +48,19 @@ impl Tolerance {
         self.ordered[row] = numbers;
     }
 
-    /// Whether one color may stand for another.
+    /// Whether a color may replace another one.
     pub(crate) fn allows(&self, wanted: u8, shown: u8) -> bool {
         self.allowed[usize::from(wanted) << 8 | usize::from(shown)]
     }
 }
 
-/// Weighted as the eye weighs channels, about: 6/7, 12/7 and 3/7 of each square.
+/// Squared color distance, weighted approximately as the eye weighs channels: 6/7, 12/7 and 3/7 of each square.
 fn squared_distance(p: Rgb, q: Rgb) -> u32 {
     let [red, green, blue] = [0, 1, 2].map(|channel| u32::from(p[channel].abs_diff(q[channel])).pow(2));
     3 * (2 * red + 4 * green + blue) / 7
 }
 
-/// What a pixel may be.
+/// Set of colors that a pixel may have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wish {
     row: u16,
@@ -67,12 +68,12 @@ pub(crate) struct Wish {
 }
 
 impl Wish {
-    /// A color or what may stand for it; with `keep` also what is on the screen.
+    /// Allows a color and its replacements; with `keep` also the color on the screen.
     pub(crate) fn about(wanted: u8, keep: bool) -> Self {
         Self { row: u16::from(wanted), keep }
     }
 
-    /// What is on the screen, and nothing else.
+    /// Allows only the color on the screen.
     pub(crate) fn rest(shown: u8) -> Self {
         Self { row: EXACT + u16::from(shown), keep: true }
     }
@@ -86,15 +87,16 @@ impl Wish {
 const NONE: u16 = u16::MAX;
 const CODES: usize = GREATEST_CODE as usize + 1;
 
-/// Encodes wishes; its memory is reused from frame to frame.
+/// Encoder of wishes; its memory is reused from frame to frame.
 pub(crate) struct TolerantEncoder {
-    /// Of each string: its last symbol, the string before that, its first longer string, and the next one of the same length
-    /// before the last symbol.
+    /// Tree of strings. Each string has a last symbol, a prefix (parent), a first longer string (child), and a next string with
+    /// the same prefix (sibling).
     symbol: Vec<u8>,
     parent: Vec<u16>,
     child: Vec<u16>,
     sibling: Vec<u16>,
-    /// How many strings are longer by one symbol, and these by string and symbol, as in [`Encoder`](crate::lzw::Encoder).
+    /// Number of strings that are longer by one symbol. The slots hold these by string and symbol, as in
+    /// [`Encoder`](crate::lzw::Encoder).
     children: Vec<u16>,
     slots: Box<Slots>,
     stack: Vec<(u16, usize)>,
@@ -111,8 +113,8 @@ impl TolerantEncoder {
         Self { symbol, parent: links(), child: links(), sibling: links(), children, slots, stack, string, bytes }
     }
 
-    /// Appends to `out` the code size and the sub-blocks for symbols that fulfil `wishes`, all below 2^`bits`, and writes these
-    /// symbols to `symbols`.
+    /// Appends the code size and the sub-blocks for symbols that fulfill `wishes` to `out`, and writes the symbols to `symbols`.
+    /// All symbols are below 2^`bits`.
     pub(crate) fn encode(&mut self, wishes: &[Wish], tolerance: &Tolerance, bits: u32, symbols: &mut Vec<u8>, out: &mut Vec<u8>) {
         let bits = bits.max(2);
         let (clear, end) = (1 << bits, (1 << bits) + 1);
@@ -126,7 +128,7 @@ impl TolerantEncoder {
         while symbols.len() < wishes.len() {
             let ahead = &wishes[symbols.len()..];
             let (mut code, length) = self.longest(ahead, tolerance);
-            // The string that the decoder learns from this very code: the last one and its first symbol again.
+            // The string that the decoder learns from this very code: the previous string and its first symbol.
             let repeats = before.is_some() && self.repeats(ahead, tolerance, length);
             if repeats {
                 code = next as u16;
@@ -160,7 +162,7 @@ impl TolerantEncoder {
         self.slots.fill(0);
     }
 
-    /// The longest string, of those tried, that the pixels ahead may be, and its length.
+    /// Finds the longest string, among those tried, that fits the pixels ahead; returns its code and its length.
     fn longest(&mut self, ahead: &[Wish], tolerance: &Tolerance) -> (u16, usize) {
         let first = ahead[0];
         let roots = &tolerance.ordered[usize::from(first.row)];
@@ -204,13 +206,13 @@ impl TolerantEncoder {
         best
     }
 
-    /// A string with one more symbol, if it is known.
+    /// Finds a string with one more symbol, if it is known.
     #[inline(always)]
     fn longer(&self, code: u16, symbol: u8) -> Option<u16> {
         find(&self.slots, u32::from(code), symbol).ok().map(|code| code as u16)
     }
 
-    /// Whether the pixels ahead may be the last string and its first symbol again, and whether that is longer.
+    /// Whether the previous string followed by its first symbol fits the pixels ahead, and is longer than `length`.
     fn repeats(&self, ahead: &[Wish], tolerance: &Tolerance, length: usize) -> bool {
         let symbols = self.string.iter().chain(self.string.first());
         self.string.len() >= length
@@ -218,7 +220,7 @@ impl TolerantEncoder {
             && symbols.zip(ahead).all(|(&symbol, wish)| wish.takes(tolerance, symbol))
     }
 
-    /// Writes the symbols of a string.
+    /// Writes the symbols of a string to the buffer.
     fn spell(&mut self, code: u16, length: usize) {
         self.string.resize(length, 0);
         let mut code = usize::from(code);
@@ -228,7 +230,7 @@ impl TolerantEncoder {
         }
     }
 
-    /// Adds a string: another one and a symbol.
+    /// Adds a string: a known string and a symbol.
     fn learn(&mut self, code: u16, parent: u16, symbol: u8) {
         let (index, above) = (usize::from(code), usize::from(parent));
         (self.symbol[index], self.parent[index], self.sibling[index]) = (symbol, parent, self.child[above]);

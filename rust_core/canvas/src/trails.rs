@@ -5,31 +5,31 @@ use crate::ink::Mixing;
 use crate::shapes::Line;
 use crate::view::{Fog, opaque};
 
-/// The last positions of N points at K times, the oldest first.
+/// Last positions of N points at K times, the oldest first.
 #[derive(Clone, Copy, Debug)]
 pub struct Trails<'a> {
-    /// Positions of all points, time by time, K·N in all [pixels].
+    /// Positions of all points, time by time, K·N in total [pixels].
     pub past: &'a [[f32; 2]],
     /// Width of each point's trail at its fresh end [pixels].
     pub widths: &'a [f32],
     /// Color of each point's trail at its fresh end.
     pub colors: &'a [Ink],
-    /// Background that trails fade into, and the fraction of color left at the fresh end. They fade by color, not by
-    /// opacity: joints of opaque lines do not show; and they only add light to what is below, or take it from a light
-    /// ground, so that a faint end does not cover what it crosses. Without it they only taper, as fits a multicolored background.
+    /// Background into which trails fade, and the fraction of color left at the fresh end. Trails fade by color, not by opacity,
+    /// so the joints of opaque lines do not show. They only add light to the background, or subtract it on a light ground, so a
+    /// faint end does not cover other shapes. With None, trails only taper, as suits a multicolored background.
     pub fade: Option<(Rgb, f32)>,
-    /// Whether a point's path between two times is not straight, (K−1)·N in all.
+    /// Whether the path of a point between two times is not straight, (K−1)·N in total.
     pub gaps: Option<&'a [bool]>,
-    /// Depths of all points, K·N in all.
+    /// Depths of all points, K·N in total.
     pub depths: Option<&'a [f32]>,
 }
 
-/// Minimum length of a segment, if the trail is that long [pixels]: shorter ones are not visible, and half of the lines are
-/// saved.
+/// Minimum length of a segment, if the trail is long enough [pixels]. Shorter segments are not visible, and omitting them saves
+/// half of the lines.
 const SHORTEST: f32 = 5.0;
 
 impl Trails<'_> {
-    /// How the lines change what is below them.
+    /// Blending mode of the lines.
     pub fn mixing(&self) -> Mixing {
         const MIDDLE: u32 = 384; // of the sum of the three channels
         match self.fade {
@@ -39,7 +39,7 @@ impl Trails<'_> {
         }
     }
 
-    /// The lines with their depths, the oldest first.
+    /// Lines with their depths, the oldest first.
     pub fn lines(&self) -> impl Iterator<Item = (Line, f32)> {
         let count = self.widths.len().max(1);
         let moments = self.past.len() / count;
@@ -63,8 +63,8 @@ impl Trails<'_> {
         })
     }
 
-    /// For each point and time, the number of times since the start of the line that ends there; 0 where none ends. Lines
-    /// are counted from the fresh end, so that they move with it.
+    /// Number of times since the start of the line that ends there, for each point and time; 0 if none ends. Lines are counted
+    /// from the fresh end, so they move with it.
     fn joints(&self, count: usize, moments: usize) -> Vec<u8> {
         let mut joints = vec![0; self.past.len()];
         for index in 0..count {

@@ -1,8 +1,8 @@
-//! Projection of points to pixels and of values to inks: the work per particle and frame.
+//! Projection of points to pixels and mapping of values to inks: the work per particle and frame.
 
 use crate::color::{Ink, Rgb};
 
-/// The projection of points in 2D or 3D to pixels.
+/// Projection of points in 2D or 3D to pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection<const D: usize> {
     /// Unit vectors to the right, up and, in 3D, toward the eye.
@@ -11,17 +11,17 @@ pub struct Projection<const D: usize> {
     pub center: [f64; D],
     /// Pixels per unit of length at the center.
     pub scale: f64,
-    /// The middle of the picture [pixels].
+    /// Middle of the picture [pixels].
     pub middle: [f64; 2],
     /// Distance from the eye to the center; infinite for an orthographic projection.
     pub distance: f64,
 }
 
-/// Near plane, as a fraction of the eye's distance from the center.
+/// Near plane, as a fraction of the distance of the eye from the center.
 const NEAREST: f64 = 0.05;
 
 impl<const D: usize> Projection<D> {
-    /// The pixel of a point, its depth behind the center, and pixels per unit of length there.
+    /// Pixel of a point, its depth behind the center, and pixels per unit of length there.
     #[inline(always)]
     pub fn project(&self, point: [f64; D]) -> ([f32; 2], f32, f32) {
         let mut local = [0.0; D];
@@ -49,7 +49,7 @@ pub struct Fog {
 }
 
 impl Fog {
-    /// A color with fog at a depth behind the center.
+    /// Applies fog to a color at a depth behind the center.
     #[inline(always)]
     pub fn seen(&self, color: [f32; 3], depth: f32) -> [f32; 3] {
         let share = self.strength * (0.5 + 0.5 * depth / self.reach).clamp(0.0, 1.0);
@@ -61,14 +61,14 @@ impl Fog {
     }
 }
 
-/// The entry at a fraction of a table's length; clamped to its ends, also for NaN.
+/// Entry at a fraction of the length of a table; clamped to its ends, also for NaN.
 #[inline(always)]
 pub fn look_up<T>(table: &[T], fraction: f64) -> &T {
     let last = table.len() - 1;
     &table[((fraction * table.len() as f64) as usize).min(last)]
 }
 
-/// An opaque ink.
+/// Converts a color to an opaque ink.
 #[inline(always)]
 pub fn opaque(color: [f32; 3]) -> Ink {
     [color[0] as u8, color[1] as u8, color[2] as u8, 255]

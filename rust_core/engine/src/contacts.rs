@@ -1,10 +1,10 @@
-//! The contact stage: impacts, sliding and rest of particles on walls, after the integrator and within the same step.
+//! Contact stage: impacts, sliding and rest of particles on walls, after the integrator and within the same step.
 //!
-//! The integrator moves every particle without walls. [`Contacts::resolve`] then tests the path of the step, a parabola:
-//! groups of lanes with certain clearance are done ([`clearance`]); the trajectory of any other particle is integrated
-//! again from the start of the step in double precision, from impact to impact ([`trajectory`]), with sliding on supporting
-//! walls ([`support`]). The kinetic energy lost in impacts and friction is tallied exactly, so total + dissipated energy is
-//! as constant as without walls.
+//! The integrator moves every particle without walls. [`Contacts::resolve`] then tests the path of the step, a parabola.
+//! Groups of lanes with certain clearance are done ([`clearance`]). The trajectory of any other particle is integrated again
+//! from the start of the step, in double precision and from impact to impact ([`trajectory`]). Sliding on supporting walls is
+//! part of it ([`support`]). The kinetic energy lost in impacts and friction is tallied exactly. Total plus dissipated energy
+//! is therefore as constant as without walls.
 
 use std::ops::Range;
 
@@ -24,12 +24,12 @@ mod trajectory;
 use clearance::{Sweep, Test};
 use trajectory::Walls;
 
-/// Contact tolerance in units of rounding: a distance is a sum of four products and differences, each off by half a unit,
-/// of a position that is itself rounded along each axis.
+/// Contact tolerance in units of rounding. A distance is a sum of four products and differences, each off by half a unit. The
+/// position itself is rounded along each axis.
 const CONTACT_TOLERANCE: f64 = 4.0;
 
-/// How far beyond its region a piece of a wall is touched, and up to where a slide on it goes on, in units of rounding. The
-/// second is larger, so that a slide that has left a piece does not find it again.
+/// Tolerances beyond the region of a piece of a wall, in units of rounding. A particle touches the piece up to `WITHIN`. A
+/// slide goes on up to `LEFT`, which is larger: a slide that has left a piece does not find it again.
 const WITHIN: f64 = 1.0;
 const LEFT: f64 = 2.0;
 
@@ -44,9 +44,9 @@ pub struct Contacts<V: Vector> {
     /// Particle radii [m], −∞ without contact; one column per set of bodies.
     reach: Vec<Vec<V::Scalar>>,
     names: Vec<&'static str>,
-    /// The path of every boundary in the scene.
+    /// Path of every boundary in the scene.
     paths: Vec<String>,
-    /// The first particle of every body, in the caller's order.
+    /// First particle of every body, in the caller's order.
     first: Vec<usize>,
 }
 
@@ -58,14 +58,14 @@ pub(crate) struct Surface {
     restitution: f64,
     /// Coulomb's coefficient of friction μ.
     friction: f64,
-    /// Whether it acts on each body.
+    /// Whether the wall acts on each body.
     bodies: Vec<bool>,
-    /// The boundary that it belongs to.
+    /// Index of the boundary that the wall belongs to.
     boundary: usize,
 }
 
 impl Surface {
-    /// The pieces of the wall that a particle may touch within a box along the axes.
+    /// Pieces of the wall within reach of a particle in an axis-aligned box.
     fn pieces(&self, rounding: f64, (lower, upper): (DVec3, DVec3), radius: f64) -> impl Iterator<Item = Piece<'_>> {
         let reach = radius + self.slack(rounding, lower.abs().max(upper.abs()), radius);
         self.wall.pieces(lower - reach, upper + reach, radius)
@@ -78,27 +78,27 @@ impl Surface {
     }
 }
 
-/// A wall as a particle sees it.
+/// Contact geometry of a particle and a wall.
 #[derive(Debug, Clone, Copy)]
 pub struct Gap {
-    /// The index of the wall.
+    /// Index of the wall.
     pub wall: usize,
-    /// The distance of the particle's surface from it [m].
+    /// Distance of the particle's surface from the wall [m].
     pub distance: f64,
-    /// The unit normal into its allowed side.
+    /// Unit normal into the allowed side.
     pub normal: DVec3,
-    /// The distance up to which they touch [m].
+    /// Contact tolerance [m]: the particle touches the wall up to this distance.
     pub slack: f64,
     /// Coefficient of restitution e.
     pub restitution: f64,
 }
 
-/// What a particle touches: a surface, or a part of one.
+/// Identifier of a contact partner: a surface, or a part of one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Key {
-    /// Its index among the surfaces.
+    /// Index of the surface.
     surface: usize,
-    /// The part, of a wall that has several.
+    /// Part of the surface, for a wall that has several.
     part: Option<Part>,
 }
 
@@ -136,10 +136,10 @@ impl<'a, V: Vector> Before<'a, V> {
 }
 
 impl<V: Vector> Contacts<V> {
-    /// The contacts of a scene, or None if it has no boundaries.
+    /// Contacts of a scene; None if it has no boundaries.
     ///
     /// # Errors
-    /// If a boundary's parameter is not acceptable, or a particle does not fit into it.
+    /// If a boundary's parameter is invalid, or a particle does not fit into it.
     pub fn build(scene: &Scene, properties: &Properties<V>) -> Result<Option<Self>> {
         if scene.boundaries.is_empty() {
             return Ok(None);
@@ -199,20 +199,20 @@ impl<V: Vector> Contacts<V> {
         reach + std::mem::size_of_val(self.surfaces.as_slice()) + std::mem::size_of_val(self.tests.as_slice())
     }
 
-    /// Leaves particles to another who resolves their contacts.
+    /// Excludes particles whose contacts are resolved elsewhere.
     pub fn leave_out(&mut self, particles: &[u32]) {
         for column in &mut self.reach {
             particles.iter().for_each(|&index| column[index as usize] = V::Scalar::from_f64(f64::NEG_INFINITY));
         }
     }
 
-    /// The indices of the walls that act on a particle.
+    /// Indices of the walls that act on a particle.
     pub fn walls_of(&self, properties: &Properties<V>, index: usize) -> impl Iterator<Item = usize> {
         let body = properties.body[index] as usize;
         (0..self.surfaces.len()).filter(move |&wall| self.surfaces[wall].bodies[body])
     }
 
-    /// A wall as a particle at `x` sees it, for numbers with the relative rounding error `rounding`.
+    /// Contact geometry of a particle at `x` and a wall, for numbers with the relative rounding error `rounding`.
     pub fn gap(&self, wall: usize, x: DVec3, properties: &Properties<V>, index: usize, rounding: f64) -> Gap {
         let (surface, radius) = (&self.surfaces[wall], properties.radius[index]);
         let (distance, normal) = surface.wall.distance(x);
@@ -220,12 +220,13 @@ impl<V: Vector> Contacts<V> {
         Gap { wall, distance: distance - radius, normal, slack, restitution: surface.restitution }
     }
 
-    /// The curvature of a wall [1/m] at `x` along a unit direction, as [`Wall::curvature`].
+    /// Curvature of a wall [1/m] at `x` along a unit direction; see [`Wall::curvature`].
     pub fn curvature(&self, wall: usize, x: DVec3, direction: DVec3) -> f64 {
         self.surfaces[wall].wall.curvature(x, direction)
     }
 
-    /// The path and the friction of a boundary with friction that acts on one of the particles, if there is one.
+    /// Path and friction coefficient of the first boundary with friction that acts on one of the movable particles; None if
+    /// there is none.
     pub fn friction(&self, properties: &Properties<V>, particles: &[u32]) -> Option<(&str, f64)> {
         let rubs = |surface: &&Surface| {
             surface.friction > 0.0
@@ -236,7 +237,7 @@ impl<V: Vector> Contacts<V> {
         self.surfaces.iter().find(rubs).map(|surface| (self.paths[surface.boundary].as_str(), surface.friction))
     }
 
-    /// Projects initial positions inside: particles whose surface overlaps a wall are moved along its normal. Returns their
+    /// Projects initial positions inside: moves particles whose surface overlaps a wall along its normal. Returns their
     /// number.
     ///
     /// # Errors
@@ -271,8 +272,8 @@ impl<V: Vector> Contacts<V> {
         Error::parameter(format!("bodies[{body}].positions[{index_in_body}]"), expected, found)
     }
 
-    /// The position of a particle displaced to `x` after projection inside the walls; None if `x`, as rounded in the state,
-    /// is clear of them.
+    /// Position of a particle displaced to `x` after projection inside the walls; None if `x`, as rounded in the state, is
+    /// clear of them.
     pub fn confine(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<DVec3> {
         let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
         let rounded = V::narrow(x).widen();
@@ -282,8 +283,8 @@ impl<V: Vector> Contacts<V> {
         is_entered.then(|| self.inside(x, body, radius).widen())
     }
 
-    /// The coefficients of friction and restitution of the wall that a particle displaced to `x` enters the farthest; None if `x` is
-    /// clear of them.
+    /// Coefficients of friction and restitution of the wall that a particle displaced to `x` enters the farthest; None if `x`
+    /// is clear of all walls.
     pub fn coefficients(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<[f64; 2]> {
         let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
         let surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
@@ -292,14 +293,13 @@ impl<V: Vector> Contacts<V> {
         Some([deepest.friction, deepest.restitution])
     }
 
-    /// The nearest representable position to `x` at which a particle of `radius` is outside no wall, if the projections
-    /// find one.
+    /// Nearest representable position to `x` at which a particle of `radius` is outside no wall, if the projections find one.
     fn inside(&self, x: DVec3, body: usize, radius: f64) -> V {
         let mut position = V::narrow(x);
         for round in 0..ROUNDS {
             let mut clear = true;
-            // In a narrow wedge the projection out of one wall leads into the other: then all nearby walls project
-            // together.
+            // In a narrow wedge the projection out of one wall leads into the other. Later rounds use the mean normal of all
+            // nearby walls.
             let together = if round < ROUNDS / 2 { DVec3::ZERO } else { self.away(position.widen(), body, radius) };
             let start = position.widen();
             for piece in self.pieces(start, body, radius) {
@@ -320,7 +320,7 @@ impl<V: Vector> Contacts<V> {
         position
     }
 
-    /// The mean normal of the touched walls.
+    /// Mean normal of the touched walls.
     fn away(&self, x: DVec3, body: usize, radius: f64) -> DVec3 {
         let mut away = DVec3::ZERO;
         for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
@@ -335,7 +335,7 @@ impl<V: Vector> Contacts<V> {
         away.normalize_or_zero()
     }
 
-    /// The pieces of walls that a particle at `x` may touch.
+    /// Pieces of walls within reach of a particle at `x`.
     fn pieces(&self, x: DVec3, body: usize, radius: f64) -> impl Iterator<Item = Piece<'_>> {
         let surfaces = self.surfaces.iter().filter(move |surface| surface.bodies[body]);
         surfaces.flat_map(move |surface| surface.pieces(V::Scalar::EPSILON, (x, x), radius))
@@ -346,7 +346,7 @@ impl<V: Vector> Contacts<V> {
         dispatch(Sweep { contacts: self, before, block, properties, h });
     }
 
-    /// Integrates one particle's step again, from contact to contact, if it touches a wall.
+    /// Integrates one particle's step again, from contact to contact, if the particle touches a wall.
     #[cold]
     #[inline(never)]
     fn trajectory(&self, before: &Before<'_, V>, block: &mut Blocks<'_, V>, properties: &Properties<V>, h: f64, lane: usize) {
@@ -372,7 +372,7 @@ impl<V: Vector> Contacts<V> {
     }
 }
 
-/// The radii of the movable particles of the given bodies, −∞ for all others and the padding.
+/// Radii of the movable particles of the given bodies; −∞ for all others and the padding.
 fn reach<V: Vector>(properties: &Properties<V>, bodies: &[bool]) -> Vec<V::Scalar> {
     let mut reach = vec![V::Scalar::from_f64(f64::NEG_INFINITY); padded(properties.count())];
     for (index, radius) in properties.radius.iter().enumerate() {
@@ -383,7 +383,7 @@ fn reach<V: Vector>(properties: &Properties<V>, bodies: &[bool]) -> Vec<V::Scala
     reach
 }
 
-/// The largest particle radius that fits between the walls of one boundary.
+/// Largest particle radius that fits between the walls of one boundary.
 fn room(walls: &[Wall]) -> f64 {
     let mut room = f64::INFINITY;
     for (index, wall) in walls.iter().enumerate() {

@@ -1,20 +1,16 @@
 //! physcore's engine. Data flow:
 //!
-//! [`scene::Scene`] declares the model → [`systems::build`] compiles it into a [`systems::System`], a state with its law of
-//! motion → [`simulation::Simulation`] is a clock and a divergence monitor over it → [`ledger::Ledger`] is its energy
-//! budget, [`plan::Plan`] describes its steps, [`stability`] bounds the time step.
+//! A [`scene::Scene`] declares the model. It is compiled by [`systems::build`] into a [`systems::System`], a state with its
+//! law of motion. A [`simulation::Simulation`] is a clock and a divergence monitor over it. Its energy budget is a
+//! [`ledger::Ledger`]. Its steps are described by a [`plan::Plan`], and [`stability`] bounds the time step.
 //!
-//! Matter advances by a method, such as an explicit integrator ([`integrators`]), which evaluates the [`forces`] (those
-//! between pairs by the lists of [`neighbors`]) and resolves contacts with the [`boundaries`], block by block, on the
-//! threads of [`parallel`] and at the SIMD level of [`simd`].
+//! Matter advances by a method, such as an explicit integrator ([`integrators`]). The method evaluates the [`forces`]; pair
+//! forces use the lists of [`neighbors`]. It resolves contacts with the [`boundaries`], block by block, on the threads of
+//! [`parallel`] and at the SIMD level of [`simd`].
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
 
-pub mod boundaries;
 pub mod contacts;
-pub mod forces;
-pub mod matter;
-pub mod neighbors;
 pub mod rods;
 pub mod self_contact;
 pub mod simulation;
@@ -25,3 +21,4 @@ pub use physcore_base::{
     adjacency, aligned, columns, error, grid, history, integrators, ledger, math, memory, parallel, plan, scene, simd, stability,
     tally, with_integrator,
 };
+pub use physcore_forces::{boundaries, forces, matter, neighbors};

@@ -1,10 +1,13 @@
 //! Rods: connections of constant length, the holonomic constraints g = |r| − L = 0 of a network.
 //!
-//! A constraint acts by impulses λ along its direction n = r/|r|, equal and opposite at both ends. Those that make a residual of
-//! every rod vanish solve A λ = residual with A = J M⁻¹ Jᵀ, where J has the rows (−n, n): a sparse matrix, in which two rods are
-//! coupled that meet in a particle. It is factorized, so that a network converges in as few iterations as a single rod, in whatever
-//! order. Where rods are redundant A is singular; with A + ε 1, and residuals that are evaluated anew, multipliers converge to those of
-//! least norm (M. R. Hestenes, J. Optim. Theory Appl. 4, 303 (1969): proximal iterations from zero remain in the range of A).
+//! A rod acts by an impulse λ along its direction n = r/|r|, equal and opposite at both ends. The impulses that cancel a
+//! residual of every rod solve A λ = residual with A = J M⁻¹ Jᵀ, where J has the rows (−n, n). A is a sparse matrix: it
+//! couples two rods that meet in a particle. A is factorized, so that a network converges in as few iterations as a single
+//! rod, whatever the order of the rods.
+//!
+//! With redundant rods A is singular. The iterations then use A + ε 1 and evaluate the residuals anew. Multipliers converge
+//! to those of least norm (M. R. Hestenes, J. Optim. Theory Appl. 4, 303 (1969): proximal iterations from zero remain in the
+//! range of A).
 
 mod network;
 mod supports;
@@ -23,26 +26,26 @@ use supports::{Supports, Walls};
 
 pub use network::Unsolved;
 
-/// The shift ε of A relative to its largest entry, for projections.
+/// Shift ε of A relative to its largest entry, for projections.
 const SHIFT: f64 = 1e-10;
-/// The same for tensions, in which redundant rods have rounding errors over ε.
+/// Shift ε of A relative to its largest entry, for tensions; those of redundant rods have rounding errors over ε.
 const SHIFT_OF_TENSIONS: f64 = 1e-7;
-/// The largest accurate angle by which a rod turns in a step [rad]; one of 1 may have no solution.
+/// Largest accurate angle by which a rod turns in a step [rad]; an angle of 1 may have no solution.
 const LARGEST_ANGLE: f64 = 0.5;
-/// The relative deviation from the length L, of coordinates in single precision, above which the ends of a rod are refused.
+/// Relative deviation from the length L above which the ends of a rod are refused; coordinates may be in single precision.
 const DEVIATION: f64 = 1e-4;
 
 /// All rods of a scene, with the factorization of A at the positions of the last [`Rods::turn`].
 #[derive(Debug, Clone)]
 pub struct Rods {
     network: Network,
-    /// Their contacts with walls, if there are any.
+    /// Contacts of the rods with walls, if there are any.
     supports: Option<Supports>,
-    /// The index of each in the declared springs.
+    /// Index of each rod in the declared springs.
     springs: Vec<usize>,
-    /// The particles at their ends.
+    /// Particles at the ends of the rods.
     particles: Vec<u32>,
-    /// The kinetic energy of velocities along rods in the states that were given [J].
+    /// Kinetic energy of velocities along rods in the given states [J].
     removed: f64,
 }
 
@@ -52,8 +55,8 @@ pub fn is_rod(spring: &Spring) -> bool {
 }
 
 impl Rods {
-    /// The rods among springs, whose ends are indices in the engine's order; None if there are none. Those between two fixed
-    /// particles constrain nothing.
+    /// Selects the rods among springs; None if there are none. Ends of springs are indices in the engine's order. Rods
+    /// between two fixed particles constrain nothing and are left out.
     pub fn new<V: Vector>(springs: &[Spring], properties: &Properties<V>) -> Option<Self> {
         let free = |spring: &Spring| spring.ends.iter().any(|&end| !properties.is_fixed(end as usize));
         let chosen: Vec<usize> = (0..springs.len()).filter(|&index| is_rod(&springs[index]) && free(&springs[index])).collect();
@@ -72,24 +75,24 @@ impl Rods {
         Some(Self { network: Network::new(links, inverse_mass), supports: None, springs: chosen, particles, removed: 0.0 })
     }
 
-    /// Lets them meet walls, in a space of so many axes.
+    /// Enables contacts with walls, in a space of `axes` dimensions.
     pub fn meet_walls(&mut self, axes: usize) {
         self.supports = Some(Supports::new(&self.network, axes));
     }
 
-    /// The particles at their ends, in the engine's order.
+    /// Particles at the ends of the rods, in the engine's order.
     pub fn particles(&self) -> &[u32] {
         &self.particles
     }
 
-    /// Takes the state at the start of a step.
+    /// Records the state at the start of a step.
     pub fn start<V: Vector>(&mut self, matter: &Matter<V>) {
         if let Some(supports) = &mut self.supports {
             supports.start(&self.particles, matter);
         }
     }
 
-    /// Keeps particles outside of walls, after [`Rods::hold_positions`] for the same drift.
+    /// Keeps particles outside walls; follows [`Rods::hold_positions`] for the same drift.
     ///
     /// # Errors
     /// If rods and walls contradict each other.
@@ -105,7 +108,8 @@ impl Rods {
         held.map_err(|unsolved| self.located(unsolved))
     }
 
-    /// The same as [`Rods::hold_velocities`], at the end of a step of `h` seconds at walls.
+    /// Removes velocities along rods and into walls at the end of a step of `h` seconds; without walls, as
+    /// [`Rods::hold_velocities`].
     ///
     /// # Errors
     /// If rods and walls contradict each other.
@@ -123,10 +127,10 @@ impl Rods {
         if touches.map_err(|unsolved| self.located(unsolved))? { Ok(()) } else { self.hold_velocities(matter) }
     }
 
-    /// Moves the particles of an initial state onto the constraints, and takes the velocities along rods from it.
+    /// Moves the particles of an initial state onto the constraints, and removes its velocities along rods.
     ///
     /// # Errors
-    /// If a rod is not as long as it has to be, but for rounding.
+    /// If the length of a rod is wrong by more than rounding.
     pub fn begin<V: Vector>(&mut self, matter: &mut Matter<V>) -> Result<(), Error> {
         let kinetic = |rods: &Self, matter: &Matter<V>| -> f64 {
             let of =
@@ -161,7 +165,7 @@ impl Rods {
         Ok(())
     }
 
-    /// Takes the directions at the positions of a state, and factorizes A there for projections.
+    /// Sets the directions of the rods at these positions, and factorizes A for projections.
     pub fn turn(&mut self, position: impl Fn(usize) -> DVec3) {
         self.turn_with(SHIFT, position);
     }
@@ -175,9 +179,9 @@ impl Rods {
         self.network.factorize(shift);
     }
 
-    /// Moves particles along the directions until all rods have their lengths; `drift` is the step [s] of the drift that led there,
-    /// with the register of its velocity v½, which changes by as much. The velocity that predicts the end of the step takes two such
-    /// half kicks.
+    /// Moves particles along the directions until all rods have their lengths. `drift` is the duration [s] of the preceding
+    /// drift, with the register of its velocity v½. This velocity changes by the displacement over the duration. The velocity
+    /// that predicts the end of the step changes by two such half kicks.
     ///
     /// # Errors
     /// If the iterations do not converge.
@@ -191,7 +195,7 @@ impl Rods {
         for ((&vector, &change), &particle) in self.network.vectors.iter().zip(&self.network.changes).zip(&self.particles) {
             let index = particle as usize;
             if let Some((h, half)) = drift {
-                // Not of the positions, whose roundings would be divided by h.
+                // From the change: the rounding of positions would be divided by h.
                 let kick = change / h;
                 add(&mut matter.registers[half], index, kick);
                 add(&mut matter.velocity, index, 2.0 * kick);
@@ -204,7 +208,7 @@ impl Rods {
         Ok(())
     }
 
-    /// Takes the velocities along rods from a state, at whose positions A is factorized.
+    /// Removes velocities along rods from a state. A is factorized at its positions.
     ///
     /// # Errors
     /// If the iterations do not converge.
@@ -222,8 +226,8 @@ impl Rods {
         Ok(())
     }
 
-    /// The tensions [N] of a state with these positions and velocities, and accelerations by all other forces, in the order of the rods:
-    /// n·(a₂ − a₁) + |v₂ − v₁|²/L − (A T) = 0, together with what walls bear of particles that touch them.
+    /// Tensions T [N] in the order of the rods: n·(a₂ − a₁) + |v₂ − v₁|²/L − (A T) = 0. The state has these positions,
+    /// velocities, and accelerations by all other forces. Reactions of walls on particles that touch them are included.
     pub fn tensions<V: Vector>(
         mut self,
         position: impl Fn(usize) -> DVec3,
@@ -255,23 +259,24 @@ impl Rods {
                 return tensions;
             }
         }
-        // Where the iterations stop above rounding the multipliers are those of the last one.
+        // If the iterations stop above rounding, the multipliers are those of the last one.
         let _ = self.network.project(along);
         self.network.multipliers
     }
 
-    /// The indices of the rods in the declared springs.
+    /// Indices of the rods in the declared springs.
     pub fn springs(&self) -> &[usize] {
         &self.springs
     }
 
-    /// The same with the particle's index in the engine's order.
+    /// Converts the particle's index to the engine's order.
     fn located(&self, unsolved: Unsolved) -> Unsolved {
         Unsolved { particle: self.particles[unsolved.particle] as usize, ..unsolved }
     }
 
-    /// Adds the rods to the bound on the time step. Transverse waves of tense chains have the stiffness T/L. A step of more than 1/ω
-    /// may leave a rod that turns at the rate ω = |Δv|/L without a solution; before it turns, √(|Δa|/L) stands for ω.
+    /// Adds the rods to the bound on the time step. Transverse waves of tense chains have the stiffness T/L. A rod turns at
+    /// the rate ω = |Δv|/L; a step of more than 1/ω may leave it without a solution. Before the rod turns, √(|Δa|/L) stands
+    /// for ω.
     pub fn bound(
         &self,
         tensions: &[f64],
@@ -289,7 +294,7 @@ impl Rods {
                 bound.accuracy("rods", LARGEST_ANGLE / fastest);
             }
             let stiffness = tension.abs() / rod.length;
-            // By Gershgorin's theorem twice that, unless the other end is fixed.
+            // By Gershgorin's theorem the bound has twice the stiffness, unless the other end is fixed.
             for (end, partner) in [(one, weights[1]), (other, weights[0])] {
                 bound.point(end, "rods", if partner > 0.0 { 2.0 } else { 1.0 } * stiffness, 0.0);
             }
@@ -311,12 +316,12 @@ impl Rods {
         redundant.into_iter().chain(removed).collect()
     }
 
-    /// The number of rods.
+    /// Number of rods.
     pub fn count(&self) -> usize {
         self.network.links.len()
     }
 
-    /// An estimate of the duration of a step [ns]: a factorization, and some six iterations.
+    /// Estimated duration of a step [ns]: a factorization and about six iterations.
     pub fn cost(&self) -> f64 {
         self.network.cost()
     }
@@ -328,7 +333,8 @@ impl Rods {
     }
 }
 
-/// Adds the work on fixed particles that move, by the impulses `scale` λ of the last projection [N·s] of the first `rods` of a network.
+/// Tallies the work of moving fixed particles on the first `rods` of a network. The impulses are `scale` λ of the last
+/// projection [N·s].
 fn count_reactions<V: Vector>(network: &Network, rods: usize, particles: &[u32], matter: &mut Matter<V>, scale: f64) {
     for (index, rod) in network.links[..rods].iter().enumerate() {
         for (end, sign) in rod.ends.into_iter().zip([1.0, -1.0]) {
@@ -342,10 +348,10 @@ fn count_reactions<V: Vector>(network: &Network, rods: usize, particles: &[u32],
     }
 }
 
-/// The relative rounding error of positions.
+/// Relative rounding error of positions.
 fn resolution<V: Vector>() -> f64 {
     let epsilon = V::Scalar::EPSILON.to_f64();
-    // With the low-order part that single precision keeps.
+    // Single precision also keeps a low-order part.
     f64::EPSILON.max(epsilon * epsilon)
 }
 

@@ -30,19 +30,19 @@ use monitor::{Monitor, Steps};
 pub struct Numerics {
     /// The integrator.
     pub integrator: Item,
-    /// Other integrators, by the names or the paths of the further systems that they advance.
+    /// Integrators of the further systems, by the systems' names or paths.
     pub integrators: BTreeMap<String, Item>,
     /// `f32` or `f64`.
     pub precision: String,
-    /// The number of threads; None for all that the process may use.
+    /// Number of threads; None for all that the process may use.
     pub threads: Option<usize>,
     /// Divergence threshold: rise of the energy balance in units of the largest energy so far.
     pub max_energy_growth: f64,
-    /// The states that the divergence monitor diagnoses.
+    /// States that the divergence monitor diagnoses.
     pub vigilance: Vigilance,
 }
 
-/// The states that the divergence monitor diagnoses.
+/// States that the divergence monitor diagnoses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Vigilance {
     /// States with fields that are not finite.
@@ -54,7 +54,7 @@ pub enum Vigilance {
 }
 
 impl Numerics {
-    /// The number of threads that may be used.
+    /// Number of threads that may be used.
     ///
     /// # Errors
     /// If it is 0, or the environment variable is not a number.
@@ -79,9 +79,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// The time now [s].
-    /// The present time [s].
-    /// The present time [s].
+    /// Present time [s].
     pub fn time(&self) -> f64 {
         self.start + self.steps as f64 * self.dt
     }
@@ -98,15 +96,15 @@ pub struct Simulation {
     /// Number of steps taken so far.
     steps: u64,
     monitor: Monitor,
-    /// The largest Mach number that the monitor has recorded.
+    /// Largest Mach number that the monitor has recorded.
     mach: Option<Mach>,
 }
 
 /// Interval of polling for interrupts in a long call.
 const POLL: Duration = Duration::from_millis(20);
-/// The longest batch on the calling thread alone, without polling for interrupts [s].
+/// Longest batch on the calling thread alone, without polling for interrupts [s].
 const SHORT: f64 = 2e-3;
-/// The shortest duration of a step that is divided among threads [s].
+/// Shortest duration of a step that is divided among threads [s].
 const WORTH_SHARING: f64 = 2e-4;
 
 impl Simulation {
@@ -118,7 +116,7 @@ impl Simulation {
         Level::check()?;
         let threads = numerics.threads()?;
         let system = systems::build(scene, &numerics.integrator, &numerics.integrators, &numerics.precision, executor)?;
-        // An unconditionally unstable method may gain energy without limit: it serves to demonstrate that.
+        // An unconditionally unstable method may gain energy without limit; it serves to demonstrate the instability.
         let growth = if system.gains_energy() { f64::INFINITY } else { numerics.max_energy_growth };
         let threads = if system.cost() < WORTH_SHARING { 1 } else { threads };
         let mut simulation = Self {
@@ -138,7 +136,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// The plan.
+    /// Plan of the simulation.
     pub fn plan(&self) -> Plan {
         Plan { threads: self.pool.threads(), simd: Level::current().name(), memory: self.memory(), stages: self.system.stages() }
     }
@@ -210,7 +208,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes steps, all or none.
+    /// Takes all of the steps, or none.
     fn advance(&mut self, steps: u64, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
         let Self { system, pool, .. } = self;
@@ -220,7 +218,7 @@ impl Simulation {
             let mut outcome = Ok(());
             let ran = pool.run(interrupted, |executor| outcome = system.advance(interval, record, executor));
             if ran.is_err() && outcome.is_ok() {
-                system.rollback(); // The interrupt came between its last look and its end.
+                system.rollback(); // The interrupt came between the last poll and the end of the batch.
             }
             ran.and(outcome)
         };
@@ -242,12 +240,12 @@ impl Simulation {
         self.adaptation
     }
 
-    /// The quantities that can be read.
+    /// Quantities that can be read.
     pub fn fields(&self) -> Vec<FieldInfo> {
         self.system.fields()
     }
 
-    /// The values of a field, element by element in the caller's order; None if there is no such field.
+    /// Values of a field, element by element in the caller's order; None if there is no such field.
     pub fn read(&self, name: &str) -> Option<(FieldInfo, Vec<f64>)> {
         let fields = self.system.fields();
         let index = fields.iter().position(|field| field.name == name)?;
@@ -266,30 +264,30 @@ impl Simulation {
         Ok(())
     }
 
-    /// The largest Mach number at diagnosed states, if there is a fluid.
+    /// Largest Mach number at diagnosed states, if there is a fluid.
     pub fn mach(&self) -> Option<Mach> {
         self.mach
     }
 
-    /// Whether its budget and limits may take long to compute.
+    /// Whether the energy budget and the limits may take long to compute.
     pub fn is_long(&self) -> bool {
         self.system.cost() >= WORTH_SHARING
     }
 
-    /// The energy budget now.
+    /// Energy budget of the present state.
     ///
     /// # Errors
-    /// If a user-defined function fails, on an interrupt, or if the last step diverged, which no evaluation has noticed yet.
+    /// If a user-defined function fails, on an interrupt, or if the last step diverged and no evaluation has noticed it yet.
     pub fn energy(&self, executor: &Executor) -> Result<Ledger> {
         self.system.audit(self.time(), executor).map_err(|error| self.or_divergence(error))
     }
 
-    /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
+    /// Momentum [kg·m/s] and angular momentum about the origin of coordinates [kg·m²/s].
     pub fn momenta(&self) -> (DVec3, DVec3) {
         self.system.momenta()
     }
 
-    /// The limit of the time step.
+    /// Limit of the time step.
     ///
     /// # Errors
     /// As [`Simulation::energy`].
@@ -297,7 +295,7 @@ impl Simulation {
         self.system.limit(horizon, self.time(), executor)
     }
 
-    /// A field in space at some points.
+    /// Samples a field in space at some points.
     ///
     /// # Errors
     /// As [`System::sample`].
@@ -305,8 +303,7 @@ impl Simulation {
         self.system.sample(sample, executor)
     }
 
-    /// Finds something out about the present state, on all threads and asking `interrupted` meanwhile whether to stop where it
-    /// may take long.
+    /// Evaluates a function of the present state. If it may take long, runs on all threads and polls `interrupted`.
     fn ask<T: Send>(
         &mut self,
         interrupted: &dyn Fn() -> bool,

@@ -1,9 +1,9 @@
-//! Sparse symmetric matrices, positive definite: their factorization L D Lᵀ.
+//! Factorization L D Lᵀ of sparse symmetric positive definite matrices.
 //!
-//! The order of elimination is that of approximate minimum degree (crate `amd`: P. R. Amestoy, T. A. Davis, I. S. Duff, SIAM J.
-//! Matrix Anal. Appl. 17, 886 (1996)). Rows of L are computed one after another, each from those of the columns in which it is
-//! not zero, which the elimination tree gives: T. A. Davis, "Direct Methods for Sparse Linear Systems", 2006, chapter 4. All sums are
-//! in one fixed order, so that the bits are the same on every processor.
+//! The order of elimination is approximate minimum degree (crate `amd`: P. R. Amestoy, T. A. Davis, I. S. Duff, SIAM J.
+//! Matrix Anal. Appl. 17, 886 (1996)). Rows of L are computed one after another, each from the columns in which it is not
+//! zero. The elimination tree gives these columns: T. A. Davis, "Direct Methods for Sparse Linear Systems", 2006, chapter 4.
+//! All sums are in one fixed order, so that the bits are the same on every processor.
 
 use std::ops::{Div, Mul, SubAssign};
 
@@ -11,45 +11,46 @@ use glam::{DVec3, DVec4};
 
 use crate::simd::{Isa, Kernel, dispatch};
 
-/// A factorization of matrices with one pattern of entries.
+/// Factorization of matrices with one pattern of entries.
 #[derive(Debug, Clone)]
 pub struct Factorization {
-    /// Row of the matrix → its place in the order of elimination.
+    /// Place of each row of the matrix in the order of elimination.
     place: Vec<u32>,
-    /// By place: the entries left of the diagonal as place of the column and index of the value.
+    /// Entries left of the diagonal, by place: the place of the column and the index of the value.
     entries: Vec<Vec<[u32; 2]>>,
-    /// By place: that of the diagonal's row.
+    /// Row of the matrix, by place.
     row: Vec<u32>,
-    /// The elimination tree: the first row below the diagonal that is not zero, or `NONE`.
+    /// Elimination tree, by place: the first row below the diagonal that is not zero, or `NONE`.
     parent: Vec<u32>,
-    /// By place: the start of its column of L.
+    /// Start of each column of L, by place.
     start: Vec<usize>,
-    /// The rows and values of L below the diagonal, column by column.
+    /// Rows and values of L below the diagonal, column by column.
     rows: Vec<u32>,
     values: Vec<f64>,
-    /// D.
+    /// Diagonal of D.
     pivots: Vec<f64>,
     scratch: Scratch,
 }
 
 #[derive(Debug, Clone, Default)]
 struct Scratch {
-    /// By place: a row of the matrix, then of L D.
+    /// Row of the matrix, then of L D, by place of the column.
     row: Vec<f64>,
-    /// By place: the last row whose pattern includes it.
+    /// Last row whose pattern includes the column, by place.
     mark: Vec<u32>,
-    /// The pattern of a row, and a path in the tree.
+    /// Pattern of a row, and a path in the tree.
     pattern: Vec<u32>,
     path: Vec<u32>,
-    /// By place: the number of values in its column so far.
+    /// Number of values in the column so far, by place.
     filled: Vec<usize>,
 }
 
-/// No row.
+/// Marker of no row.
 const NONE: u32 = u32::MAX;
 
 impl Factorization {
-    /// The pattern of matrices of `count` rows with entries at these [row, column] off the diagonal, each once, in any triangle.
+    /// Analyzes the pattern of matrices with `count` rows. The entries [row, column] are off the diagonal, each once, in any
+    /// triangle.
     pub fn new(count: usize, entries: &[[u32; 2]]) -> Self {
         let row = elimination_order(count, entries);
         let mut place = vec![0; count];
@@ -75,7 +76,7 @@ impl Factorization {
         new
     }
 
-    /// The columns of L by the lengths that the patterns of its rows give.
+    /// Allocates the columns of L; their lengths follow from the patterns of its rows.
     fn allocate(&mut self) {
         let count = self.row.len();
         let mut lengths = vec![0; count];
@@ -91,12 +92,12 @@ impl Factorization {
         (self.rows, self.values) = (vec![0; total], vec![0.0; total]);
     }
 
-    /// The number of values of L.
+    /// Number of values of L below the diagonal.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// The number of products of a factorization: Σ n² over the lengths n of the columns of L.
+    /// Number of products of a factorization: Σ n² over the lengths n of the columns of L.
     pub fn products(&self) -> usize {
         let ends = self.start.iter().copied().skip(1).chain([self.rows.len()]);
         self.start.iter().zip(ends).map(|(start, end)| (end - start) * (end - start)).sum()
@@ -107,7 +108,7 @@ impl Factorization {
         self.values.is_empty()
     }
 
-    /// The columns in which a row of L is not zero, each after those on which it depends.
+    /// Finds the columns in which a row of L is not zero, each after those on which it depends.
     fn find_pattern(&mut self, row: usize) {
         let Scratch { mark, pattern, path, .. } = &mut self.scratch;
         pattern.clear();
@@ -120,14 +121,14 @@ impl Factorization {
                 mark[next as usize] = row as u32;
                 next = self.parent[next as usize];
             }
-            // A path ends in the one before, whose columns depend on it.
+            // A path ends in an earlier one, whose columns depend on it.
             path.iter().rev().for_each(|&column| pattern.push(column));
         }
-        // Paths from the root downwards, last to first: in reverse each column comes after its descendants.
+        // Paths run from the root downwards, last to first: in reverse each column comes after its descendants.
         pattern.reverse();
     }
 
-    /// Factorizes the matrix with these values on the diagonal, by rows, plus `shift`, and off it, by entries.
+    /// Factorizes the matrix with these diagonal values by row, plus `shift`, and these off-diagonal values by entry.
     pub fn factorize(&mut self, diagonal: &[f64], shift: f64, off_diagonal: &[f64]) {
         self.scratch.filled.fill(0);
         self.scratch.mark.fill(NONE);
@@ -154,7 +155,7 @@ impl Factorization {
         }
     }
 
-    /// The pivots D, in the order of elimination.
+    /// Pivots D, in the order of elimination.
     pub fn pivots(&self) -> &[f64] {
         &self.pivots
     }
@@ -175,13 +176,13 @@ impl Factorization {
     }
 }
 
-/// A component of a right-hand side: a number, or a vector, which a fourth component 0 makes as wide as a register.
+/// Component of a right-hand side: a number, or a vector. A fourth component 0 makes a vector as wide as a register.
 pub trait RightSide: Copy + Default {
-    /// The component as it is stored.
+    /// Storage type of the component.
     type Wide: Copy + SubAssign + Mul<f64, Output = Self::Wide> + Div<f64, Output = Self::Wide>;
-    /// To that.
+    /// Converts to the storage type.
     fn widen(self) -> Self::Wide;
-    /// From that.
+    /// Converts from the storage type.
     fn narrow(wide: Self::Wide) -> Self;
 }
 
@@ -209,7 +210,7 @@ impl RightSide for DVec3 {
     }
 }
 
-/// Solves L D Lᵀ y = y, in the order of elimination.
+/// Substitution: solves L D Lᵀ y = y in place, in the order of elimination.
 struct Substitution<'a, W> {
     factorization: &'a Factorization,
     y: &'a mut [W],
@@ -238,7 +239,7 @@ impl<W: Copy + SubAssign + Mul<f64, Output = W> + Div<f64, Output = W>> Kernel f
     }
 }
 
-/// The rows in the order of their elimination.
+/// Order of elimination of the rows.
 fn elimination_order(count: usize, entries: &[[u32; 2]]) -> Vec<u32> {
     let mut columns: Vec<Vec<usize>> = (0..count).map(|row| vec![row]).collect();
     for &[one, other] in entries {
@@ -255,7 +256,7 @@ fn elimination_order(count: usize, entries: &[[u32; 2]]) -> Vec<u32> {
         .map_or_else(|_| natural(), |(order, _, _)| order.into_iter().map(|row| row as u32).collect())
 }
 
-/// The elimination tree of a matrix by the entries left of its diagonal, with shortcuts to the roots so far.
+/// Elimination tree of a matrix, from the entries left of its diagonal. Ancestors are shortcuts to the roots so far.
 fn tree(entries: &[Vec<[u32; 2]>]) -> Vec<u32> {
     let mut parent = vec![NONE; entries.len()];
     let mut ancestor = parent.clone();
@@ -280,7 +281,7 @@ mod tests {
 
     use super::Factorization;
 
-    /// A diagonally dominant matrix of a given pattern: full rows.
+    /// Diagonally dominant matrix of a given pattern: its diagonal and its full rows.
     fn matrix(count: usize, entries: &[[u32; 2]], values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
         let mut full = vec![vec![0.0; count]; count];
         for (&[one, other], &value) in entries.iter().zip(values) {
@@ -293,8 +294,8 @@ mod tests {
     }
 
     proptest! {
-        /// ‖A x − b‖ of a backward-stable solution is some n ε ‖A‖ ‖x‖; the matrix has ‖A‖ ≤ 2 max diagonal, and the smallest
-        /// eigenvalue of 1 makes ‖x‖ ≤ ‖b‖.
+        /// A backward-stable solution has ‖A x − b‖ of about n ε ‖A‖ ‖x‖. The matrix has ‖A‖ ≤ 2 max diagonal, and its
+        /// smallest eigenvalue of 1 makes ‖x‖ ≤ ‖b‖.
         #[test]
         fn solutions_solve(count in 1_usize..30, seed in proptest::collection::vec((0_u32..900, -1.0..1.0_f64), 0..120)) {
             let mut entries = std::collections::BTreeMap::new();
@@ -308,7 +309,7 @@ mod tests {
             let (diagonal, full) = matrix(count, &pattern, &values);
             let mut factorization = Factorization::new(count, &pattern);
             let right: Vec<f64> = (0..count).map(|row| (row as f64 + 1.0).sin()).collect();
-            // Twice, with other values between: nothing of the first stays.
+            // Factorize twice, with other values first: nothing of the first factorization stays.
             factorization.factorize(&vec![1.0; count], 0.0, &vec![0.0; values.len()]);
             factorization.factorize(&diagonal, 0.0, &values);
             let mut solution = right.clone();
@@ -327,7 +328,8 @@ mod tests {
         assert_eq!(Factorization::new(50, &entries).len(), 49);
     }
 
-    /// Nested dissection of a grid of n × n fills in some 31/8 n² log₂ n values, and minimum degree no more; rows in their natural order n³.
+    /// Nested dissection of an n × n grid fills in about 31/8 n² log₂ n values, and minimum degree no more. Rows in their
+    /// natural order fill in n³.
     #[test]
     fn a_grid_fills_in_less_than_a_band() {
         let side = 40_u32;

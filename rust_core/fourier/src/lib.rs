@@ -1,18 +1,18 @@
-//! Fourier transforms of a line of numbers: the only crate that names one for them.
+//! Fourier transforms of a line of numbers: the only crate that names an FFT library.
 //!
-//! Plans use AVX with FMA on x86-64, NEON on aarch64, whatever `PHYSCORE_SIMD` says: the bits are the same on all processors of
-//! a kind.
+//! Plans use AVX with FMA on x86-64 and NEON on aarch64, regardless of `PHYSCORE_SIMD`. The bits are equal on all processors of a
+//! kind.
 
 use std::sync::Arc;
 
 pub use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftDirection, FftNum, FftPlannerAvx, FftPlannerNeon, FftPlannerScalar};
 
-/// A Fourier transform in place.
+/// Fourier transform in place.
 pub trait Transform<T>: Send + Sync {
-    /// Transforms the numbers.
+    /// Transforms the numbers in place.
     fn run(&self, numbers: &mut [Complex<T>], scratch: &mut [Complex<T>]);
-    /// The length of the scratch memory.
+    /// Length of the scratch memory.
     fn scratch(&self) -> usize;
 }
 
@@ -26,12 +26,12 @@ impl<T: FftNum> Transform<T> for Arc<dyn Fft<T>> {
     }
 }
 
-/// The transform of `length` numbers, forward or, without the factor 1/length, backward.
+/// Plans the transform of `length` numbers, forward, or backward without the factor 1/length.
 pub fn plan_f32(length: usize, forward: bool) -> Box<dyn Transform<f32>> {
     plan(length, forward)
 }
 
-/// [`plan_f32`] in double precision.
+/// Plans the transform like [`plan_f32`], in double precision.
 pub fn plan_f64(length: usize, forward: bool) -> Box<dyn Transform<f64>> {
     plan(length, forward)
 }

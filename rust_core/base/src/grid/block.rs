@@ -1,40 +1,40 @@
-//! What the stages of a step write: rows of cells in blocks, each for one thread.
+//! Output of the stages of a step: rows of cells in blocks, one block per thread.
 
 use crate::parallel::Split;
 
-/// The most columns besides the two of the field.
+/// Maximum number of columns besides the two of the field.
 pub const COLUMNS: usize = 7;
 
-/// Rows that follow each other. All columns have `length` numbers for each row, or are empty.
+/// Consecutive rows. Each column has `length` numbers per row, or is empty.
 #[derive(Debug)]
 pub struct Block<'a, T, Y> {
-    /// The number of the first row.
+    /// Index of the first row.
     pub first: usize,
-    /// The field at the stage that is computed.
+    /// Field at the stage being computed.
     pub field: &'a mut [T],
-    /// The field at the stage before, which neighbors read; empty where all blocks share it.
+    /// Field at the previous stage, which neighbors read; empty if all blocks share it.
     pub before: &'a mut [T],
-    /// What else is kept of each cell.
+    /// Further quantities of each cell.
     pub columns: [&'a mut [T]; COLUMNS],
-    /// What is integrated over time, row by row.
+    /// Quantities integrated over time, row by row.
     pub tallies: &'a mut [Y],
-    /// The activity of each row at each stage.
+    /// Activity of each row at each stage.
     pub activity: &'a mut [f64],
-    /// The number of stages.
+    /// Number of stages.
     pub stages: usize,
-    /// The number of values of the field in a row.
+    /// Number of values of the field in a row.
     pub length: usize,
-    /// The number of rows in a block.
+    /// Number of rows in a block.
     pub rows: usize,
 }
 
 impl<T, Y> Block<'_, T, Y> {
-    /// The number of rows.
+    /// Number of rows.
     pub fn count(&self) -> usize {
         self.field.len() / self.length
     }
 
-    /// A reborrow.
+    /// Reborrows the block.
     pub fn reborrow(&mut self) -> Block<'_, T, Y> {
         Block {
             field: &mut *self.field,
@@ -46,7 +46,7 @@ impl<T, Y> Block<'_, T, Y> {
         }
     }
 
-    /// Splits before a row.
+    /// Splits the block before a row.
     pub fn split_at_row(self, row: usize) -> (Self, Self) {
         let count = self.count();
         let Self { first, field, before, columns, tallies, activity, stages, length, rows } = self;
@@ -72,7 +72,7 @@ impl<T, Y> Block<'_, T, Y> {
     }
 }
 
-/// Splits a column; one that is empty stays so.
+/// Splits a column; an empty column gives two empty ones.
 fn split<T>(column: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
     let at = at.min(column.len());
     column.split_at_mut(at)

@@ -1,36 +1,36 @@
-//! The edges of a grid.
+//! Boundary conditions at the edges of a grid.
 
 use super::Grid;
 use crate::error::Result;
 use crate::math::AXES;
 use crate::scene::Item;
 
-/// What holds at an edge, on the outer faces of the outermost cells.
+/// Boundary condition at an edge, on the outer faces of the outermost cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edge {
-    /// A field is zero on the face: beyond it, it is mirrored with the other sign.
+    /// Dirichlet condition: the field is zero on the face. Ghost values are mirror images with the opposite sign.
     Fixed,
-    /// Nothing flows through the face: beyond it, a field is mirrored.
+    /// Neumann condition: no flux through the face. Ghost values are mirror images.
     Free,
-    /// What arrives leaves: beyond it is a layer that absorbs.
+    /// Absorbing edge: outgoing waves leave into an absorbing layer beyond the face.
     Absorbing,
-    /// The opposite edge follows.
+    /// Periodic edge: the opposite edge follows.
     Periodic,
 }
 
-/// The words for them.
+/// Names of the boundary conditions.
 const WORDS: [(&str, Edge); 4] =
     [("fixed", Edge::Fixed), ("free", Edge::Free), ("absorbing", Edge::Absorbing), ("periodic", Edge::Periodic)];
 
-/// The edges of a grid: the lower and the upper one of each axis. Those of an axis that the grid lacks are free.
+/// Boundary conditions of a grid, at the lower and the upper edge of each axis. Axes that the grid lacks have free edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edges(pub [[Edge; 2]; AXES]);
 
 impl Edges {
-    /// The edges that an item has.
+    /// Reads the boundary conditions that an item declares.
     ///
     /// # Errors
-    /// If they are not two for each axis, or periodic where the axis is not.
+    /// If they are not two for each axis, or not periodic exactly along the periodic axes.
     pub fn declared(item: &Item, grid: &Grid) -> Result<Self> {
         let words = item.words("edges", 2 * grid.dimension, &WORDS.map(|(word, _)| word))?;
         let mut edges = [[Edge::Free; 2]; AXES];
@@ -45,7 +45,7 @@ impl Edges {
         Ok(Self(edges))
     }
 
-    /// Whether one of them is of that kind.
+    /// Whether any edge has this boundary condition.
     pub fn any(&self, kind: Edge) -> bool {
         self.0.iter().flatten().any(|&edge| edge == kind)
     }

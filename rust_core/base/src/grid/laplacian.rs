@@ -1,7 +1,7 @@
-//! The discrete Laplacian ∇·(w h² ∇u), of order 2, with its edges and walls.
+//! Discrete Laplacian ∇·(w h² ∇u), of order 2, with its edges and walls.
 //!
-//! With faces f between cells i and j, the coefficient w of the face, the harmonic mean of both sides, and κ = 2w for each face
-//! of a cell at which u is held at zero (there the ghost is −u),
+//! The faces f between cells i and j have the coefficient w, the harmonic mean of both sides. A cell has κ = 2w for each face at
+//! which u is held at zero; there the ghost value is −u. Then
 //!
 //! ```text
 //!     L u = Σ w (uⱼ − uᵢ) − κ uᵢ,    ½ [Σ w (uᵢ − uⱼ)² + Σ κ uᵢ²] = −½ Σ u L u
@@ -15,37 +15,37 @@ use super::stencil::{self, PlaneRow};
 use super::{Edge, Edges, Grid, RowTable, Window};
 use crate::math::{AXES, Real};
 
-/// Its coefficients, row by row.
+/// Coefficients of the discrete Laplacian, row by row.
 #[derive(Debug)]
 pub struct Laplacian<T> {
-    /// The grid.
+    /// Grid of the cells.
     pub grid: Grid,
-    /// Its edges.
+    /// Boundary conditions of the grid.
     pub edges: Edges,
-    /// w at the upper face of each cell along each axis, 0 where no neighbor follows; empty along an axis that the grid lacks.
+    /// Coefficient w at the upper face of each cell along each axis; 0 without a neighbor and along an axis that the grid lacks.
     pub faces: [RowTable<T>; AXES],
-    /// κ of each cell, over all axes.
+    /// Coefficient κ of each cell, summed over all axes.
     pub anchor: RowTable<T>,
-    /// w, where it is the same at all faces and there are no walls.
+    /// Coefficient w if it is equal at all faces and there are no walls.
     pub uniform: Option<T>,
 }
 
-/// The coefficients of cells, from which those of faces follow.
+/// Coefficients of cells, from which those of faces follow.
 pub struct Coefficients<'a> {
-    /// The grid.
+    /// Grid of the cells.
     pub grid: &'a Grid,
-    /// Its edges.
+    /// Boundary conditions of the grid.
     pub edges: Edges,
-    /// Cells that are cut out.
+    /// Mask of wall cells, which are cut out of the grid.
     pub walls: Option<&'a [bool]>,
-    /// w of a cell, by its row and its column.
+    /// Coefficient w of a cell, by its row and its column.
     pub of: &'a dyn Fn(usize, usize) -> f64,
-    /// Whether that is the same for all.
+    /// Whether w is equal in all cells.
     pub same: bool,
 }
 
 impl Coefficients<'_> {
-    /// The cell above a cell along an axis, if there is one.
+    /// Cell above a cell along an axis, if any.
     fn above(&self, row: usize, column: usize, axis: usize) -> Option<(usize, usize)> {
         if axis < 2 {
             return Some((self.grid.beside(row, axis, true)?, column));
@@ -54,7 +54,7 @@ impl Coefficients<'_> {
         if column + 1 < length { Some((row, column + 1)) } else { self.grid.periodic[2].then_some((row, 0)) }
     }
 
-    /// The cell below a cell along an axis, if there is one.
+    /// Cell below a cell along an axis, if any.
     fn below(&self, row: usize, column: usize, axis: usize) -> Option<(usize, usize)> {
         if axis < 2 {
             return Some((self.grid.beside(row, axis, false)?, column));
@@ -66,7 +66,7 @@ impl Coefficients<'_> {
         self.walls.is_some_and(|walls| walls[row * self.grid.row_length() + column])
     }
 
-    /// w between two cells.
+    /// Coefficient w of the face between two cells.
     fn between(&self, one: (usize, usize), other: (usize, usize)) -> f64 {
         if self.is_wall(one) || self.is_wall(other) {
             return 0.0;
@@ -76,7 +76,7 @@ impl Coefficients<'_> {
         if low == high { low } else { 2.0 * low / (low / high + 1.0) }
     }
 
-    /// κ of a cell along an axis.
+    /// Coefficient κ of a cell along an axis.
     pub fn anchor(&self, row: usize, column: usize, axis: usize) -> f64 {
         if self.is_wall((row, column)) {
             return 0.0;
@@ -89,21 +89,21 @@ impl Coefficients<'_> {
         2.0 * (self.of)(row, column) * (f64::from(u8::from(held(0))) + f64::from(u8::from(held(1))))
     }
 
-    /// A number for each cell.
+    /// Builds a table with one number per cell.
     pub fn table<T: Real>(&self, of: &dyn Fn(usize, usize) -> f64) -> RowTable<T> {
         RowTable::new(self.grid.rows(), self.grid.row_length(), T::ZERO, |row, values| {
             values.iter_mut().enumerate().for_each(|(column, value)| *value = T::from_f64(of(row, column)));
         })
     }
 
-    /// The same, of an axis; zeros where the grid lacks it.
+    /// Builds a table for an axis, with one number per cell; zeros if the grid lacks the axis.
     pub fn along<T: Real>(&self, axis: usize, of: &dyn Fn(usize, usize) -> f64) -> RowTable<T> {
         if self.grid.axes().contains(&axis) { self.table(of) } else { self.table(&|_, _| 0.0) }
     }
 }
 
 impl<T: Real> Laplacian<T> {
-    /// The operator with these coefficients.
+    /// Builds the operator with these coefficients.
     pub fn new(cells: &Coefficients<'_>) -> Self {
         let face = |axis: usize, row: usize, column: usize| {
             cells.above(row, column, axis).map_or(0.0, |other| cells.between((row, column), other))
@@ -125,19 +125,19 @@ impl<T: Real> Laplacian<T> {
         stencil::apply(self, rows, row, range, out);
     }
 
-    /// L u of the cells of a row from `start` on, without a buffer for them; where w is the same everywhere in a plane, within
-    /// its first and last row.
+    /// Evaluates L u lazily for the cells of a row from `start` on, without a buffer. Available if w is uniform in a plane grid
+    /// and the row has neighbors on both sides.
     #[inline]
     pub fn plane_row<'a>(&self, rows: Window<'a, T>, row: usize, start: usize) -> Option<PlaneRow<'a, T>> {
         stencil::plane_row(self, rows, row, start)
     }
 
-    /// The factor of a row's own values that stand for those beyond an edge: −1 where that is fixed, else 1.
+    /// Factor of ghost values beyond an edge, relative to the values in the row itself: −1 at a fixed edge, else 1.
     pub fn ghost(&self, axis: usize, side: usize) -> T {
         if self.edges.0[axis][side] == Edge::Fixed { -T::ONE } else { T::ONE }
     }
 
-    /// The largest eigenvalue of −L: exact where w is uniform, else a bound.
+    /// Largest eigenvalue of −L: exact if w is uniform, else an upper bound.
     pub fn largest(&self) -> f64 {
         match self.uniform {
             Some(weight) => self.grid.axes().map(|axis| 4.0 * weight.to_f64() * self.largest_sine_squared(axis)).sum(),
@@ -145,9 +145,12 @@ impl<T: Real> Laplacian<T> {
         }
     }
 
-    /// Along an axis of n cells −L has the largest eigenvalue 4w sin²(θ/2) where w is uniform, with θ = π for two fixed ends (the
-    /// checkerboard), π (n − 1)/n for two free ones, π (n − ½)/n for one of each, and the multiple of 2π/n next below π where
-    /// the axis is periodic. This is sin²(θ/2).
+    /// Value sin²(θ/2) of the largest eigenvalue 4w sin²(θ/2) of −L along an axis of n cells, for uniform w.
+    ///
+    /// - θ = π for two fixed ends (the checkerboard mode);
+    /// - θ = π (n − 1)/n for two free ends;
+    /// - θ = π (n − ½)/n for one of each;
+    /// - θ is the largest multiple of 2π/n up to π for a periodic axis.
     pub fn largest_sine_squared(&self, axis: usize) -> f64 {
         let (count, edges) = (self.grid.cells[axis] as f64, self.edges.0[axis]);
         let halves = match edges.iter().filter(|&&edge| edge == Edge::Fixed).count() {
@@ -159,8 +162,8 @@ impl<T: Real> Laplacian<T> {
         libm::sin(0.5 * std::f64::consts::PI * halves / count).powi(2)
     }
 
-    /// A bound of the eigenvalues of −L along some axes from the rows of its matrix (Gershgorin): the largest 2 Σ w + κ of all
-    /// cells, where κ is that along these axes; times a factor of each cell where one is given.
+    /// Upper bound of the eigenvalues of −L along some axes, from the rows of its matrix (Gershgorin). The bound is the largest 2
+    /// Σ w + κ of all cells, with κ along these axes. If `factor` is given, each cell's value is multiplied by it.
     pub fn largest_row(&self, axes: Range<usize>, anchor: &RowTable<T>, factor: Option<&RowTable<T>>) -> f64 {
         let grid = &self.grid;
         let length = grid.row_length();

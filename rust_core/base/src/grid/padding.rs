@@ -1,23 +1,23 @@
-//! Layers of cells around a grid, which absorb what leaves it.
+//! Absorbing layers of cells around a grid.
 
 use std::ops::Range;
 
 use super::{Grid, RowTable};
 use crate::math::AXES;
 
-/// A grid within a larger one.
+/// Grid embedded in a larger one.
 #[derive(Debug, Clone)]
 pub struct Padding {
-    /// The grid inside, which is the user's.
+    /// Inner grid: the user's.
     pub inner: Grid,
-    /// All cells.
+    /// Outer grid of all cells.
     pub outer: Grid,
-    /// The number of further cells at the lower and at the upper edge of each axis.
+    /// Number of additional cells at the lower and at the upper edge of each axis.
     pub layers: [[usize; 2]; AXES],
 }
 
 impl Padding {
-    /// A grid with layers.
+    /// Surrounds a grid with layers.
     pub fn new(inner: &Grid, layers: [[usize; 2]; AXES]) -> Self {
         let mut outer = inner.clone();
         for axis in 0..AXES {
@@ -27,7 +27,7 @@ impl Padding {
         Self { inner: inner.clone(), outer, layers }
     }
 
-    /// The cells of the grid inside along an axis.
+    /// Range of the cells of the inner grid along an axis.
     pub fn inside(&self, axis: usize) -> Range<usize> {
         self.layers[axis][0]..self.layers[axis][0] + self.inner.cells[axis]
     }
@@ -38,25 +38,25 @@ impl Padding {
         (0..2).all(|axis| self.inside(axis).contains(&place[axis]))
     }
 
-    /// The row of the inner grid that is nearest to one of the outer grid.
+    /// Row of the inner grid nearest to a row of the outer grid.
     pub fn nearest_row(&self, row: usize) -> usize {
         let place = self.outer.place(row);
         let nearest = |axis: usize| place[axis].saturating_sub(self.layers[axis][0]).min(self.inner.cells[axis] - 1);
         nearest(0) * self.inner.cells[1] + nearest(1)
     }
 
-    /// The column of the inner grid that is nearest to one of the outer grid.
+    /// Column of the inner grid nearest to a column of the outer grid.
     pub fn nearest_column(&self, column: usize) -> usize {
         column.saturating_sub(self.layers[2][0]).min(self.inner.cells[2] - 1)
     }
 
-    /// The cell of the inner grid that is nearest to one of the outer grid.
+    /// Cell of the inner grid nearest to a cell of the outer grid.
     pub fn nearest(&self, cell: usize) -> usize {
         let length = self.outer.row_length();
         self.nearest_row(cell / length) * self.inner.row_length() + self.nearest_column(cell % length)
     }
 
-    /// The index in the outer grid of a cell of the inner one.
+    /// Index in the outer grid of a cell of the inner grid.
     pub fn outward(&self, cell: usize) -> usize {
         let length = self.inner.row_length();
         let place = self.inner.place(cell / length);
@@ -64,7 +64,7 @@ impl Padding {
         row * self.outer.row_length() + cell % length + self.layers[2][0]
     }
 
-    /// Coefficients continued into the layers as they are at the edges.
+    /// Extends coefficients into the layers by their values at the edges.
     pub fn extend(&self, table: &RowTable<f64>) -> RowTable<f64> {
         RowTable::new(self.outer.rows(), self.outer.row_length(), 0.0, |row, values| {
             let from = table.row(self.nearest_row(row));

@@ -1,4 +1,4 @@
-//! L u of a row of cells, by differences of order 2.
+//! Discrete Laplacian L u of a row of cells, by central differences of order 2.
 //!
 //! The sums are (west + east) + (south + north) [+ (below + above)]: mirroring a field, or exchanging x and y, changes no bit.
 
@@ -8,47 +8,47 @@ use super::Laplacian;
 use crate::math::Real;
 use crate::simd::{Isa, Kernel, dispatch};
 
-/// Rows of a field that follow each other: all, or some of them.
+/// Consecutive rows of a field: all rows, or a range of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Window<'a, T> {
-    /// The values of all fields of all rows.
+    /// Values of all fields of all rows.
     pub values: &'a [T],
-    /// The number of the first of them.
+    /// Index of the first row.
     pub first: usize,
-    /// The number of cells in a row.
+    /// Number of cells in a row.
     pub length: usize,
-    /// The number of fields: a row is followed by that of the next field.
+    /// Number of fields: a row of one field is followed by the row of the next field.
     pub fields: usize,
-    /// The index of the field that is read.
+    /// Index of the field to read.
     pub field: usize,
 }
 
 impl<'a, T> Window<'a, T> {
-    /// One field, from its first row on.
+    /// Returns a window on a single field, from its first row on.
     pub fn new(values: &'a [T], length: usize) -> Self {
         Self { values, first: 0, length, fields: 1, field: 0 }
     }
 
-    /// The values of a row.
+    /// Values of a row.
     #[inline(always)]
     pub fn row(self, row: usize) -> &'a [T] {
         &self.values[((row - self.first) * self.fields + self.field) * self.length..][..self.length]
     }
 }
 
-/// Values of the cells of a row, some of which follow each other at a time.
+/// Values of the cells of a row, read in groups of consecutive cells.
 pub trait Groups<T>: Copy {
-    /// Whether `W` cells from `cell` on are none at an end of the row that wants care.
+    /// Whether all `W` cells from `cell` on are inner cells, which need no treatment of the ends of the row.
     fn is_inner<const W: usize>(&self, cell: usize) -> bool;
 
-    /// The values of `W` cells from `cell` on, all of them inner ones.
+    /// Values of `W` cells from `cell` on, all of them inner cells.
     fn inner<const W: usize>(&self, cell: usize) -> [T; W];
 
-    /// The values of any `W` cells from `cell` on.
+    /// Values of any `W` cells from `cell` on.
     fn any<const W: usize>(&self, cell: usize) -> [T; W];
 }
 
-/// `W` numbers from `at` on.
+/// Loads `W` numbers from index `at` on.
 #[inline(always)]
 pub fn load<T: Real, const W: usize>(column: &[T], at: usize) -> [T; W] {
     let mut lanes = [T::ZERO; W];
@@ -73,7 +73,7 @@ impl<T: Real> Groups<T> for &[T] {
     }
 }
 
-/// L u of the cells of a row within a plane from some cell on, where w is the same everywhere.
+/// Discrete Laplacian L u of a row in a plane grid, from some cell on, for uniform w.
 #[derive(Debug, Clone, Copy)]
 pub struct PlaneRow<'a, T> {
     start: usize,
@@ -81,7 +81,7 @@ pub struct PlaneRow<'a, T> {
     center: &'a [T],
     below: &'a [T],
     above: &'a [T],
-    /// The values below its first and above its last cell.
+    /// Ghost values below the first and above the last cell.
     ends: [T; 2],
 }
 
@@ -115,7 +115,7 @@ impl<T: Real> Groups<T> for PlaneRow<'_, T> {
 }
 
 impl<T: Real> PlaneRow<'_, T> {
-    /// L u of `W` cells from `cell` on. The order of the sums is that of [`apply`], so that the bits are the same.
+    /// Values of L u in `W` cells from `cell` on. The order of the sums is that of [`apply`], so the bits are equal.
     #[inline(always)]
     fn total<const W: usize>(&self, cell: usize, west: [T; W], east: [T; W]) -> [T; W] {
         let (center, below, above): ([T; W], [T; W], [T; W]) =
@@ -129,7 +129,7 @@ impl<T: Real> PlaneRow<'_, T> {
     }
 }
 
-/// L u of the cells of a row from `start` on, if w is the same everywhere in a plane and the row is not at one of its edges.
+/// Evaluates L u lazily for the cells of a row from `start` on, if w is uniform in a plane grid and the row is not at an edge.
 pub fn plane_row<'a, T: Real>(
     laplacian: &Laplacian<T>,
     rows: Window<'a, T>,
@@ -142,7 +142,7 @@ pub fn plane_row<'a, T: Real>(
     Some(PlaneRow { start, weight, center, below: below?, above: above?, ends: ends(laplacian, center) })
 }
 
-/// The values below the first and above the last cell of a row.
+/// Ghost values below the first and above the last cell of a row.
 fn ends<T: Real>(laplacian: &Laplacian<T>, center: &[T]) -> [T; 2] {
     let [first, last] = [center[0], center[center.len() - 1]];
     if laplacian.grid.periodic[2] { [last, first] } else { [laplacian.ghost(2, 0) * first, laplacian.ghost(2, 1) * last] }
@@ -198,19 +198,19 @@ fn run<T: Real, L: Law<T>>(stencil: Stencil<'_, T, L>, dimension: usize) {
     }
 }
 
-/// How the differences of a cell to its neighbors are weighted.
+/// Weights of the differences of a cell to its neighbors.
 trait Law<T: Real>: Copy {
-    /// The same for cells `from..to`.
+    /// Restricts the weights to the cells `from..to`.
     fn cut(self, from: usize, to: usize) -> Self;
-    /// The terms of the two neighbors along one of the first axes.
+    /// Terms of the two neighbors along one of the first axes.
     fn pair(&self, pair: usize, cell: usize, center: T, lower: T, upper: T) -> T;
-    /// The terms of the two neighbors in the row.
+    /// Terms of the two neighbors in the row.
     fn along(&self, cell: usize, center: T, lower: T, upper: T) -> T;
-    /// L u, from the sum of these.
+    /// Value of L u from the sum of these terms.
     fn total(&self, cell: usize, center: T, sum: T) -> T;
 }
 
-/// w is the same everywhere: w (Σ uⱼ − 2D u). Beyond edges are ghosts, the row itself with a sign.
+/// Uniform w: L u = w (Σ uⱼ − 2D u). Ghosts beyond edges are the row itself, times a sign.
 #[derive(Clone, Copy)]
 struct Uniform<T> {
     weight: T,
@@ -240,19 +240,19 @@ impl<T: Real> Law<T> for Uniform<T> {
     }
 }
 
-/// w varies, and is 0 at edges: Σ w (uⱼ − u) − κ u.
+/// Varying w, 0 at edges: L u = Σ w (uⱼ − u) − κ u.
 #[derive(Clone, Copy)]
 struct Varying<'a, T> {
-    /// w at the lower and the upper faces along the first axes.
+    /// Coefficients w at the lower and the upper faces along the first axes.
     weights: [[&'a [T]; 2]; 2],
-    /// w at the lower and the upper faces along the row.
+    /// Coefficients w at the lower and the upper faces along the row.
     along: [&'a [T]; 2],
-    /// κ.
+    /// Coefficients κ.
     anchor: &'a [T],
 }
 
 impl<T: Real> Law<T> for Varying<'_, T> {
-    /// Both faces along the row begin as the upper ones of the whole row.
+    /// Cuts the faces along the row. Before the cut, both entries are the upper faces of the whole row.
     #[inline(always)]
     fn cut(self, from: usize, to: usize) -> Self {
         let [faces, _] = self.along;
@@ -280,19 +280,19 @@ impl<T: Real> Law<T> for Varying<'_, T> {
     }
 }
 
-/// A row with its neighbors.
+/// Row with its neighbors.
 struct Stencil<'a, T, L> {
     law: L,
     center: &'a [T],
-    /// The rows below and above along the first axes; beyond an edge the row itself.
+    /// Rows below and above along the first axes; beyond an edge, the row itself.
     neighbors: [[&'a [T]; 2]; 2],
-    /// The values below its first and above its last cell.
+    /// Ghost values below the first and above the last cell.
     ends: [T; 2],
     range: Range<usize>,
     out: &'a mut [T],
 }
 
-/// A stencil of `P` pairs of rows.
+/// Stencil of `P` pairs of rows.
 struct Dimension<S, const P: usize>(S);
 
 impl<T: Real, L: Law<T>, const P: usize> Kernel for Dimension<Stencil<'_, T, L>, P> {
@@ -321,7 +321,7 @@ impl<T: Real, L: Law<T>, const P: usize> Kernel for Dimension<Stencil<'_, T, L>,
     }
 }
 
-/// The cells `range`, with their neighbors in the row.
+/// Computes the cells `range`, given their neighbors in the row.
 #[inline(always)]
 fn span<T: Real, L: Law<T>, const P: usize>(
     law: L,

@@ -1,20 +1,20 @@
-//! Coefficients of the cells, row by row, with equal rows held once.
+//! Coefficients of the cells, row by row; equal rows are stored once.
 
-/// One number for each cell. Equal rows share their memory, so that what varies along few axes takes little of it and stays
-/// in the cache.
+/// Table of one number per cell. Equal rows share their memory. Coefficients that vary along few axes therefore take little
+/// memory and stay in the cache.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowTable<T> {
     length: usize,
     values: Vec<T>,
-    /// Where the values of each row begin.
+    /// Index at which the values of each row begin.
     starts: Vec<usize>,
 }
 
-/// How many of the last different rows a new one is compared with.
+/// Number of the latest distinct rows with which a new row is compared.
 const COMPARED: usize = 4;
 
 impl<T: Copy + PartialEq> RowTable<T> {
-    /// The table of `rows` rows of `length` numbers, each filled by `fill`.
+    /// Builds a table of `rows` rows of `length` numbers, each filled by `fill`.
     pub fn new(rows: usize, length: usize, blank: T, mut fill: impl FnMut(usize, &mut [T])) -> Self {
         let mut table = Self { length, values: Vec::new(), starts: Vec::with_capacity(rows) };
         let mut next = vec![blank; length];
@@ -33,13 +33,13 @@ impl<T: Copy + PartialEq> RowTable<T> {
         table
     }
 
-    /// The numbers of a row.
+    /// Numbers of a row.
     #[inline(always)]
     pub fn row(&self, row: usize) -> &[T] {
         &self.values[self.starts[row]..self.starts[row] + self.length]
     }
 
-    /// Its different rows, one after the other.
+    /// Distinct rows, one after the other.
     pub fn different(&self) -> &[T] {
         &self.values
     }

@@ -1,10 +1,10 @@
-//! Uniform grids.
+//! Tests of uniform grids.
 
 use glam::DVec3;
 
 use super::*;
 
-/// A grid as an item declares it, with these cells and periodic axes.
+/// Builds a grid from an item with these cells and periodic axes.
 fn grid(cells: [f64; 3], periodic: [f64; 3]) -> Result<Grid> {
     let vector = |entries: [f64; 3]| Value::Vector(DVec3::from_array(entries));
     let record = Item::new(
@@ -42,7 +42,7 @@ fn rows_have_neighbors_along_the_first_axes() {
     assert_eq!([false, true].map(|upward| solid.beside(5, 1, upward)), [Some(4), None]);
 }
 
-/// Σ w f over the nearest centers is f at the point, for f linear along each axis.
+/// Linear functions are interpolated exactly: Σ w f over the nearest centers is f at the point.
 #[test]
 fn weights_of_the_nearest_centers_interpolate() {
     let plane = grid([4.0, 3.0, 0.0], [0.0; 3]).unwrap();

@@ -1,16 +1,16 @@
 //! Stages of a step over all rows of a grid: one at a time, or several in one pass over memory.
 //!
-//! Stage k of a slab (a row of a plane, a plane of a solid) needs stage k − 1 of the slabs beside it. One thread therefore runs
-//! through the slabs with all stages in turn, each one slab behind the one before, so that they meet in the cache:
+//! Stage k of a slab (a row of a plane, a plane of a solid) needs stage k − 1 of the adjacent slabs. One thread therefore runs
+//! through the slabs with all stages in turn. Each stage is one slab behind the previous one, so the stages meet in the cache:
 //!
 //! ```text
-//!     stage 2   . x                  Two threads: first each takes of its band what needs no other band (\ /), then
-//!     stage 1   . . x                one the seam between them (/ \).
+//!     stage 2   . x                  Two threads: each computes the part of its band that needs no other band (\ /).
+//!     stage 1   . . x                Then one thread computes the seam between the bands (/ \).
 //!     stage 0   . . . x                  stage 2      \ x x x / s s s s \ x x x x
 //!              ─────────▶ slabs          stage 0      x x x x x \ s / x x x x x x x
 //! ```
 //!
-//! Fields of even and odd stages are in two columns, of which each slab holds the two last stages that it had.
+//! Even and odd stages are stored in two columns, so each slab holds its two latest stages.
 
 use std::ops::Range;
 
@@ -18,20 +18,20 @@ use super::{Block, Grid, Window};
 use crate::math::Real;
 use crate::parallel::Executor;
 
-/// The most stages in one pass.
+/// Maximum number of stages in one pass.
 pub const DEEPEST: usize = 16;
-/// The memory that the slabs of all stages may take: a core's part of the last cache. Fewer stages that fit into a nearer one
-/// were slower, as was one stage at a time by half [bytes].
+/// Memory for the slabs of all stages [bytes]: a core's share of the last-level cache. Fewer stages, which fit into a nearer
+/// cache, were slower. One stage at a time was slower by half.
 const CACHE: usize = 1 << 22;
-/// Numbers of a block, which one thread computes at a time where each stage is a sweep of its own.
+/// Size of a block in numbers, computed by one thread at a time if each stage is a separate sweep.
 const BLOCK: usize = 1 << 15;
 
-/// The part of a tile that a stage computes, in slabs of the whole.
+/// Part of a tile that a stage computes, in slabs of the whole grid.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
-    /// A band, less what the bands beside it reach.
+    /// Band without the margins that depend on adjacent bands.
     Band { last: usize },
-    /// Around the slab at which two bands meet.
+    /// Slabs around the one at which two bands meet.
     Seam(usize),
 }
 
@@ -48,15 +48,15 @@ impl Shape {
     }
 }
 
-/// Stages of a step, each of which needs the field of the one before in a row and in those beside it.
+/// Stages of a step. Each stage needs the field of the previous stage in a row and in the adjacent rows.
 pub trait Sweep<T: Real, Y: Send>: Sync {
-    /// Numbers of scratch memory for a row.
+    /// Size of the scratch memory for a row, in numbers.
     fn scratch(&self) -> usize;
 
-    /// Runs a stage of the row of a block that has that index in it. `before` is the field at the stage before.
+    /// Runs a stage for the row of a block with this index. `before` is the field at the previous stage.
     fn row(&self, stage: usize, block: &mut Block<'_, T, Y>, index: usize, before: Window<'_, T>, scratch: &mut [T]);
 
-    /// Runs one stage of all rows, which reads the column `before` of the block.
+    /// Runs one stage of all rows, reading the column `before` of the block.
     fn sweep(&self, block: Block<'_, T, Y>, executor: &Executor) {
         let length = block.length;
         let mut block = Block { rows: (BLOCK / length).max(1), ..block };
@@ -68,11 +68,11 @@ pub trait Sweep<T: Real, Y: Send>: Sync {
         });
     }
 
-    /// Runs the first `stages` stages of all rows of a grid in one pass, at most as many as [`depth`] says.
+    /// Runs the first `stages` stages of all rows of a grid in one pass; `stages` is at most [`depth`].
     fn pass(&self, grid: &Grid, stages: usize, block: Block<'_, T, Y>, executor: &Executor) {
         let slab = slab(grid);
         let slabs = block.count() / slab;
-        // A seam takes as much on both sides as there are stages.
+        // A seam extends over as many slabs on each side as there are stages.
         let bands = executor.threads().min(slabs / (4 * stages)).max(1);
         let size = slabs.div_ceil(bands);
         let mut whole = Block { rows: size * slab, ..block };
@@ -91,7 +91,7 @@ pub trait Sweep<T: Real, Y: Send>: Sync {
         }
     }
 
-    /// Runs stages of the slabs of a tile.
+    /// Runs stages for the slabs of a tile.
     fn tile(&self, stages: usize, slab: usize, block: &mut Block<'_, T, Y>, shape: Shape, executor: &Executor) {
         let all = block.first / slab..(block.first + block.count()) / slab;
         T::with_scratch(self.scratch(), |scratch| {
@@ -112,7 +112,7 @@ pub trait Sweep<T: Real, Y: Send>: Sync {
         });
     }
 
-    /// Runs a stage of a row: even ones read the column `before` and write the other, odd ones the other way round.
+    /// Runs a stage of a row. Even stages read the column `before` and write the other; odd stages do the reverse.
     fn alternate(&self, stage: usize, block: &mut Block<'_, T, Y>, index: usize, scratch: &mut [T]) {
         let exchange = |block: &mut Block<'_, T, Y>| {
             if stage % 2 == 1 {
@@ -128,12 +128,12 @@ pub trait Sweep<T: Real, Y: Send>: Sync {
     }
 }
 
-/// The number of rows in a slab.
+/// Number of rows in a slab.
 fn slab(grid: &Grid) -> usize {
     if grid.dimension == 3 { grid.cells[1] } else { 1 }
 }
 
-/// How many stages one pass over memory takes, of systems that hold that many bytes for each cell.
+/// Number of stages in one pass over memory, for systems that hold `bytes` bytes per cell.
 pub fn depth(grid: &Grid, bytes: usize) -> usize {
     let across = usize::from(grid.dimension < 3);
     if grid.dimension == 1 || grid.periodic[across] {

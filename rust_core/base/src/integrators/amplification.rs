@@ -1,9 +1,9 @@
-//! The stability limit of an integrator as its own code steps, for those whose limit has no closed form.
+//! Stability limit of an integrator from its own code, for integrators whose limit has no closed form.
 //!
-//! On x'' = −ω²x − 2ξωx' a step maps (x, v, a) linearly, where a is the persistent acceleration: a 3 × 3 amplification matrix,
-//! which running the step on the unit vectors fills. The step is stable where no eigenvalue lies outside the unit circle.
-//! The eigenvalues themselves would be a poor test: where two meet, as at ωh = 0 and at the limit of every symplectic
-//! method, a rounding error ε moves them by √ε. Jury's conditions on the characteristic polynomial are smooth instead.
+//! On x'' = −ω²x − 2ξωx' a step maps (x, v, a) linearly, where a is the persistent acceleration. This map is a 3 × 3
+//! amplification matrix, computed by running the step on the unit vectors. The step is stable if no eigenvalue lies outside the
+//! unit circle. The eigenvalues themselves would be a poor test. Where two of them meet, as at ωh = 0 and at the limit of every
+//! symplectic method, a rounding error ε moves them by √ε. Jury's conditions on the characteristic polynomial are smooth instead.
 //!
 //! Source: E. I. Jury, Theory and Application of the z-Transform Method (1964), ch. 3.
 
@@ -12,14 +12,15 @@ use std::marker::PhantomData;
 use super::{Component, ComponentGroup, Integrator, for_each_stage};
 use crate::simd::{Isa, Kernel, dispatch};
 
-/// The largest ratio of a damping, or of a decay, to a frequency that is told from an infinite one.
+/// Largest ratio of a damping, or of a decay, to a frequency that is distinguished from an infinite ratio.
 pub const STEEPEST: f64 = 1e6;
 
-/// Steps that are taken side by side, in vector registers.
+/// Number of steps computed side by side, in vector registers.
 const ABREAST: usize = 8;
 
-/// Jury's conditions on steps over h = 1 with these ωh, as matrices that act on (x, v, a). Where x stands for a field that is advanced over the
-/// drifts, it decays besides: x ← x + h v − `decay` x over a whole h; the decay is in units of ω.
+/// Amplification of steps over h = 1 with these ωh, as matrices that act on (x, v, a), and Jury's conditions on them. If x stands
+/// for a field that is advanced over the drifts, it also decays: x ← x + h v − `decay` x over a whole h. The decay is in units of
+/// ω.
 struct Amplification<I, const W: usize> {
     steps: [f64; W],
     damping_ratio: f64,
@@ -35,7 +36,7 @@ impl<I: Integrator, const W: usize> Kernel for Amplification<I, W> {
         const { assert!(I::PERSISTENT <= 1, "the matrix has one row for a register") };
         let drifts = const { if let Some(drift_kick) = I::DRIFT_KICK { drift_kick.drifts } else { &[] } };
         let part = |drift: usize| drifts.get(drift).copied().unwrap_or_default();
-        // Lane by lane, innermost, so that all of it stays in vector registers.
+        // The loop over lanes is innermost, so everything stays in vector registers.
         let mut matrices = [[[0.0; W]; 3]; 3];
         for column in 0..2 + I::PERSISTENT {
             let mut group = ComponentGroup::<f64, W>::ZERO;
@@ -77,29 +78,29 @@ impl<I: Integrator, const W: usize> Kernel for Amplification<I, W> {
     }
 }
 
-/// Jury's conditions on several steps.
+/// Evaluates Jury's conditions on several steps.
 fn several<I: Integrator, const W: usize>(steps: [f64; W], damping_ratio: f64, decay: f64) -> [[f64; W]; 4] {
     dispatch(Amplification::<I, W> { steps, damping_ratio, decay, integrator: PhantomData })
 }
 
-/// The same, of which none is negative but for rounding where the step is stable.
+/// Evaluates Jury's conditions with an allowance for rounding: none is negative if the step is stable.
 fn rounded<I: Integrator, const W: usize>(steps: [f64; W], damping_ratio: f64, decay: f64) -> [[f64; W]; 4] {
     several::<I, W>(steps, damping_ratio, decay).map(|lanes| lanes.map(|value| value + ROUNDING))
 }
 
-/// How far the eigenvalues of a step ωh are inside the unit circle, by Jury's conditions; negative where one is outside.
+/// Margin of the eigenvalues of a step ωh inside the unit circle, by Jury's conditions; negative if one is outside.
 #[cfg(test)]
 pub fn margin<I: Integrator>(step: f64, damping_ratio: f64, decay: f64) -> f64 {
     least(&several::<I, 1>([step], damping_ratio, decay), 0)
 }
 
-/// The least of the conditions on one of several steps.
+/// Least of the conditions on one of several steps.
 fn least<const W: usize>(conditions: &[[f64; W]; 4], lane: usize) -> f64 {
     conditions.iter().fold(f64::INFINITY, |least, lanes| least.min(lanes[lane]))
 }
 
-/// Jury's conditions on the characteristic polynomial g³ + pg² + qg + r of a matrix: none is negative where all eigenvalues
-/// are inside the unit circle.
+/// Jury's conditions on the characteristic polynomial g³ + pg² + qg + r of a matrix. None is negative if all eigenvalues are
+/// inside the unit circle.
 #[inline(always)]
 fn conditions(m: &[[f64; 3]; 3]) -> [f64; 4] {
     let minor = |i: usize, j: usize| m[i][i] * m[j][j] - m[i][j] * m[j][i];
@@ -110,19 +111,19 @@ fn conditions(m: &[[f64; 3]; 3]) -> [f64; 4] {
     [1.0 + p + q + r, 1.0 - p + q - r, 1.0 - r.abs(), 1.0 - r * r - (q - r * p).abs()]
 }
 
-/// Rounding of the margin, which is 0 along the whole stable interval of a symplectic method. The limit is too large by this
-/// over the margin's slope, which is of the order of 1.
+/// Allowance for rounding in the margin, which is 0 along the whole stable interval of a symplectic method. The limit is too
+/// large by this value over the slope of the margin, which is of the order of 1.
 const ROUNDING: f64 = 1e-12;
-/// Steps tried between 0 and the largest. A region of instability narrower than that shows as a dip of one of the
-/// conditions. Not of their least: one of them is 0 for every step of a symplectic method, and hides how near to 0 another
-/// comes. At its resonances (ωh near π, 2π …) a method of high order crosses −1 by 1e-7 over a thousandth of a step.
+/// Number of steps tried between 0 and the largest. A narrower region of instability shows as a dip of one of the conditions. It
+/// may not show as a dip of the least condition. One condition is 0 for every step of a symplectic method, and hides how near to
+/// 0 another comes. At its resonances (ωh near π, 2π …) a method of high order crosses −1 by 1e-7 over a thousandth of a step.
 const TRIALS: usize = 200;
 
-/// The largest ωh such that all steps up to it are stable.
+/// Computes the largest ωh such that all steps up to it are stable.
 ///
-/// It is looked for up to 2 per evaluation, the most that an undamped explicit method reaches (that many Verlet steps),
-/// and, where damping dominates, up to a damping of 4 per evaluation: beyond that a claim would be of no use. The decay of a
-/// field is given in units of ω.
+/// The search extends to 2 per evaluation, the maximum of undamped explicit methods, which as many Verlet steps reach. Where
+/// damping dominates, it extends to a damping of 4 per evaluation: beyond that a limit would be of no use. The decay of a field
+/// is given in units of ω.
 pub fn limit<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
     let reach = reach::<I>(damping_ratio, decay);
     let margin = |fraction: f64| least(&rounded::<I, 1>([fraction * reach], damping_ratio, decay), 0);
@@ -162,11 +163,12 @@ fn reach<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
     2.0 * I::NODES.len() as f64 / damping_ratio.max(decay).max(1.0)
 }
 
-/// How many times as far as the limit is the last stable step looked for: damped ones may be stable beyond 2 per evaluation.
+/// Factor by which the search for the last stable step extends beyond that for the limit: damped steps may be stable beyond 2 per
+/// evaluation.
 const FARTHER: usize = 4;
 
-/// The largest stable ωh of all, not less than the limit, but for islands narrower than a trial; infinite where the farthest that is
-/// looked at is stable.
+/// Computes the largest of all stable ωh, which is not less than the limit. Stable islands narrower than a trial may be missed.
+/// Infinite if the farthest trial is stable.
 pub fn last<I: Integrator>(damping_ratio: f64) -> f64 {
     let reach = reach::<I>(damping_ratio, 0.0);
     let margin = |fraction: f64| least(&rounded::<I, 1>([fraction * reach], damping_ratio, 0.0), 0);
@@ -184,7 +186,7 @@ pub fn last<I: Integrator>(damping_ratio: f64) -> f64 {
     found.max(I::limit(damping_ratio))
 }
 
-/// Where `margin` changes sign between a stable and an unstable place.
+/// Finds by bisection where `margin` changes sign between a stable and an unstable point.
 fn edge(margin: impl Fn(f64) -> f64, mut stable: f64, mut unstable: f64) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (stable + unstable);
@@ -193,7 +195,7 @@ fn edge(margin: impl Fn(f64) -> f64, mut stable: f64, mut unstable: f64) -> f64 
     stable
 }
 
-/// Where a function with one valley between `low` and `high` is lowest, by golden section.
+/// Finds the minimum of a function that is unimodal between `low` and `high`, by golden-section search.
 pub fn lowest(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));

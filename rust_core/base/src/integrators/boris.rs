@@ -1,14 +1,15 @@
-//! Boris' method, order 2: half a drift, a kick with the magnetic rotation in its middle, half a drift.
+//! Boris method, order 2: half a drift, a kick with the magnetic rotation in its middle, half a drift.
 //!
-//! The rotation couples the components of the velocity, so that it is no part of this file: where [`Splitting::GYRATES`],
-//! [`crate::systems::matter`] turns the velocity about q B by 2 atan(|q B| h/2m). Volume in phase space is kept, and a
-//! magnetic field alone keeps the speed. Sources: J. P. Boris, Proc. 4th Conf. Numerical Simulation of Plasmas (1970) 3;
-//! C. K. Birdsall, A. B. Langdon, Plasma Physics via Computer Simulation (1985), § 4-3; H. Qin et al., Phys. Plasmas 20 (2013)
-//! 084503.
+//! The rotation couples the components of the velocity and is therefore not part of this file. If [`Splitting::GYRATES`], the
+//! engine's `matter` system rotates the velocity about q B by 2 atan(|q B| h/2m). Volume in phase space is conserved, and a
+//! magnetic field alone conserves the speed.
+//!
+//! Sources: J. P. Boris, Proc. 4th Conf. Numerical Simulation of Plasmas (1970) 3; C. K. Birdsall, A. B. Langdon, Plasma Physics
+//! via Computer Simulation (1985), § 4-3; H. Qin et al., Phys. Plasmas 20 (2013) 084503.
 
 use super::Splitting;
 
-/// Drifts by ½, ½ around one kick.
+/// Drifts by ½, ½ around one kick, in units of h.
 #[derive(Debug)]
 pub struct Boris;
 

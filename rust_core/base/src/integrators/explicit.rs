@@ -1,4 +1,4 @@
-//! A step of y' = f(y) by the tableau of an explicit method, number by number: in registers where f is known there.
+//! Steps of y' = f(y) by the tableau of an explicit method, number by number: in registers if f can be evaluated there.
 //!
 //! ```text
 //!     Yᵢ = y₀ + Σ (h aᵢⱼ) kⱼ,   kᵢ = f(Yᵢ),   y = y₀ + Σ (h bᵢ) kᵢ
@@ -14,10 +14,10 @@ pub use super::runge_kutta_chebyshev::TwoStages;
 use super::tableau::Tableau;
 use crate::simd::Number;
 
-/// The most slopes of a tableau, that at the step's end included.
+/// Maximum number of slopes of a tableau, including the slope at the step's end.
 pub const SLOPES: usize = 7;
 
-/// The registry of methods of first order: binds `$S` to the tableau of a name and evaluates `$body`, or `$otherwise`.
+/// Registry of first-order methods: binds `$S` to the tableau with a name and evaluates `$body`, or `$otherwise`.
 macro_rules! with_tableau {
     ($name:expr, $S:ident => $body:expr, $otherwise:expr) => {
         $crate::integrators::explicit::with_tableau!(@each $name, $S, $body, $otherwise;
@@ -35,9 +35,9 @@ macro_rules! with_tableau {
 }
 pub(crate) use with_tableau;
 
-/// A tableau as a step of first order takes it.
+/// Tableau in the form in which first-order steps use it.
 pub trait Explicit: Tableau {
-    /// The number of slopes that the step's end depends on.
+    /// Number of slopes on which the step's end depends.
     const EVALUATIONS: usize = {
         let mut last = Self::B.len();
         while last > 1 && Self::B[last - 1] == 0.0 {
@@ -45,7 +45,7 @@ pub trait Explicit: Tableau {
         }
         last
     };
-    /// The weights of the slopes in the states at which they are taken, and in the step's end.
+    /// Weights of the slopes in the states at which slopes are evaluated, and in the step's end.
     const ROWS: &'static [&'static [f64]; SLOPES + 1] = &{
         let mut rows: [&'static [f64]; SLOPES + 1] = [&[]; SLOPES + 1];
         let mut row = 0;
@@ -60,7 +60,7 @@ pub trait Explicit: Tableau {
 
 impl<S: Tableau> Explicit for S {}
 
-/// The coefficients of a tableau.
+/// Coefficients of a tableau.
 #[derive(Debug, Clone, Copy)]
 pub struct Coefficients {
     /// [`Tableau::NAME`].
@@ -76,7 +76,7 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    /// Those of the method of a name, if there is one.
+    /// Coefficients of the method with this name, if any.
     pub fn named(name: &str) -> Option<Self> {
         with_tableau!(name, S => Some(Self {
             name: S::NAME,
@@ -88,8 +88,8 @@ impl Coefficients {
     }
 }
 
-/// start + Σ (h wⱼ) kⱼ over the weights that are not 0, slopes of equal weights in a row added first. It is written out,
-/// because slopes in a loop that the compiler does not unroll do not stay in registers.
+/// Computes start + Σ (h wⱼ) kⱼ over the nonzero weights, adding slopes of equal weights in a row first. The sum is written out:
+/// slopes stay in registers only if the compiler unrolls the loop.
 #[inline(always)]
 #[allow(unused_assignments, reason = "the last pass of a loop that is written out")]
 pub fn combine<N: Number>(weights: &[f64], start: N, slopes: &[N; SLOPES], h: f64) -> N {
@@ -110,7 +110,7 @@ pub fn combine<N: Number>(weights: &[f64], start: N, slopes: &[N; SLOPES], h: f6
     if let Some(sum) = sum { start + sum } else { start }
 }
 
-/// The same of several numbers with their slopes.
+/// Computes [`combine`] for several numbers with their slopes.
 #[inline(always)]
 pub fn combine_all<N: Number, const D: usize>(weights: &[f64], start: &[N; D], slopes: &[[N; D]; SLOPES], h: f64) -> [N; D] {
     let mut result = *start;
@@ -129,7 +129,7 @@ pub fn combine_all<N: Number, const D: usize>(weights: &[f64], start: &[N; D], s
     result
 }
 
-/// A tableau in loops that keep a state in registers for a whole step: compiled, or as [`Coefficients`].
+/// Tableau for loops that keep a state in registers for a whole step: compiled, or as [`Coefficients`].
 pub trait Rows: Copy + Send + Sync {
     /// [`Explicit::EVALUATIONS`].
     fn evaluations(self) -> usize;
@@ -139,12 +139,12 @@ pub trait Rows: Copy + Send + Sync {
     fn errors(self) -> &'static [f64];
 }
 
-/// A tableau that loops are compiled for.
+/// Tableau for which loops are compiled.
 #[derive(Debug)]
 pub struct CompiledTableau<S>(PhantomData<fn() -> S>);
 
 impl<S> CompiledTableau<S> {
-    /// The tableau.
+    /// Value of the tableau.
     pub const NEW: Self = Self(PhantomData);
 }
 
@@ -190,13 +190,13 @@ impl Rows for Coefficients {
     }
 }
 
-/// The right-hand side of y' = f(y) in a step.
+/// Right-hand side f of y' = f(y).
 pub trait Slope<N, const D: usize> {
-    /// The slope at a state, the one of that number in the step.
+    /// Evaluates the slope at a state, for the evaluation with this number in the step.
     fn slope(&self, number: usize, state: [N; D]) -> [N; D];
 }
 
-/// The state after a step of `h` seconds, and the slopes of the step.
+/// Computes the state after a step of `h` seconds, and the slopes of the step.
 #[inline(always)]
 pub fn step<N: Number, F: Slope<N, D>, const D: usize>(
     method: impl Rows,
@@ -216,7 +216,7 @@ pub fn step<N: Number, F: Slope<N, D>, const D: usize>(
     (combine_all(method.row(method.evaluations()), start, &slopes, h), slopes)
 }
 
-/// The estimated error of a step with these slopes, that at its end among them.
+/// Computes the estimated error of a step from its slopes, including the slope at its end.
 #[inline(always)]
 pub fn estimate<N: Number, const D: usize>(method: impl Rows, slopes: &[[N; D]; SLOPES], h: f64) -> [N; D] {
     combine_all(method.errors(), &[N::constant(0.0); D], slopes, h)
@@ -227,7 +227,7 @@ mod tests {
     use super::super::first_order::{FirstOrder, NAMES};
     use super::*;
 
-    /// y' = λ y.
+    /// Test equation y' = λ y.
     struct Decay(f64);
 
     impl Slope<f64, 1> for Decay {
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Errors of steps are C h^(p + 1), and estimates O(hᵏ) with the order k of the better one of a pair.
+    /// Order test: errors of steps are C h^(p + 1), and estimates O(hᵏ) with the order k of the better method of a pair.
     #[test]
     fn every_method_of_first_order_has_a_tableau_of_its_order() {
         for name in NAMES {

@@ -1,11 +1,11 @@
-//! Explicit (forward) Euler, order 1: for teaching. It gains energy on every oscillation, whatever the step.
+//! Explicit (forward) Euler method, order 1, for teaching. The energy of every oscillation grows, at any step size.
 
 use super::tableau::{RungeKutta, Tableau};
 
-/// x ← x + h v, v ← v + h a(x, v), both with the values at the step's start.
+/// Explicit Euler: x ← x + h v, v ← v + h a(x, v), both with the values at the step's start.
 pub type ExplicitEuler = RungeKutta<Euler>;
 
-/// Its tableau.
+/// Tableau of the explicit Euler method.
 #[derive(Debug)]
 pub struct Euler;
 
@@ -15,10 +15,10 @@ impl Tableau for Euler {
     const A: &'static [&'static [f64]] = &[&[]];
     const B: &'static [f64] = &[1.0];
     const C: &'static [f64] = &[0.0];
-    /// R(z) = 1 + z ≥ −1.
+    /// Condition R(z) = 1 + z ≥ −1.
     const REAL_AXIS: f64 = 2.0;
 
-    /// |R(z)|² = 1 − 2ξωh + ω²h², so ωh ≤ 2ξ.
+    /// Limit ωh ≤ 2ξ, from |R(z)|² = 1 − 2ξωh + ω²h² ≤ 1.
     fn underdamped_limit(damping_ratio: f64) -> f64 {
         2.0 * damping_ratio
     }

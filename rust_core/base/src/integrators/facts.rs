@@ -1,8 +1,8 @@
-//! An integrator as a value: what all code but kernels asks of it, so that only kernels are compiled for each.
+//! Integrators as values: everything that code other than kernels needs, so only kernels are compiled for each integrator.
 
 use super::{Component, DriftKick, Integrator, refuses_fields, with_integrator};
 
-/// The constants and functions of an [`Integrator`], under their names there.
+/// Constants and functions of an [`Integrator`], under their names there.
 #[derive(Debug, Clone, Copy)]
 pub struct Facts {
     /// [`Integrator::NAME`].
@@ -43,7 +43,7 @@ pub struct Facts {
     pub last: fn(f64) -> f64,
     /// [`Integrator::oscillator`].
     pub oscillator: fn(f64, f64, f64) -> [f64; 2],
-    /// [`Integrator::stage_state`] of a number.
+    /// [`Integrator::stage_state`] for f64.
     pub stage_state: fn(usize, &mut Component<f64>, f64),
     /// [`refuses_fields`].
     pub refuses_fields: Option<&'static str>,
@@ -84,23 +84,24 @@ impl Facts {
         all
     }
 
-    /// The number of stages of a step.
+    /// Number of stages of a step.
     pub fn stages(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Whether it is unstable on an undamped oscillator at any step.
+    /// Whether the method is unstable for an undamped oscillator at any step size.
     pub fn gains_energy(&self) -> bool {
         (self.limit)(0.0) == 0.0
     }
 
-    /// The weight and the weight of the last evaluation of the step before, with which the power at a stage is integrated.
+    /// Weights with which the power at a stage is integrated: of this evaluation, and of the last evaluation of the previous
+    /// step.
     pub fn weights_at(&self, stage: usize) -> [f64; 2] {
         [self.weights[stage], if stage == 0 { self.last_weight } else { 0.0 }]
     }
 
-    /// The register with the velocity of the drift that led to a stage, if all that a stage keeps follows from that and the
-    /// acceleration.
+    /// Register with the velocity of the drift that led to a stage. None unless everything that a stage keeps follows from this
+    /// velocity and the acceleration.
     pub fn drifts_by_register(&self) -> Option<usize> {
         self.drift_kick.map(|drift_kick| drift_kick.velocity).filter(|&velocity| velocity < self.registers)
     }

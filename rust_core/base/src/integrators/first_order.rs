@@ -1,12 +1,12 @@
-//! Explicit methods for y' = f(y): each stage evaluates F = f(Y) and combines what is known of the step linearly to the next Y.
+//! Explicit methods for y' = f(y). Each stage evaluates F = f(Y) and computes the next Y as a linear combination:
 //!
 //! ```text
 //!     Y' = y₀ + μ (Y − y₀) + ν (Y₋ − y₀) + h (Σ wⱼ Fⱼ + w F)
 //! ```
 //!
-//! y₀ is the state at the step's start, Y₋ that of the stage before Y, and Fⱼ are slopes that were kept. Of Runge–Kutta methods
-//! with a [`Tableau`] μ = ν = 0; a stabilized method has few slopes and the recurrence instead. A state is y alone: no slope is
-//! kept from one step to the next. Differences from y₀ are weighted rather than states, so that rounded weights move no sum of y.
+//! Here y₀ is the state at the step's start, Y₋ the state of the stage before Y, and Fⱼ are stored slopes. Runge–Kutta methods
+//! with a [`Tableau`] have μ = ν = 0. A stabilized method has few slopes and the recurrence instead. The state is y alone: no
+//! slope is kept from step to step. Weights apply to differences from y₀, not to states, so rounded weights change no sum of y.
 
 use super::Tableau;
 use super::bogacki_shampine_3::BogackiShampine;
@@ -15,75 +15,75 @@ use super::explicit_euler::Euler;
 use super::runge_kutta_4::Kutta;
 use super::runge_kutta_chebyshev as chebyshev;
 
-/// The most slopes that are kept.
+/// Maximum number of stored slopes.
 pub const SLOPES: usize = 6;
 
-/// What the next state is based on, besides slopes.
+/// Base of the next state, without the slopes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Base {
-    /// Y, which is y₀; it is kept as such where later stages need it.
+    /// Y, which equals y₀; stored if later stages need it.
     Here {
-        /// Whether they do.
+        /// Whether later stages need y₀.
         keep: bool,
     },
-    /// y₀.
+    /// Initial state y₀.
     Start,
-    /// y₀ + μ (Y − y₀).
+    /// Sum y₀ + μ (Y − y₀).
     Own(f64),
-    /// y₀ + μ (Y − y₀) + ν (Y₋ − y₀).
+    /// Sum y₀ + μ (Y − y₀) + ν (Y₋ − y₀).
     Recurrence(f64, f64),
 }
 
-/// A stage.
+/// Stage of a method: the combination that gives the next state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Combination {
-    /// What the next state is based on.
+    /// Base of the next state.
     pub base: Base,
-    /// wⱼ of the slopes that were kept.
+    /// Weights wⱼ of the stored slopes.
     pub slopes: Vec<f64>,
-    /// w of the slope F at this stage.
+    /// Weight w of the slope F at this stage.
     pub slope: f64,
-    /// The place where F is kept.
+    /// Index at which F is stored.
     pub keep: Option<usize>,
-    /// b: the weight of F in the step's end, with which gains and losses are integrated.
+    /// Weight b of F in the step's end, with which gains and losses are integrated.
     pub weight: f64,
 }
 
-/// The estimate of a step's error: start·y₀ + end·y + h (Σ wⱼ Fⱼ + w f(y)), y being the step's end.
+/// Error estimate of a step: start·y₀ + end·y + h (Σ wⱼ Fⱼ + w f(y)), where y is the step's end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The weight of y₀.
+    /// Weight of y₀.
     pub start: f64,
-    /// The weight of y.
+    /// Weight of y.
     pub end: f64,
-    /// The weights of the slopes that were kept.
+    /// Weights of the stored slopes.
     pub slopes: Vec<f64>,
-    /// The weight of f(y).
+    /// Weight of f(y).
     pub slope: f64,
-    /// k, where it is of the order hᵏ.
+    /// Order k of the estimate, which is O(hᵏ).
     pub order: u32,
 }
 
-/// A method.
+/// Explicit method for y' = f(y).
 #[derive(Debug, Clone)]
 pub struct FirstOrder {
-    /// The class's name in Python.
+    /// Name of the class in Python.
     pub name: &'static str,
-    /// The order of convergence.
+    /// Order of convergence.
     pub order: u32,
-    /// The estimate of its errors, if it has one.
+    /// Error estimate, if any.
     pub estimate: Option<Estimate>,
-    /// The number of slopes that are kept.
+    /// Number of stored slopes.
     pub kept: usize,
-    /// The stable interval on the negative real axis, and the stages; none of a method that chooses them.
+    /// Stable interval on the negative real axis, and the stages; None for a method that chooses them by the step.
     fixed: Option<(f64, Vec<Combination>)>,
 }
 
-/// The names of all methods.
+/// Names of all methods.
 pub const NAMES: [&str; 5] = [Euler::NAME, BogackiShampine::NAME, Kutta::NAME, DormandPrince::NAME, chebyshev::NAME];
 
 impl FirstOrder {
-    /// The method of a name, if there is one.
+    /// Returns the method with this name, if any.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             Euler::NAME => Self::of::<Euler>(),
@@ -97,7 +97,7 @@ impl FirstOrder {
         })
     }
 
-    /// The method of a tableau. Slopes that only the error estimate needs are those of the step's end.
+    /// Returns the method of a tableau. Slopes that only the error estimate needs are those of the step's end.
     fn of<S: Tableau>() -> Self {
         let count = S::B.iter().rposition(|&weight| weight != 0.0).map_or(0, |last| last + 1);
         let stage = |index: usize| {
@@ -127,17 +127,17 @@ impl FirstOrder {
         }
     }
 
-    /// The number of columns besides the state: y₀ and the slopes that are kept; none of a method of one stage.
+    /// Number of columns besides the state: y₀ and the stored slopes; 0 for a method of one stage.
     pub fn columns(&self) -> usize {
         if self.kept > 0 { 1 + self.kept } else { 0 }
     }
 
-    /// Whether it chooses its stages by the step.
+    /// Whether the method chooses its stages by the step size.
     pub fn is_stabilized(&self) -> bool {
         self.fixed.is_none()
     }
 
-    /// The stages of a step of `h` seconds where the eigenvalues of diffusion reach down to −`diffusion` [1/s].
+    /// Stages of a step of `h` seconds, if the eigenvalues of diffusion reach down to −`diffusion` [1/s].
     pub fn stages(&self, h: f64, diffusion: f64) -> Vec<Combination> {
         match &self.fixed {
             Some((_, stages)) => stages.clone(),
@@ -145,7 +145,7 @@ impl FirstOrder {
         }
     }
 
-    /// The largest stable step [s] where the eigenvalues of diffusion reach down to −`diffusion`, and the rates of a reaction to
+    /// Largest stable step [s], if the eigenvalues of diffusion reach down to −`diffusion` and the rates of a reaction up to
     /// `reaction` [1/s].
     pub fn limit(&self, diffusion: f64, reaction: f64) -> f64 {
         match &self.fixed {
@@ -159,7 +159,7 @@ impl FirstOrder {
 mod tests {
     use super::*;
 
-    /// A step of y' = λy as the combinations take it, with the estimated error.
+    /// Computes a step of y' = λy by the combinations, with the estimated error.
     fn step(method: &FirstOrder, h: f64, rate: f64) -> (f64, f64, f64) {
         let stages = method.stages(h, rate.abs());
         let (mut y, mut before, start, mut kept, mut integral) = (1.0, f64::NAN, 1.0, [0.0; SLOPES], 0.0);
@@ -185,7 +185,7 @@ mod tests {
         (y, integral, error)
     }
 
-    /// The error of a step is C h^(p + 1), and so is that of its estimate of a pair whose better method has order k.
+    /// Order test: the error of a step is C h^(p + 1), and so is its estimate, for a pair whose better method has order k.
     #[test]
     fn every_method_has_its_order_and_its_weights_are_those_of_the_end() {
         for name in NAMES {
@@ -203,7 +203,7 @@ mod tests {
         }
     }
 
-    /// |R| ≤ 1 on the whole interval, and above 1 beyond it.
+    /// Stability test: |R| ≤ 1 on the whole interval, and above 1 beyond it.
     #[test]
     fn every_method_is_stable_on_its_interval_alone() {
         for name in NAMES {

@@ -1,27 +1,28 @@
-//! Gauss–Radau collocation of order 15, as in IAS15: the acceleration over a step is a polynomial of degree 7 through its
-//! values at the step's start and at seven nodes within,
+//! Gauss–Radau collocation of order 15, as in IAS15. The acceleration over a step is a polynomial of degree 7 through its values
+//! at the step's start and at seven interior nodes:
 //!
 //! ```text
 //!     a(τ) = a₀ + b₀ τ + b₁ τ² + … + b₆ τ⁷ = a₀ + g₀ τ + g₁ τ (τ − h₁) + … + g₆ τ (τ − h₁) … (τ − h₆),   τ = t/h
 //!     v(τ) = v + h τ (a₀ + b₀ τ/2 + b₁ τ²/3 + …),   x(τ) = x + h τ v + h² τ² (a₀/2 + b₀ τ/6 + b₁ τ²/12 + …)
 //! ```
 //!
-//! The positions and velocities of the nodes follow from it, their accelerations from these: an implicit method, solved by
-//! iteration. Each new acceleration replaces the divided difference g of its node, and b by what follows from that.
+//! The positions and velocities at the nodes follow from the polynomial, and the accelerations follow from these. The method is
+//! implicit and solved by iteration. Each new acceleration replaces the divided difference g of its node, and updates b
+//! accordingly.
 //!
 //! Sources: H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424; E. Everhart, in A. Carusi, G. B. Valsecchi
 //! (eds.), Dynamics of Comets (1985) 185.
 
-/// The class's name in Python.
+/// Name of the class in Python.
 pub const NAME: &str = "GaussRadau15";
-/// The order of convergence.
+/// Order of convergence.
 pub const ORDER: u32 = 15;
-/// The number of coefficients b, or g.
+/// Number of coefficients b, or g.
 pub const COEFFICIENTS: usize = 7;
-/// The number of nodes with the start of the step.
+/// Number of nodes, including the start of the step.
 pub const STAGES: usize = COEFFICIENTS + 1;
 
-/// The nodes h of the Gauss–Radau quadrature on [0, 1] with the left end: the zeros of P₇ + P₈ at 2h − 1.
+/// Nodes h of the Gauss–Radau quadrature on [0, 1] with the left end: the zeros of P₇ + P₈ at 2h − 1.
 pub const NODES: [f64; STAGES] = [
     0.0,
     0.056_262_560_536_922_15,
@@ -33,7 +34,7 @@ pub const NODES: [f64; STAGES] = [
     0.977_520_613_561_287_5,
 ];
 
-/// Its weights, (1 − x)/(2 n² P₇(x)²) with x = 2h − 1 and n = 8.
+/// Weights of the quadrature, (1 − x)/(2 n² P₇(x)²) with x = 2h − 1 and n = 8.
 pub const WEIGHTS: [f64; STAGES] = {
     let mut weights = [0.0; STAGES];
     let mut node = 0;
@@ -51,8 +52,8 @@ pub const WEIGHTS: [f64; STAGES] = {
     weights
 };
 
-/// Coefficients of τ, τ² … in τ (τ − h₁) … (τ − hₙ): b = gᵀ · this. Up to their sign they are sums of products of nodes, so
-/// that none loses digits.
+/// Coefficients of τ, τ² … in τ (τ − h₁) … (τ − hₙ), the matrix of b = gᵀ · `EXPANDED`. Up to their sign they are sums of
+/// products of nodes, so no digits are lost.
 const EXPANDED: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
     let mut rows = [[0.0; COEFFICIENTS]; COEFFICIENTS];
     rows[0][0] = 1.0;
@@ -68,7 +69,7 @@ const EXPANDED: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
     rows
 };
 
-/// The inverse: the coefficients of τ (τ − h₁) … (τ − hₙ) in a power of τ, g = bᵀ · this.
+/// Inverse of `EXPANDED`: the coefficients of τ (τ − h₁) … (τ − hₙ) in a power of τ, the matrix of g = bᵀ · `FACTORED`.
 const FACTORED: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
     let mut rows = [[0.0; COEFFICIENTS]; COEFFICIENTS];
     rows[0][0] = 1.0;
@@ -84,7 +85,7 @@ const FACTORED: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
     rows
 };
 
-/// 1/(hₙ − hₖ) for 0 < k < n.
+/// Reciprocals 1/(hₙ − hₖ) for 0 < k < n.
 const RECIPROCALS: [[f64; COEFFICIENTS]; STAGES] = {
     let mut rows = [[0.0; COEFFICIENTS]; STAGES];
     let mut n = 1;
@@ -99,8 +100,8 @@ const RECIPROCALS: [[f64; COEFFICIENTS]; STAGES] = {
     rows
 };
 
-/// The condition number of b₆ as a sum over the accelerations of all nodes, Σ 1/Π |hₙ − hₘ|: the most by which it multiplies
-/// their rounding.
+/// Condition number of b₆ as a sum over the accelerations at all nodes, Σ 1/Π |hₙ − hₘ|: the largest factor by which their
+/// rounding errors are amplified.
 pub const CONDITION: f64 = {
     let (mut sum, mut n) = (0.0, 0);
     while n < STAGES {
@@ -115,8 +116,8 @@ pub const CONDITION: f64 = {
     sum
 };
 
-/// Coefficients of a₀, b₀ … b₆ at each node: of the mean acceleration until then, τᵏ/(k + 1), and of the second integral over
-/// τ², τᵏ/((k + 1)(k + 2)).
+/// Coefficients of a₀, b₀ … b₆ at each node. First those of the mean acceleration until the node, τᵏ/(k + 1); then those of the
+/// second integral over τ², τᵏ/((k + 1)(k + 2)).
 const INTEGRALS: [[[f64; STAGES]; 2]; STAGES] = {
     let mut rows = [[[0.0; STAGES]; 2]; STAGES];
     let mut node = 0;
@@ -150,29 +151,29 @@ const BINOMIALS: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
     rows
 };
 
-/// The largest ratio of two successive steps over which coefficients are predicted. The error of an extrapolation grows like
-/// its seventh power, and control never lengthens steps by more.
+/// Largest ratio of two successive steps over which coefficients are predicted. The error of an extrapolation grows with the
+/// seventh power of the ratio, and step-size control never lengthens steps by more.
 pub const LARGEST_RATIO: f64 = 4.0;
 
 /// Coefficients b or g of a group of lanes.
 pub type Coefficients<const W: usize> = [[f64; W]; COEFFICIENTS];
 
-/// The acceleration over a step, in a group of lanes.
+/// Acceleration over a step, in a group of lanes.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<const W: usize> {
-    /// a₀ [m/s²].
+    /// Initial acceleration a₀ [m/s²].
     pub start: [f64; W],
-    /// b [m/s²].
+    /// Coefficients b [m/s²].
     pub b: Coefficients<W>,
-    /// g [m/s²].
+    /// Coefficients g [m/s²].
     g: Coefficients<W>,
 }
 
 impl<const W: usize> Series<W> {
-    /// All zero.
+    /// Series of zeros.
     pub const ZERO: Self = Self { start: [0.0; W], b: [[0.0; W]; COEFFICIENTS], g: [[0.0; W]; COEFFICIENTS] };
 
-    /// The series with a₀ and predicted coefficients b.
+    /// Returns the series with a₀ and predicted coefficients b.
     #[inline(always)]
     pub fn new(start: [f64; W], b: Coefficients<W>) -> Self {
         let mut series = Self { start, ..Self::ZERO };
@@ -183,7 +184,7 @@ impl<const W: usize> Series<W> {
                 }
             }
         }
-        // Not b itself: later changes keep what it differs by from g, and rounded factors make that an error of one sign.
+        // Not b itself: later changes preserve the difference of b from g, and rounded factors make this an error of one sign.
         for k in 0..COEFFICIENTS {
             for n in (k..COEFFICIENTS).rev() {
                 for lane in 0..W {
@@ -194,10 +195,10 @@ impl<const W: usize> Series<W> {
         series
     }
 
-    /// Takes in the acceleration at a node ≥ 1, and gives the change of its divided difference g.
+    /// Replaces the acceleration at a node ≥ 1, and returns the change of its divided difference g.
     #[inline(always)]
     pub fn correct(&mut self, node: usize, a: &[f64; W]) -> [f64; W] {
-        // Divided, as in `whole`: the rounding of this reciprocal would be a change of ȧ by the same fraction in every step.
+        // Divided, as in [`Self::end`]: a rounded reciprocal would change ȧ by the same fraction in every step.
         let mut difference = [0.0; W];
         for lane in 0..W {
             difference[lane] = (a[lane] - self.start[lane]) / NODES[node];
@@ -220,7 +221,7 @@ impl<const W: usize> Series<W> {
         change
     }
 
-    /// Moves positions and velocities at the step's start to a node.
+    /// Moves positions and velocities from the step's start to a node.
     #[inline(always)]
     pub fn node_state(&self, node: &Node, memory: &Memory<W>, x: &mut [f64; W], v: &mut [f64; W]) {
         let ([mean, twice], &Node { time, low, .. }) = (&INTEGRALS[node.index], node);
@@ -238,11 +239,11 @@ impl<const W: usize> Series<W> {
         }
     }
 
-    /// Moves them, with their low-order parts, to the step's end, and keeps the coefficients.
+    /// Moves positions and velocities, with their low-order parts, to the step's end, and stores the coefficients.
     ///
-    /// Here the coefficients are divided by whole numbers: a product with a rounded reciprocal errs by the same fraction in
-    /// every step, and such errors add up like the number of steps, not like its square root. The largest terms, h v and h a₀,
-    /// are not rounded at all.
+    /// Here the coefficients are divided by whole numbers. A product with a rounded reciprocal has the same relative error in
+    /// every step. Such errors add up in proportion to the number of steps, not to its square root. The largest terms, h v and h
+    /// a₀, are not rounded at all.
     #[inline(always)]
     pub fn end(&self, h: f64, memory: &mut Memory<W>, x: &mut [f64; W], v: &mut [f64; W]) {
         let (mut first, mut second) = ([0.0; W], [0.0; W]);
@@ -267,44 +268,44 @@ impl<const W: usize> Series<W> {
     }
 }
 
-/// A node ≥ 1 of a step.
+/// Node ≥ 1 of a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Node {
     index: usize,
-    /// The time since the step's start [s], and its low-order part: rounded times would be those of other nodes.
+    /// Time since the step's start [s], with its low-order part: rounded times would belong to other nodes.
     time: f64,
     low: f64,
 }
 
 impl Node {
-    /// A node of a step of `h` seconds.
+    /// Returns a node of a step of `h` seconds.
     pub fn new(index: usize, h: f64) -> Self {
         let (time, low) = product(h, NODES[index]);
         Self { index, time, low }
     }
 }
 
-/// The data that persist from step to step, in a group of lanes.
+/// Data that persist from step to step, in a group of lanes.
 #[derive(Debug, Clone, Copy)]
 pub struct Memory<const W: usize> {
     /// Low-order part of the positions [m].
     pub position: [f64; W],
     /// Low-order part of the velocities [m/s].
     pub velocity: [f64; W],
-    /// The coefficients b of the last step, and as they had been predicted [m/s²].
+    /// Coefficients b of the last step, and their prediction [m/s²].
     pub b: Coefficients<W>,
     predicted: Coefficients<W>,
 }
 
 impl<const W: usize> Memory<W> {
-    /// The number of groups of lanes.
+    /// Number of rows, one per group of lanes.
     pub const ROWS: usize = 2 + 2 * COEFFICIENTS;
-    /// Before the first step.
+    /// Data before the first step.
     pub const ZERO: Self =
         Self { position: [0.0; W], velocity: [0.0; W], b: [[0.0; W]; COEFFICIENTS], predicted: [[0.0; W]; COEFFICIENTS] };
 
-    /// Predicts the coefficients of a step that is `ratio` times as long as the last one: those of the same polynomial about
-    /// its new start, with the error of the last prediction added. Without a `ratio` they are 0.
+    /// Predicts the coefficients of a step that is `ratio` times as long as the last one. They are those of the same polynomial
+    /// about the new start, plus the error of the last prediction. Without a `ratio` they are 0.
     #[inline(always)]
     pub fn predict(&mut self, ratio: Option<f64>) -> Coefficients<W> {
         let mut b = [[0.0; W]; COEFFICIENTS];
@@ -330,18 +331,18 @@ impl<const W: usize> Memory<W> {
         b
     }
 
-    /// The rows, one after the other.
+    /// Iterates over the rows.
     pub fn rows(&self) -> impl Iterator<Item = &[f64; W]> {
         [&self.position, &self.velocity].into_iter().chain(&self.b).chain(&self.predicted)
     }
 
-    /// The same, mutable.
+    /// Iterates over the mutable rows.
     pub fn rows_mut(&mut self) -> impl Iterator<Item = &mut [f64; W]> {
         [&mut self.position, &mut self.velocity].into_iter().chain(&mut self.b).chain(&mut self.predicted)
     }
 }
 
-/// A product and its rounding error. Source: T. J. Dekker, Numer. Math. 18 (1971) 224.
+/// Computes a product and its rounding error. Source: T. J. Dekker, Numer. Math. 18 (1971) 224.
 #[inline(always)]
 fn product(a: f64, b: f64) -> (f64, f64) {
     const SPLIT: f64 = 134_217_729.0; // 2²⁷ + 1
@@ -354,8 +355,9 @@ fn product(a: f64, b: f64) -> (f64, f64) {
     (product, ((a * b - product) + a * b_low + a_low * b) + a_low * b_low)
 }
 
-/// Adds an increment to a sum with its low-order part. Source: D. E. Knuth, The Art of Computer Programming 2, 4.2.2, theorem
-/// B.
+/// Adds an increment to a sum with its low-order part.
+///
+/// Source: D. E. Knuth, The Art of Computer Programming 2, 4.2.2, theorem B.
 #[inline(always)]
 fn add(sum: &mut f64, low: &mut f64, increment: f64) {
     let two_sum = |one: f64, other: f64| {
@@ -367,17 +369,17 @@ fn add(sum: &mut f64, low: &mut f64, increment: f64) {
     (*sum, *low) = two_sum(rough, *low + error);
 }
 
-/// The factors by which an iteration reduces the error on x'' = −ω²x − γx': [`Self::POSITION`] (ωh)² + [`Self::VELOCITY`] γh.
-/// From its eigenvalues, found numerically.
+/// Factors by which an iteration reduces the error on x'' = −ω²x − γx'. With values p and q, the factor is p (ωh)² + q γh. They
+/// come from the eigenvalues of the iteration, found numerically.
 const CONTRACTION: [f64; 2] = [0.0144, 0.45];
 
-/// The largest ωh on x'' = −ω²x − 2ξωx' at which each iteration gains a digit, so that those of a step reach rounding. Steps
-/// are stable there, and lose accuracy before; the iteration still converges up to about twice as far.
+/// Largest ωh on x'' = −ω²x − 2ξωx' at which each iteration gains a digit, so the iterations of a step reach rounding accuracy.
+/// Steps are stable there, and lose accuracy below it. The iteration still converges up to about twice this limit.
 pub fn limit(damping_ratio: f64) -> f64 {
     const GAIN: f64 = 0.1;
     let [position, velocity] = CONTRACTION;
     let half = velocity * damping_ratio;
-    // position s² + 2 half s = GAIN, in the form that does not cancel.
+    // Solution of position s² + 2 half s = GAIN, in the form without cancellation.
     GAIN / (half + libm::sqrt(half * half + position * GAIN))
 }
 
@@ -385,7 +387,7 @@ pub fn limit(damping_ratio: f64) -> f64 {
 mod tests {
     use super::{COEFFICIENTS, EXPANDED, FACTORED, Memory, NODES, Node, ORDER, STAGES, Series, WEIGHTS, add, limit, product};
 
-    /// Rounding of sums of eight products of numbers up to 1.
+    /// Rounding error of sums of eight products of numbers up to 1.
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
     fn power(base: f64, exponent: u32) -> f64 {
@@ -423,7 +425,7 @@ mod tests {
         let (mut memory, mut x, mut v) = (Memory::ZERO, [0.0], [3.0]);
         series.end(1.0, &mut memory, &mut x, &mut v);
         let exact: f64 = 3.0 + (0..STAGES).map(|k| 1.0 / (k + 2) as f64).sum::<f64>();
-        // Divided differences of order 7 are off by the rounding of a ≤ 36 times the sum of the reciprocal products, 1e4.
+        // Error of divided differences of order 7: the rounding of a ≤ 36 times the sum of the reciprocal products, 1e4.
         assert!((v[0] - 11.0).abs() < 1e-11 && (x[0] - exact).abs() < 1e-11, "{v:?}, {x:?}");
     }
 
@@ -437,7 +439,7 @@ mod tests {
         assert_eq!((sum, low), (1.0, 2.0_f64.powi(-54)));
     }
 
-    /// One step of x'' = −x − 2ξx', and the change of b₆ in its last iteration over |a|.
+    /// Computes one step of x'' = −x − 2ξx', and the change of b₆ in its last iteration over |a|.
     fn step(y: [f64; 2], h: f64, ratio: f64, iterations: usize) -> ([f64; 2], f64) {
         let acceleration = |x: f64, v: f64| -x - 2.0 * ratio * v;
         let mut series = Series::<1>::new([acceleration(y[0], y[1])], [[0.0]; COEFFICIENTS]);
@@ -454,7 +456,7 @@ mod tests {
         ([x[0], v[0]], change / y[0].hypot(y[1]))
     }
 
-    /// The eigenvalues of a step have the product det and the sum tr: stable where |tr| ≤ 1 + det ≤ 2.
+    /// Stability test: the eigenvalues of a step have the product det and the sum tr, and are stable if |tr| ≤ 1 + det ≤ 2.
     #[test]
     fn steps_at_the_limit_converge_and_are_stable() {
         for ratio in [0.0, 0.01, 0.1, 0.5, 1.0, 3.0, 100.0] {
@@ -462,13 +464,13 @@ mod tests {
                 let h = part * limit(ratio);
                 let [(one, _), (other, _)] = [[1.0, 0.0], [0.0, 1.0]].map(|y| step(y, h, ratio, 12));
                 let (trace, determinant) = (one[0] + other[1], one[0] * other[1] - one[1] * other[0]);
-                // Undamped, it grows by 2e-12 in a step at the limit, less than any run shows.
+                // Undamped, the amplitude grows by 2e-12 in a step at the limit, less than any run shows.
                 assert!(determinant < 1.0 + 1e-11 && trace.abs() < 1.0 + determinant + 1e-11, "ξ = {ratio}: {determinant}");
                 let changes = [4, 8].map(|iterations| step([0.6, 0.8], h, ratio, iterations).1);
-                // The factor is that of the last iterations; the first ones gain a little less.
+                // This factor holds for the last iterations; the first ones gain a little less.
                 assert!(changes[1] < 1e-3 * changes[0] || changes[1] < 1e-12, "ξ = {ratio}: {changes:?}");
             }
-            // Well beyond, the iteration leaves more than it begins with.
+            // Far beyond the limit, the iteration increases the error.
             let change = step([0.6, 0.8], 7.0 * limit(ratio), ratio, 12).1;
             assert!(change.is_nan() || change > 1.0, "ξ = {ratio}: {change}");
         }

@@ -1,9 +1,9 @@
-//! The components of one group of lanes, as kernels hold them in registers.
+//! Components of one group of lanes, as kernels hold them in registers.
 
 use super::Component;
 use crate::math::Real;
 
-/// The components of one group of lanes. Separate arrays, because an array of arrays would not stay in registers.
+/// Components of one group of lanes. The arrays are separate, because an array of arrays would not stay in registers.
 #[derive(Debug, Clone, Copy)]
 pub struct ComponentGroup<T, const W: usize> {
     /// Positions.
@@ -19,22 +19,22 @@ pub struct ComponentGroup<T, const W: usize> {
 }
 
 impl<T: Real, const W: usize> ComponentGroup<T, W> {
-    /// All zero.
+    /// Group of zeros.
     pub const ZERO: Self = {
         let zero = [T::ZERO; W];
         Self { x: zero, v: zero, a: zero, b: zero, c: zero, d: zero, e: zero, f: zero }
     };
 
-    /// Positions, velocities and those of all registers.
+    /// Returns the group with these positions, velocities and register values.
     #[inline(always)]
     pub fn new(x: [T; W], v: [T; W], register: impl Fn(usize) -> [T; W]) -> Self {
         Self { x, v, a: register(0), b: register(1), c: register(2), d: register(3), e: register(4), f: register(5) }
     }
 
-    /// The values of a register.
+    /// Values of a register.
     #[inline(always)]
     pub fn register(&self, index: usize) -> [T; W] {
-        // By value: a reference to one of several would keep all of them in memory.
+        // Returned by value: a reference to one of several registers would keep all of them in memory.
         match index {
             0 => self.a,
             1 => self.b,
@@ -45,7 +45,7 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
         }
     }
 
-    /// The component in a lane.
+    /// Component in a lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Component<T> {
         let registers = [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]];
@@ -60,7 +60,7 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
         [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]] = component.registers;
     }
 
-    /// Applies `change` to every lane's component.
+    /// Applies `change` to the component of every lane.
     #[inline(always)]
     pub fn each(&mut self, mut change: impl FnMut(&mut Component<T>, usize)) {
         for lane in 0..W {

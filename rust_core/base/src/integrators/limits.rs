@@ -1,4 +1,4 @@
-//! Each registered integrator is stable just below the limit that it claims, and grows just above, as its code steps.
+//! Tests of stability limits: each registered integrator is stable just below its limit and grows just above, as its code steps.
 
 use super::{
     BlanesMoan4, BlanesMoan6, BogackiShampine3, Component, DormandPrince5, ExplicitEuler, Integrator, McLachlan2, Pefrl,
@@ -7,7 +7,7 @@ use super::{
 
 const RATIOS: [f64; 4] = [0.0, 0.1, 1.0, 10.0];
 
-/// x'' = −x − 2ξx' from x = 1 at rest, ready to step.
+/// Oscillator x'' = −x − 2ξx' from x = 1 at rest, initialized for stepping.
 fn oscillator<I: Integrator>() -> Component<f64> {
     let mut component = Component::new(1.0, 0.0, 0.0);
     I::begin(&mut component, -1.0);
@@ -26,10 +26,10 @@ fn amplitude(component: &Component<f64>) -> f64 {
     libm::hypot(component.x, component.v)
 }
 
-/// The factor by which an unstable oscillation grows per step, once its fastest mode has taken over.
+/// Growth factor per step of an unstable oscillation, once its fastest mode dominates.
 ///
-/// The other modes are smaller by 1.07² per step at the least, the slowest of the factors below and its reciprocal, so
-/// that after 400 steps, and well before overflow, they are below rounding.
+/// Relative to it, the other modes decrease by at least 1.07² per step, from the slowest of the factors below and its reciprocal.
+/// After 400 steps, and well before overflow, they are below rounding.
 fn growth<I: Integrator>(h: f64, ratio: f64) -> f64 {
     let mut component = oscillator::<I>();
     let mut factor = 0.0;
@@ -37,7 +37,7 @@ fn growth<I: Integrator>(h: f64, ratio: f64) -> f64 {
         let before = amplitude(&component);
         step::<I>(&mut component, h, ratio);
         factor = amplitude(&component) / before;
-        // Linear, so it may be scaled: with a power of two, exactly.
+        // The map is linear, so the state may be scaled: exactly, by a power of two.
         let scale = 2.0_f64.powi(-(factor.log2().round() as i32));
         component.x *= scale;
         component.v *= scale;
@@ -46,12 +46,12 @@ fn growth<I: Integrator>(h: f64, ratio: f64) -> f64 {
     factor
 }
 
-/// How far the eigenvalues of a step are inside the unit circle.
+/// Margin of the eigenvalues of a step inside the unit circle.
 fn margin<I: Integrator>(step: f64, ratio: f64) -> f64 {
     amplification::margin::<I>(step, ratio, 0.0)
 }
 
-/// The step that grows most, of those up to 1 % above the limit: a resonance may be narrower than that.
+/// Step with the largest growth, of those up to 1 % above the limit: a resonance may be narrower than 1 %.
 fn beyond<I: Integrator>(limit: f64, ratio: f64) -> f64 {
     let steps = (1..=10_000).map(|part| limit.max(0.99) * (f64::from(limit > 0.0) + 1e-6 * f64::from(part)));
     steps.min_by(|&one, &other| margin::<I>(one, ratio).total_cmp(&margin::<I>(other, ratio))).unwrap()
@@ -65,12 +65,12 @@ fn assert_edge<I: Integrator>() {
             step::<I>(&mut below, 0.99 * limit, ratio);
             largest.max(amplitude(&below))
         });
-        // The slowest to settle is explicit Euler at ξ = 1, with the double factor g = 1 − 0.99·2 = −0.98: x and v reach
-        // 1.98 n 0.98ⁿ⁻¹ ≤ 37.5. Undamped, Verlet's invariant ellipse is elongated by 1/√(1 − 0.99²) = 7.1.
+        // The slowest method to settle is explicit Euler at ξ = 1, with the double factor g = 1 − 0.99·2 = −0.98. Then x and v
+        // reach 1.98 n 0.98ⁿ⁻¹ ≤ 37.5. Undamped, Verlet's invariant ellipse is elongated by 1/√(1 − 0.99²) = 7.1.
         assert!(largest <= 37.5 * 2.0_f64.sqrt(), "{} at ξ = {ratio}: |x| reaches {largest}", I::NAME);
         let beyond = beyond::<I>(limit, ratio);
         let mut above = oscillator::<I>();
-        // Undamped, the pair of Dormand and Prince grows least: by 4.9e-6 per step, a hundredfold in 940,000 steps.
+        // Undamped, the Dormand–Prince pair grows least: by 4.9e-6 per step, a hundredfold in 940,000 steps.
         let steps = (0..1_000_000).find(|_| {
             step::<I>(&mut above, beyond, ratio);
             amplitude(&above) > 100.0
@@ -102,7 +102,7 @@ fn the_limit_ends_the_stable_interval_that_begins_at_zero() {
     with_integrator!(each I => assert_interval::<I>());
 }
 
-/// On a grid seven times as fine as that of the search: beyond the last stable step, islands of stability are narrower than that.
+/// Checks `last` on a grid seven times as fine as that of its search: farther islands of stability are narrower than its trials.
 fn assert_last<I: Integrator>() {
     for ratio in RATIOS {
         let (limit, last) = (I::limit(ratio), I::last(ratio));
@@ -132,8 +132,8 @@ fn assert_close(found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "found {found}, expected {expected}");
 }
 
-/// Closed forms and roots found in 40-digit arithmetic. The numerical limits are too large by the margin's rounding,
-/// 1e-12, over its slope.
+/// Compares limits with closed forms, and with roots found in 40-digit arithmetic. The numerical limits are too large by the
+/// rounding allowance of the margin, 1e-12, over its slope.
 #[test]
 fn limits_agree_with_theory() {
     assert_close(RungeKutta4::limit(0.0), 8.0_f64.sqrt(), 1e-11);
@@ -143,7 +143,7 @@ fn limits_agree_with_theory() {
     assert_close(RungeKutta4::limit(1.0), 2.785_293_563_405_282, 1e-15);
     assert_close(BogackiShampine3::limit(0.0), 3.0_f64.sqrt(), 1e-11);
     assert_close(BogackiShampine3::limit(1.0), 2.512_745_326_618_329, 1e-15);
-    // |R| falls below 1 again by no more than 5e-4 times what the step is within the limit.
+    // Just within the limit, 1 − |R| is at most 5e-4 times the distance from the limit.
     assert_close(DormandPrince5::limit(0.0), 0.997_189_008_632_529_9, 1e-8);
     assert_close(DormandPrince5::limit(1.0), 3.306_567_892_634_946_5, 1e-15);
     assert_close(Pefrl::limit(0.0), 2.989_449_545_906_729, 1e-11);
@@ -156,9 +156,9 @@ fn limits_agree_with_theory() {
     assert_close(McLachlan2::limit(0.02), 2.529_911_744_341_857, 1e-11);
     assert_close(McLachlan2::limit(0.1), 3.349_640_891_092_636, 1e-11);
     assert_close(McLachlan2::limit(1.0), 0.946_860_155_303_924_2, 1e-11);
-    // Where damping dominates, the condition at 1 is of the order of (ωh)², and its slope no more than 0.1.
+    // Where damping dominates, the condition at 1 is of the order of (ωh)², and its slope is at most 0.1.
     assert_close(McLachlan2::limit(10.0), 0.099_940_798_293_411_76, 1e-9);
-    // At their resonances the condition at −1 has the slopes 2e-3 and 4e-4 only: four times the depth over the width.
+    // At their resonances the condition at −1 has slopes of only 2e-3 and 4e-4: four times the depth over the width.
     assert_close(BlanesMoan4::limit(0.0), 3.163_465_066_558_187, 1e-9);
     assert_close(BlanesMoan4::limit(0.02), 5.156_049_291_968_845, 1e-11);
     assert_close(BlanesMoan4::limit(0.1), 5.779_061_127_837_485, 1e-11);
@@ -177,7 +177,7 @@ fn limits_agree_with_theory() {
     }
 }
 
-/// Without damping, from 40-digit arithmetic; explicit Euler's is √(1 + ω²h²).
+/// Compares growth without damping with values from 40-digit arithmetic; for explicit Euler, with √(1 + ω²h²).
 #[test]
 fn growth_beyond_the_limit_agrees_with_theory() {
     let euler_and_verlet = [(1.01, 1.326_584_426_950_908), (10.0, 397.997_487_421_324)];
@@ -192,7 +192,7 @@ fn growth_beyond_the_limit_agrees_with_theory() {
     assert_close(growth::<ExplicitEuler>(0.5, 0.0), 1.25_f64.sqrt(), 1e-9);
 }
 
-/// The longest step of a wave of unit frequency whose field decays, as the oscillator in its place has it.
+/// Longest stable step of a wave of unit frequency whose field decays, according to its equivalent oscillator.
 fn faded<I: Integrator>(ratio: f64, decay: f64) -> f64 {
     let [frequency, damping] = I::oscillator(1.0, 2.0 * ratio, decay);
     I::limit(0.5 * damping / frequency) / frequency
@@ -210,8 +210,8 @@ fn assert_faded<I: Integrator>() {
                 let step = limit * f64::from(part) / 1000.0;
                 assert!(margin(step) > -1e-11, "{} at ξ = {ratio}, d = {decay} is unstable at {part} ‰ of {limit}", I::NAME);
             }
-            // The closed forms leave out the product of damping and decay. Of those without one a hundredth is kept back, and what
-            // decays faster than it swings is not followed to its end.
+            // The closed forms neglect the product of damping and decay. Other methods keep a margin of a hundredth. For fields
+            // that decay faster than they oscillate, the stable interval is not followed to its end.
             if ratio == 0.0 && decay > 0.0 && decay <= 1.0 && limit < I::limit(0.0) {
                 assert!(margin(1.02 * limit) < 0.0, "{} at d = {decay} is stable beyond the limit {limit}", I::NAME);
             }

@@ -1,5 +1,5 @@
-//! `McLachlan`'s two-stage method, order 2, symplectic and reversible, two evaluations: the least energy error of its cost at
-//! large steps.
+//! `McLachlan`'s two-stage method, order 2, symplectic and reversible, with two evaluations per step: the smallest energy error
+//! at its cost for large steps.
 //!
 //! Source: R. I. `McLachlan`, SIAM J. Sci. Comput. 16 (1995) 151; I. P. Omelyan, I. M. Mryglod, R. Folk, Comput. Phys. Commun.
 //! 146 (2002) 188, eqs. 9 and 14.
@@ -12,7 +12,7 @@ use super::Splitting;
 #[derive(Debug)]
 pub struct McLachlan2;
 
-/// Where the leading errors of a general force are least, in the sum of their squares.
+/// Value of λ that minimizes the sum of squares of the leading errors of a general force.
 const LAMBDA: f64 = 0.193_183_327_503_783_6;
 
 impl Splitting for McLachlan2 {
@@ -20,6 +20,7 @@ impl Splitting for McLachlan2 {
     const ORDER: u32 = 2;
     const DRIFTS: &'static [f64] = &[LAMBDA, 1.0 - 2.0 * LAMBDA, LAMBDA];
     const KICKS: &'static [f64] = &[0.5, 0.5];
-    /// The search described at [`super::Pefrl`] found no limit below that of the modes alone, for up to three modes.
+    /// Measured by the search described at [`super::Pefrl`], which found no limit below that of the modes alone, for up to three
+    /// modes.
     const COUPLED: f64 = 0.99;
 }

@@ -1,10 +1,12 @@
-//! Integrators, one file each. To add one: write its file, and add its line to [`with_integrator`]. Alternating
-//! drifts and kicks are a [`Splitting`], explicit Runge–Kutta methods have a [`Tableau`]: either is nothing but coefficients.
+//! Integrators, one file each.
 //!
-//! An integrator treats every component of every particle alike, so it is written for one number x with its velocity v.
-//! A step is a sequence of stages: [`Integrator::stage_state`] moves x and v to where the forces are wanted, and
-//! [`Integrator::stage_update`] takes in the acceleration found there. The drivers in [`crate::systems`] decide whether a stage
-//! sweeps over all particles, or a block of independent particles runs through many steps.
+//! To add an integrator, write its file and add its line to [`with_integrator`]. Methods of alternating drifts and kicks
+//! implement [`Splitting`]; explicit Runge–Kutta methods implement [`Tableau`]. Both consist of coefficients only.
+//!
+//! An integrator treats every component of every particle alike, so it is written for one number x with its velocity v. A step is
+//! a sequence of stages. The function [`Integrator::stage_state`] moves x and v to the point at which the forces are evaluated.
+//! The function [`Integrator::stage_update`] applies the acceleration found there. The drivers in the engine's systems decide how
+//! stages are executed: a stage for all particles at a time, or many steps for a block of independent particles.
 
 use crate::math::Real;
 use crate::simd::Number;
@@ -54,19 +56,19 @@ pub use velocity_verlet::VelocityVerlet;
 /// Maximum number of registers (numbers per component) of an integrator.
 pub const REGISTERS: usize = 6;
 
-/// One component of one particle, on its way through a step.
+/// Component of a particle during a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Component<T> {
-    /// Position: at a step's end the state, at a stage the point where the forces are wanted.
+    /// Position: at a step's end the state, at a stage the point at which the forces are evaluated.
     pub x: T,
-    /// Velocity, likewise.
+    /// Velocity, at the same point.
     pub v: T,
-    /// Registers: kept between the stages and, the first [`Integrator::PERSISTENT`] of them, from step to step.
+    /// Registers, kept between stages. The first [`Integrator::PERSISTENT`] of them persist from step to step.
     pub registers: [T; REGISTERS],
 }
 
 impl<T: Real> Component<T> {
-    /// The component at a step's start, with its first register, where that persists.
+    /// Returns the component at a step's start, with its first register if it persists.
     pub fn new(x: T, v: T, persistent: T) -> Self {
         let mut registers = [T::ZERO; REGISTERS];
         registers[0] = persistent;
@@ -74,92 +76,93 @@ impl<T: Real> Component<T> {
     }
 }
 
-/// The drifts and kicks of a step that consists of them. A field that changes with the motion is advanced over each drift, as
-/// position is.
+/// Drifts and kicks of a step that consists of both. A field that changes with the motion is advanced over each drift, like
+/// position.
 #[derive(Debug, Clone, Copy)]
 pub struct DriftKick {
-    /// The drifts, in units of h: the one that leads to each stage, 0 where there is none, and maybe one after the last stage,
-    /// with the velocity of the step's end.
+    /// Drifts in units of h: one before each stage, 0 if there is none. An optional further drift follows the last stage, with
+    /// the velocity of the step's end.
     pub drifts: &'static [f64],
-    /// The register that holds, when a stage asks for the forces, the velocity of the drift that led there.
+    /// Register that holds the velocity of the preceding drift when a stage asks for the forces.
     pub velocity: usize,
 }
 
-/// A way to advance x'' = a(x, v, t) by steps of h.
+/// Method that advances x'' = a(x, v, t) by steps of h.
 pub trait Integrator: Sized + Send + Sync + 'static {
-    /// Its stages in kernels that sweep over columns.
+    /// Stages for kernels that sweep over columns.
     type Swept: Swept;
-    /// The class's name in Python.
+    /// Name of the class in Python.
     const NAME: &'static str;
-    /// The order of convergence without velocity-dependent forces.
+    /// Order of convergence without velocity-dependent forces.
     const ORDER: u32;
-    /// The order with dissipation.
+    /// Order of convergence with dissipation.
     const ORDER_DISSIPATIVE: u32;
-    /// The nodes cᵢ: the times in the step of the evaluations, one per stage, in units of h.
+    /// Nodes cᵢ: times of the evaluations in the step, one per stage, in units of h.
     const NODES: &'static [f64];
-    /// The weights bᵢ with which the powers at the stages are integrated over the step.
+    /// Weights bᵢ with which the powers at the stages are integrated over the step.
     const WEIGHTS: &'static [f64];
-    /// The weight of the power at the last stage of the step before, where the method reuses that evaluation.
+    /// Weight of the power at the last stage of the previous step, if the method reuses this evaluation.
     const LAST_WEIGHT: f64 = 0.0;
-    /// The weight, in the power of damping at a stage, of the velocity that the stage's update ends with; the rest is of the one at
-    /// which the forces were asked for.
+    /// Weight of the corrected velocity in the power of damping at a stage, which is the velocity after the stage's update. The
+    /// remaining weight applies to the velocity at which the forces were evaluated.
     const CORRECTED_WEIGHT: f64 = 0.0;
-    /// The number of registers in use.
+    /// Number of registers in use.
     const REGISTERS: usize = 0;
-    /// The number of those that persist from one step to the next.
+    /// Number of registers that persist from one step to the next.
     const PERSISTENT: usize = 0;
-    /// The one of those that holds a position, if one does.
+    /// Index of the register that holds a position, if any.
     const POSITION_REGISTER: Option<usize> = None;
-    /// Whether its last evaluation is that of the step's end, with which the next step begins.
+    /// Whether the last evaluation is that of the step's end, with which the next step begins.
     const ENDS_WITH_FORCES: bool = Self::LAST_WEIGHT != 0.0;
-    /// Its drifts, if a step consists of drifts and kicks.
+    /// Drifts of a step that consists of drifts and kicks.
     const DRIFT_KICK: Option<DriftKick> = None;
-    /// Whether magnetic fields turn the velocity in the middle of its only kick.
+    /// Whether magnetic fields rotate the velocity in the middle of the only kick.
     const GYRATES: bool = false;
-    /// The number of those that can be read after a step: first the persistent ones, then the estimates.
+    /// Number of registers that can be read after a step: first the persistent ones, then the estimates.
     const READABLE: usize = Self::PERSISTENT;
-    /// The ones of those that hold the estimated errors of x and v, where a method of the order below is embedded.
+    /// Registers that hold the estimated errors of x and v, if a method of lower order is embedded.
     const ERROR: Option<[usize; 2]> = None;
-    /// The limit where stiffness and damping couple the modes, in units of the limit of one mode, as [`crate::stability`]
-    /// explains.
+    /// Ratio of the limit with modes coupled by stiffness and damping to the limit of one mode; see [`crate::stability`].
     const COUPLED: f64 = 1.0;
 
-    /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
+    /// Largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 if no step is stable.
     fn limit(damping_ratio: f64) -> f64;
 
-    /// The largest stable ω·h there, beyond which no step is: not the same as the limit where resonances, at which a step is
-    /// unstable, have stable steps on either side.
+    /// Largest stable ω·h on the same equation, beyond which no step is stable. It exceeds the limit where unstable resonances
+    /// have stable steps on either side.
     fn last(damping_ratio: f64) -> f64 {
         amplification::last::<Self>(damping_ratio)
     }
 
-    /// An oscillator, as its frequency and its damping [1/s], whose longest step is at most that of a wave: of a frequency, a
-    /// damping of its velocity, and a decay of the field in its position's place, which is advanced over the drifts.
+    /// Oscillator, as its frequency and damping [1/s], whose longest stable step is at most that of a wave. The wave is given by
+    /// its frequency, the damping of its velocity, and the decay of its field. The field takes the place of position and is
+    /// advanced over the drifts.
     fn oscillator(frequency: f64, damping: f64, _decay: f64) -> [f64; 2] {
         [frequency, damping]
     }
 
-    /// Whether loops are compiled for it that keep a particle in registers for many steps. Others take their stages in turn.
+    /// Whether loops that keep a particle in registers for many steps are compiled for the method. Other methods take their
+    /// stages in turn.
     const IN_REGISTERS: bool = false;
 
-    /// Whether the positions of the step's end stand when its only evaluation is asked for, on the parabola of the persistent
-    /// acceleration. Contacts are then resolved on that parabola, before the evaluation.
+    /// Whether positions are final when the only evaluation is due, on the parabola of the persistent acceleration. Contacts are
+    /// then resolved on this parabola, before the evaluation.
     const DRIFTS_FIRST: bool = false;
 
-    /// Goes on from a velocity, at the end of that parabola, that a contact may have changed.
+    /// Continues from a velocity at the end of the parabola, which a contact may have changed.
     fn correct_velocity<T: Real>(_component: &mut Component<T>, _h: T) {}
 
     /// Sets the persistent register from the acceleration `a` at the initial state.
     fn begin<T: Number>(_component: &mut Component<T>, _a: T) {}
 
-    /// Moves to where stage `stage` asks for the forces.
+    /// Moves the component to the point at which stage `stage` evaluates the forces.
     fn stage_state<T: Number>(stage: usize, component: &mut Component<T>, h: T);
 
-    /// Takes in the acceleration found there; after the last stage x and v are the state at the step's end.
+    /// Applies the acceleration of a stage. After the last stage, x and v are the state at the step's end.
     fn stage_update<T: Number>(stage: usize, component: &mut Component<T>, a: T, h: T);
 }
 
-/// Why a field that diffuses cannot be advanced over the drifts of an integrator, if it cannot.
+/// Reason why a diffusing field cannot be advanced over the drifts of an integrator, if any.
 pub fn refuses_fields<I: Integrator>() -> Option<&'static str> {
     match I::DRIFT_KICK {
         None => Some("density is advanced over the drifts between kicks, and its steps are not made of these"),
@@ -170,8 +173,8 @@ pub fn refuses_fields<I: Integrator>() -> Option<&'static str> {
     }
 }
 
-/// Evaluates `$body` for each stage of `$I`, with its index as a constant. It is written out, because a loop that the compiler
-/// does not unroll is not vectorized, and that of a method of many stages is not unrolled.
+/// Evaluates `$body` for each stage of `$I`, with its index as a constant. The stages are written out: loops that the compiler
+/// does not unroll are not vectorized, and loops over many stages are not unrolled.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! for_each_stage {
@@ -188,8 +191,8 @@ macro_rules! for_each_stage {
 }
 pub use for_each_stage;
 
-/// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none; or
-/// evaluates `$body` for each.
+/// Registry of integrators. Binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none;
+/// or evaluates `$body` for each.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! with_integrator {

@@ -1,31 +1,31 @@
-//! The stabilized Runge–Kutta–Chebyshev method, order 2: s evaluations for a stable interval of 0.65 s² on the negative real
-//! axis, where s steps of Euler's method reach 2 s. For diffusion.
+//! Stabilized Runge–Kutta–Chebyshev method, order 2, for diffusion. With s evaluations the stable interval on the negative real
+//! axis is 0.65 s²; s steps of Euler's method reach 2 s.
 //!
-//! With Chebyshev's polynomials Tⱼ, ε = 2/13, w₀ = 1 + ε/s², w₁ = Tₛ'(w₀)/Tₛ''(w₀), bⱼ = Tⱼ''(w₀)/Tⱼ'(w₀)², b₀ = b₁ = b₂ and
-//! aⱼ = 1 − bⱼ Tⱼ(w₀) the stages are
+//! With Chebyshev polynomials Tⱼ, ε = 2/13, w₀ = 1 + ε/s², w₁ = Tₛ'(w₀)/Tₛ''(w₀), bⱼ = Tⱼ''(w₀)/Tⱼ'(w₀)², b₀ = b₁ = b₂ and aⱼ = 1
+//! − bⱼ Tⱼ(w₀) the stages are
 //!
 //! ```text
 //!     Y₁ = y₀ + μ̃₁ h F₀,   Yⱼ = (1 − μⱼ − νⱼ) y₀ + μⱼ Yⱼ₋₁ + νⱼ Yⱼ₋₂ + μ̃ⱼ h Fⱼ₋₁ + γ̃ⱼ h F₀
 //!     μ̃₁ = b₁ w₁,   μⱼ = 2 bⱼ w₀/bⱼ₋₁,   νⱼ = −bⱼ/bⱼ₋₂,   μ̃ⱼ = 2 bⱼ w₁/bⱼ₋₁,   γ̃ⱼ = −aⱼ₋₁ μ̃ⱼ
 //! ```
 //!
-//! and the stable interval is (w₀ + 1)/w₁, on which |R| ≤ 1 − ε/3 away from 0.
+//! The stable interval is (w₀ + 1)/w₁, on which |R| ≤ 1 − ε/3 away from 0.
 //!
 //! Source: B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88 (1998) 315.
 
 use super::first_order::{Base, Combination, Estimate};
 use super::tableau::Tableau;
 
-/// The class's name in Python.
+/// Name of the class in Python.
 pub const NAME: &str = "RungeKuttaChebyshev";
 /// Damping ε.
 const DAMPING: f64 = 2.0 / 13.0;
-/// The part of the interval that is left to the reaction, of whose rates ρ it is asked that ρh is less: that of Euler's method.
+/// Part of the stable interval reserved for the reaction, whose rates ρ must obey ρh < 2: the interval of Euler's method.
 pub const REACTION: f64 = 2.0;
-/// The most stages.
+/// Maximum number of stages.
 const MOST: usize = 128;
 
-/// Tⱼ, Tⱼ' and Tⱼ'' at w₀ for j = 0 … s.
+/// Values Tⱼ, Tⱼ' and Tⱼ'' at w₀ for j = 0 … s.
 fn polynomials(stages: usize) -> Vec<[f64; 3]> {
     let w = 1.0 + DAMPING / (stages * stages) as f64;
     let mut all = vec![[1.0, 0.0, 0.0], [w, 1.0, 0.0]];
@@ -36,23 +36,24 @@ fn polynomials(stages: usize) -> Vec<[f64; 3]> {
     all
 }
 
-/// The stable interval of a number of stages.
+/// Stable interval for a number of stages.
 pub fn interval(stages: usize) -> f64 {
     let [_, d, dd] = polynomials(stages)[stages];
     (2.0 + DAMPING / (stages * stages) as f64) * dd / d
 }
 
-/// The longest interval.
+/// Longest stable interval.
 pub fn farthest() -> f64 {
     interval(MOST) - REACTION
 }
 
-/// The fewest stages whose interval holds `reach`, h times the largest rate of diffusion, and the part left to the reaction.
+/// Smallest number of stages whose interval holds `reach`, h times the largest rate of diffusion, and the part reserved for the
+/// reaction.
 pub fn count(reach: f64) -> usize {
     (2..MOST).find(|&stages| interval(stages) >= reach + REACTION).unwrap_or(MOST)
 }
 
-/// The method of two stages, w₀ = 27/26: where nothing diffuses.
+/// Method of two stages, w₀ = 27/26, for systems without diffusion.
 #[derive(Debug)]
 pub struct TwoStages;
 
@@ -62,13 +63,13 @@ impl Tableau for TwoStages {
     const A: &'static [&'static [f64]] = &[&[], &[13.0 / 54.0], &[-14.0 / 13.0, 27.0 / 13.0]];
     const B: &'static [f64] = &[-14.0 / 13.0, 27.0 / 13.0, 0.0];
     const C: &'static [f64] = &[0.0, 13.0 / 54.0, 1.0];
-    /// The estimate below, with y₀ − y = −h Σ bᵢ kᵢ.
+    /// Weights of [`estimate`], with y₀ − y = −h Σ bᵢ kᵢ.
     const ERRORS: &'static [f64] = &[0.4 + 0.8 * 14.0 / 13.0, -0.8 * 27.0 / 13.0, 0.4];
-    /// (w₀ + 1)/w₁ with w₁ = w₀.
+    /// Interval (w₀ + 1)/w₁ with w₁ = w₀.
     const REAL_AXIS: f64 = 53.0 / 27.0;
 }
 
-/// The stages of a step.
+/// Stages of a step.
 pub fn stages(count: usize) -> Vec<Combination> {
     let polynomials = polynomials(count);
     let w0 = 1.0 + DAMPING / (count * count) as f64;
@@ -80,7 +81,7 @@ pub fn stages(count: usize) -> Vec<Combination> {
     let a = |j: usize| 1.0 - b(j) * polynomials[j][0];
     let mut stages =
         vec![Combination { base: Base::Here { keep: true }, slopes: Vec::new(), slope: b(1) * w1, keep: Some(0), weight: 0.0 }];
-    // Yⱼ − y₀ as sums of h Fᵢ: their weights.
+    // Weights of h Fᵢ in the sums Yⱼ − y₀.
     let mut weights = [vec![0.0; count], vec![0.0; count]];
     weights[1][0] = b(1) * w1;
     for j in 2..=count {
@@ -99,7 +100,7 @@ pub fn stages(count: usize) -> Vec<Combination> {
     stages
 }
 
-/// ⅘ (y₀ − y) + ⅖ h (F₀ + f(y)), of order 3.
+/// Error estimate ⅘ (y₀ − y) + ⅖ h (F₀ + f(y)), of order 3.
 pub fn estimate() -> Estimate {
     Estimate { start: 0.8, end: -0.8, slopes: vec![0.4], slope: 0.4, order: 3 }
 }
@@ -108,7 +109,7 @@ pub fn estimate() -> Estimate {
 mod tests {
     use super::*;
 
-    /// R(z) by the recurrence.
+    /// Stability function R(z) by the recurrence.
     fn amplification(stages: &[Combination], z: f64) -> f64 {
         let (mut y, mut before, mut first) = (1.0, 1.0, 0.0);
         for stage in stages {
@@ -124,8 +125,8 @@ mod tests {
         y
     }
 
-    /// The interval is ⅔ (s² − 1)(1 − 2ε/15), within O(ε²); on it |R| ≤ 1, a fifth beyond it is more (|Tₛ| grows
-    /// like cosh, and aₛ + bₛ |Tₛ| or bₛ |Tₛ| − aₛ passes 1 there for every s).
+    /// The interval is ⅔ (s² − 1)(1 − 2ε/15), within O(ε²). On it |R| ≤ 1; a fifth beyond it |R| > 1. (|Tₛ| grows like cosh, and
+    /// aₛ + bₛ |Tₛ| or bₛ |Tₛ| − aₛ passes 1 there for every s.)
     #[test]
     fn the_interval_grows_with_the_square_of_the_stages() {
         for count in [2, 3, 5, 10, 40, MOST] {
@@ -136,7 +137,7 @@ mod tests {
             let largest = (0..=4000).map(|part| amplification(&stages, -found * f64::from(part) / 4000.0).abs());
             assert!(largest.fold(0.0, f64::max) <= 1.0 + 1e-9, "{count}");
             assert!(amplification(&stages, -1.2 * found).abs() > 1.0, "{count}");
-            // Away from 0 it is damped: 1 − ε/3.
+            // Away from 0, |R| is damped: 1 − ε/3.
             assert!(amplification(&stages, -0.9 * found).abs() < 1.0 - 0.3 * DAMPING, "{count}");
         }
     }

@@ -1,42 +1,43 @@
-//! Splittings: alternating drifts x ← x + aᵢ h v and kicks v ← v + bᵢ h a(x), symplectic, and reversible where the same
+//! Splitting methods: alternating drifts x ← x + aᵢ h v and kicks v ← v + bᵢ h a(x). They are symplectic, and reversible if their
+//! coefficients are symmetric.
+//!
+//! A splitting with one more drift than kicks begins and ends with a drift. A splitting with one more kick begins with a kick by
+//! the persistent acceleration of the previous step's end. It therefore needs only as many evaluations as drifts.
+//!
+//! Velocity-dependent forces are evaluated at the velocity predicted for the middle of each kick, v + bᵢh/2 a with the last
+//! evaluated acceleration. The last kick of a step and the first kick of the next are treated as one kick, with the step's end in
+//! its middle. The prediction has an error of O(h²) and enters with a factor h: order 2. A higher order is impossible with
+//! dissipation. Splittings above order 2 have negative substeps (Sheng 1989, Suzuki 1991), in which dissipation would run
 //! backwards.
-//!
-//! A list with one drift more than kicks begins and ends with a drift. One with a kick more begins with a kick by the
-//! acceleration that ended the step before, which persists, so that it takes no evaluation more than it has drifts.
-//!
-//! Forces that depend on velocity are taken at the velocity predicted for the middle of each kick, v + bᵢh/2 a with the
-//! last acceleration that was evaluated; the kicks that end a step and begin the next are one with the step's end in its
-//! middle. The prediction is off by O(h²) and enters with a factor h: order 2. It could not stay above at any price: a
-//! splitting above order 2 has negative substeps (Sheng 1989, Suzuki 1991), in which dissipation would run backwards.
 
 use super::swept::{DriftsAndKicks, Swept};
 use super::{Component, DriftKick, Integrator, amplification};
 use crate::simd::Number;
 
-/// The coefficients of a symmetric splitting.
+/// Coefficients of a symmetric splitting.
 pub trait Splitting: Send + Sync + 'static {
-    /// The class's name in Python.
+    /// Name of the class in Python.
     const NAME: &'static str;
-    /// The order of convergence without velocity-dependent forces.
+    /// Order of convergence without velocity-dependent forces.
     const ORDER: u32;
-    /// aᵢ, in units of h.
+    /// Drifts aᵢ, in units of h.
     const DRIFTS: &'static [f64];
-    /// bᵢ, in units of h.
+    /// Kicks bᵢ, in units of h.
     const KICKS: &'static [f64];
-    /// As [`Integrator::COUPLED`].
+    /// [`Integrator::COUPLED`].
     const COUPLED: f64;
-    /// As [`Integrator::GYRATES`].
+    /// [`Integrator::GYRATES`].
     const GYRATES: bool = false;
 }
 
-/// The last acceleration that was evaluated.
+/// Register of the last evaluated acceleration.
 pub(super) const ACCELERATION: usize = 0;
-/// The velocity before the kick.
+/// Register of the velocity before the kick.
 pub(super) const BEFORE: usize = 1;
-/// The most drifts of any splitting.
+/// Maximum number of drifts of a splitting.
 const MOST: usize = 16;
 
-/// A list that reads the same backwards, from its first half with the middle.
+/// Builds a palindrome from its first half, including the middle.
 pub const fn palindrome<const HALF: usize, const FULL: usize>(half: [f64; HALF]) -> [f64; FULL] {
     let mut full = [0.0; FULL];
     let mut index = 0;
@@ -47,7 +48,7 @@ pub const fn palindrome<const HALF: usize, const FULL: usize>(half: [f64; HALF])
     full
 }
 
-/// Where each of `stages` drifts ends, summed up from the nearer end of the step.
+/// End of each of `stages` drifts, summed from the nearer end of the step.
 const fn ends(drifts: &[f64], stages: usize) -> [f64; MOST] {
     let mut nodes = [0.0; MOST];
     let (mut from_start, mut from_end) = (0.0, 1.0);
@@ -69,12 +70,12 @@ const fn ends(drifts: &[f64], stages: usize) -> [f64; MOST] {
     nodes
 }
 
-/// How a splitting is laid out in stages, each a drift with the kick after it.
+/// Layout of a splitting in stages, each a drift followed by a kick.
 trait Layout: Splitting {
     const KICKS_FIRST: bool = Self::KICKS.len() > Self::DRIFTS.len();
     const STAGES: usize = if Self::KICKS_FIRST { Self::DRIFTS.len() } else { Self::KICKS.len() };
     const ENDS: &'static [f64; MOST] = &ends(Self::DRIFTS, Self::STAGES);
-    /// The kick that begins the step, if one does, and those after each drift.
+    /// Kick that begins the step, if any, and kicks after each drift.
     const SPLIT: (&'static [f64], &'static [f64]) = Self::KICKS.split_at(Self::KICKS.len() - Self::STAGES);
 }
 
@@ -98,8 +99,8 @@ impl<S: Splitting> Integrator for S {
         amplification::limit::<S>(damping_ratio, 0.0)
     }
 
-    /// An undamped one of that longest step. Damping that quenches a resonance is not relied on: the limit without any holds
-    /// too.
+    /// Undamped oscillator with the longest stable step of the wave. Damping that suppresses a resonance is not relied on: the
+    /// undamped limit holds too.
     fn oscillator(frequency: f64, damping: f64, decay: f64) -> [f64; 2] {
         let frequency = frequency.max((damping + decay) / amplification::STEEPEST);
         if damping + decay == 0.0 {

@@ -1,5 +1,5 @@
-//! Stages as kernels take them that sweep over columns: compiled for an integrator, or with the coefficients of a splitting at
-//! run time, which all splittings share.
+//! Stages for kernels that sweep over columns. They are compiled for an integrator, or use the coefficients of a splitting at run
+//! time, by code that all splittings share.
 
 use std::marker::PhantomData;
 
@@ -7,7 +7,7 @@ use super::splitting::{ACCELERATION, BEFORE};
 use super::{Component, Facts, Integrator};
 use crate::simd::Number;
 
-/// The stages of an integrator, with its constants under their names in [`Integrator`].
+/// Stages of an integrator, with its constants under their names in [`Integrator`].
 pub trait Swept: Copy + Send + Sync {
     /// [`Integrator::REGISTERS`].
     const REGISTERS: usize;
@@ -21,10 +21,10 @@ pub trait Swept: Copy + Send + Sync {
     const CORRECTED_WEIGHT: f64;
     /// [`Facts::drifts_by_register`].
     const DRIFT_REGISTER: Option<usize>;
-    /// The number of stages that are compiled each for itself; 1 where their coefficients are values.
+    /// Number of stages that are compiled separately; 1 if their coefficients are run-time values.
     const COMPILED: usize;
 
-    /// The stages of an integrator.
+    /// Returns the stages of an integrator.
     fn of(facts: &Facts) -> Self;
 
     /// [`Integrator::begin`].
@@ -37,7 +37,7 @@ pub trait Swept: Copy + Send + Sync {
     fn update<T: Number>(&self, stage: usize, component: &mut Component<T>, a: T, h: T);
 }
 
-/// Stages that are compiled for an integrator.
+/// Stages compiled for an integrator.
 #[derive(Debug)]
 pub struct Compiled<I>(PhantomData<fn() -> I>);
 
@@ -81,19 +81,19 @@ impl<I: Integrator> Swept for Compiled<I> {
     }
 }
 
-/// The stages of a [`super::Splitting`], each a drift with the kick after it.
+/// Stages of a [`super::Splitting`], each a drift followed by a kick.
 #[derive(Debug, Clone, Copy)]
 pub struct DriftsAndKicks {
-    /// The drifts, in units of h.
+    /// Drifts, in units of h.
     drifts: &'static [f64],
-    /// The kicks after drifts, in units of h.
+    /// Kicks after drifts, in units of h.
     kicks: &'static [f64],
-    /// The kick that begins a step, if one does.
+    /// Kick that begins a step, if any.
     first: Option<f64>,
 }
 
 impl DriftsAndKicks {
-    /// The stages of drifts and kicks that alternate.
+    /// Returns the stages of alternating drifts and kicks.
     pub const fn new(drifts: &'static [f64], kicks: &'static [f64]) -> Self {
         match kicks {
             [first, kicks @ ..] if kicks.len() == drifts.len() => Self { drifts, kicks, first: Some(*first) },

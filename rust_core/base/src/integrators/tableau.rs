@@ -1,18 +1,18 @@
 //! Explicit Runge–Kutta methods from their Butcher tableaus: kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), y ← y + h Σ bᵢ kᵢ.
 //!
-//! Here y = (x, v) and x' = v, so that the acceleration is all that has to be kept of a slope. With the velocities of the
-//! stages put in, which makes it a Nyström method,
+//! Here y = (x, v) and x' = v, so only the acceleration of a slope has to be stored. Eliminating the velocities of the stages
+//! gives a Nyström method:
 //!
 //! ```text
 //!     xᵢ = x + h (cᵢ v + Σ h āᵢⱼ aⱼ),   vᵢ = v + Σ h aᵢⱼ aⱼ,   ā = a·a
 //! ```
 //!
-//! and the step's end likewise, with b for a; but where the last slope alone has a weight, x takes its velocity as it is,
-//! which is shorter. A step keeps x, v and the accelerations until only one of them is missing from its end; then the sums
-//! for x and v take their registers, and the error estimates, where there are any, two more.
+//! The step's end follows likewise, with b for a. If only the last slope has a weight, x uses its velocity directly, which is
+//! shorter. A step keeps x, v and the accelerations until only one acceleration is missing from its end. Then the sums for x and
+//! v take their registers, and the error estimates, if any, two more.
 //!
-//! Where the last row of a is b, the last slope is the first one of the next step ("first same as last"): its acceleration
-//! persists, and its evaluation ends the step.
+//! If the last row of a is b, the last slope is the first one of the next step ("first same as last"). Its acceleration persists,
+//! and its evaluation ends the step.
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), sec. II.1, II.4
 //! and II.14.
@@ -22,50 +22,50 @@ use std::marker::PhantomData;
 use super::{Compiled, Component, Integrator, REGISTERS, amplification};
 use crate::simd::Number;
 
-/// The coefficients of an explicit Runge–Kutta method.
+/// Coefficients of an explicit Runge–Kutta method.
 pub trait Tableau: Send + Sync + Sized + 'static {
-    /// The class's name in Python.
+    /// Name of the class in Python.
     const NAME: &'static str;
-    /// The order of convergence.
+    /// Order of convergence.
     const ORDER: u32;
-    /// aᵢⱼ: row by row, what is left of the diagonal. The sum of a row is cᵢ.
+    /// Coefficients aᵢⱼ, row by row, left of the diagonal. The sum of a row is cᵢ.
     const A: &'static [&'static [f64]];
-    /// bᵢ; the last is 0 where the last row of a is the others.
+    /// Weights bᵢ; the last is 0 if the last row of a equals the other weights.
     const B: &'static [f64];
-    /// cᵢ.
+    /// Nodes cᵢ.
     const C: &'static [f64];
-    /// bᵢ less the weights of the embedded method, for the estimated error; empty where none is embedded.
+    /// Weights bᵢ minus those of the embedded method, for the estimated error; empty if none is embedded.
     const ERRORS: &'static [f64] = &[];
-    /// The length of the stable interval on the negative real axis, where damping is critical or more.
+    /// Length of the stable interval on the negative real axis, for critical damping or more.
     const REAL_AXIS: f64;
     /// [`Integrator::IN_REGISTERS`].
     const IN_REGISTERS: bool = false;
 
-    /// The largest stable ω·h for a damping ratio ξ < 1.
+    /// Largest stable ω·h for a damping ratio ξ < 1.
     fn underdamped_limit(damping_ratio: f64) -> f64 {
         amplification::limit::<RungeKutta<Self>>(damping_ratio, 0.0)
     }
 }
 
-/// The integrator of a tableau.
+/// Integrator of a tableau.
 #[derive(Debug)]
 pub struct RungeKutta<S>(PhantomData<S>);
 
-/// Between steps the acceleration at the state, where it persists.
+/// Register of the acceleration at the state between steps, if it persists.
 const FIRST: usize = 0;
-/// The sum for v, when only one slope is missing from it.
+/// Register of the sum for v, once only one slope is missing from it.
 const SUM_V: usize = 0;
-/// The estimated errors of x and v, from then on until the next step begins.
+/// Registers of the estimated errors of x and v, from then on until the next step begins.
 const ERROR_X: usize = 1;
 const ERROR_V: usize = 2;
-/// The velocity at the step's start, until then.
+/// Register of the velocity at the step's start, until only one slope is missing.
 const V0: usize = 2;
-/// The position at the step's start, and from then on the one at its end.
+/// Register of the position at the step's start, and later of the position at its end.
 const X0: usize = 3;
 const SUM_X: usize = 3;
-/// The accelerations of the first slopes, until then.
+/// Registers of the accelerations of the first slopes, until only one slope is missing.
 const SLOPES: [usize; 4] = [FIRST, 1, 4, 5];
-/// The most slopes of any tableau.
+/// Maximum number of slopes of a tableau.
 const MOST: usize = REGISTERS + 1;
 
 /// Weights of the accelerations from weights of the slopes' velocities: Σᵢ wᵢ aᵢⱼ.
@@ -83,7 +83,7 @@ const fn of_accelerations(a: &[&[f64]], weights: &[f64]) -> [f64; MOST] {
     found
 }
 
-/// Weights, with zeros after them.
+/// Pads weights with zeros.
 const fn padded(weights: &[f64]) -> [f64; MOST] {
     let mut all = [0.0; MOST];
     let mut index = 0;
@@ -94,7 +94,7 @@ const fn padded(weights: &[f64]) -> [f64; MOST] {
     all
 }
 
-/// Whether weights add up to a number, but for rounding.
+/// Whether weights add up to a number, up to rounding.
 const fn add_up(weights: &[f64], number: f64) -> bool {
     let (mut sum, mut scale, mut index) = (-number, 1.0, 0);
     while index < weights.len() {
@@ -105,15 +105,15 @@ const fn add_up(weights: &[f64], number: f64) -> bool {
     sum.abs() <= 4.0 * f64::EPSILON * scale
 }
 
-/// One of the states that a step passes: that of a slope, or its end.
+/// State within a step: that of a slope, or the step's end.
 struct Row {
-    /// c, in units of h.
+    /// Node c, in units of h.
     node: f64,
-    /// The weights of the accelerations for v, in units of h.
+    /// Weights of the accelerations for v, in units of h.
     velocity: [f64; MOST],
-    /// The weights of the accelerations for x, in units of h².
+    /// Weights of the accelerations for x, in units of h².
     position: [f64; MOST],
-    /// Whether the last slope alone has a weight, so that x takes its velocity.
+    /// Whether only the last slope has a weight, so x uses its velocity.
     is_plain: bool,
 }
 
@@ -128,13 +128,13 @@ impl Row {
     }
 }
 
-/// How a tableau is laid out in stages, each a state and the slope found there.
+/// Layout of a tableau in stages, each a state and the slope evaluated there.
 trait Layout: Tableau {
-    /// Whether a step begins with the last slope of the one before.
+    /// Whether a step begins with the last slope of the previous step.
     const REUSES: bool = Self::B.len() > 1 && Self::B[Self::B.len() - 1] == 0.0;
-    /// The index of the last slope that the step's end depends on.
+    /// Index of the last slope on which the step's end depends.
     const LAST: usize = Self::B.len() - 1 - Self::REUSES as usize;
-    /// The states of the slopes, then the step's end.
+    /// States of the slopes, then the step's end.
     const ROWS: &'static [Row; MOST] = &{
         let mut rows = [const { Row::new(Self::A, Self::B, 1.0) }; MOST];
         let mut slope = 0;
@@ -144,11 +144,11 @@ trait Layout: Tableau {
         }
         rows
     };
-    /// The weights of the accelerations for the error of v, in units of h.
+    /// Weights of the accelerations for the error of v, in units of h.
     const ERRORS_OF_V: &'static [f64; MOST] = &padded(Self::ERRORS);
-    /// The weights of the accelerations for the error of x, in units of h².
+    /// Weights of the accelerations for the error of x, in units of h².
     const ERRORS_OF_X: &'static [f64; MOST] = &of_accelerations(Self::A, Self::ERRORS);
-    /// Refuses to compile a tableau that is none.
+    /// Compile-time check of the tableau.
     const CONSISTENT: () = {
         let (a, b, c) = (Self::A, Self::B, Self::C);
         assert!(a.len() == b.len() && c.len() == b.len(), "one row, one weight and one node per slope");
@@ -169,8 +169,8 @@ trait Layout: Tableau {
 
 impl<S: Tableau> Layout for S {}
 
-/// Σ (h wⱼ) aⱼ over the weights that are not 0, if there are any, of the first `known` accelerations, those of equal weights in a
-/// row added first. It is written out, as [`super::for_each_stage`] is.
+/// Computes Σ (h wⱼ) aⱼ over the nonzero weights of the first `known` accelerations; None if all weights are 0. Accelerations of
+/// equal weights in a row are added first. The sum is written out, like [`super::for_each_stage`].
 #[inline(always)]
 #[allow(unused_assignments, reason = "the last pass of a loop that is written out")]
 fn sum<T: Number>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize, h: T) -> Option<T> {
@@ -192,7 +192,7 @@ fn sum<T: Number>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize
     sum
 }
 
-/// x and v in a state that a step passes, as far as the accelerations are known, of slopes whose last has the velocity `last`.
+/// Computes x and v in a state of the step, from the first `known` accelerations. The last known slope has the velocity `last`.
 #[inline(always)]
 fn state<T: Number>(row: &Row, [x, v]: [T; 2], last: T, accelerations: &[T; MOST], known: usize, h: T) -> [T; 2] {
     let velocity = match sum(&row.velocity, accelerations, known, h) {
@@ -229,7 +229,7 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
     const ERROR: Option<[usize; 2]> = if S::ERRORS.is_empty() { None } else { Some([ERROR_X, ERROR_V]) };
     const POSITION_REGISTER: Option<usize> = if S::LAST == 0 { None } else { Some(X0) };
 
-    /// The amplification factor is R(z) at z = ωh(−ξ ± √(ξ² − 1)). For ξ ≥ 1 both z are real, and the larger governs.
+    /// Limit from the amplification factor R(z) at z = ωh(−ξ ± √(ξ² − 1)). For ξ ≥ 1 both z are real, and the larger governs.
     fn limit(damping_ratio: f64) -> f64 {
         if damping_ratio < 1.0 {
             S::underdamped_limit(damping_ratio)
@@ -238,7 +238,7 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
         }
     }
 
-    /// On the real axis stable steps are one interval.
+    /// For ξ ≥ 1, equals the limit: on the real axis stable steps form one interval.
     fn last(damping_ratio: f64) -> f64 {
         if damping_ratio < 1.0 { amplification::last::<Self>(damping_ratio) } else { Self::limit(damping_ratio) }
     }
@@ -253,7 +253,7 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
     #[inline(always)]
     fn stage_state<T: Number>(stage: usize, component: &mut Component<T>, h: T) {
         const { S::CONSISTENT };
-        // The later stages stand where `stage_update` has left them.
+        // Later stages already are at the state that `stage_update` computed.
         if stage == 0 && S::LAST > 0 {
             let start = [component.x, component.v];
             [component.registers[X0], component.registers[V0]] = start;
@@ -316,7 +316,7 @@ mod tests {
         -2.0 * x.sin() - 0.3 * v * v.abs()
     }
 
-    /// The step's end and the estimated errors of x and v, by the definition.
+    /// Computes the step's end and the estimated errors of x and v from the definition.
     fn textbook<S: Tableau>(y: [f64; 2], h: f64) -> [[f64; 2]; 2] {
         let mut slopes: Vec<[f64; 2]> = Vec::new();
         let sum = |weights: &[f64], slopes: &[[f64; 2]]| {
@@ -333,7 +333,7 @@ mod tests {
         [[y[0] + change[0], y[1] + change[1]], sum(S::ERRORS, &slopes)]
     }
 
-    /// The numbers are of the order of 1, and no more than some fifty roundings enter, each of at most 1.1e-16.
+    /// Tolerance: the numbers are of the order of 1, and at most about fifty roundings enter, each of at most 1.1e-16.
     fn assert_steps<S: Tableau>() {
         let (mut component, h) = (Component::new(1.2, -0.4, 0.0), 0.3);
         RungeKutta::<S>::begin(&mut component, acceleration(1.2, -0.4));

@@ -1,50 +1,52 @@
-//! Encoded coordinates in the records of pair sums, whose differences have full relative precision at any distance from the
+//! Encoded coordinates in the records of pair sums. Their differences have full relative precision at any distance from the
 //! origin.
 //!
-//! In f64 the code is the coordinate itself. In f32 it is a 32-bit fixed-point coordinate modulo eight to sixteen supports,
-//! of which a period is an integer multiple: the wrapping difference of two is exact, is that of the nearest images, and
-//! needs one multiplication to become a length. Its unit is below 4e-9 supports, so the error is that of the conversion,
-//! 6e-8 of the length itself, and up to three times that where a period makes the unit no power of two.
+//! In f64 the code is the coordinate itself. In f32 the code is a 32-bit fixed-point coordinate, modulo eight to sixteen
+//! supports, or modulo a shorter period. A period of the domain is an integer multiple of the modulus. The wrapping difference of
+//! two codes is exact and refers to the nearest images. One multiplication converts it to a length.
+//!
+//! The fixed-point unit is below 4e-9 supports. The error is therefore that of the conversion, 6e-8 of the length. It is up to
+//! three times as large if a period prevents the unit from being a power of two.
 
 use std::fmt::Debug;
 
 use crate::simd::{Number, Packed};
 
-/// 2³², the number of fixed-point coordinates along an axis in f32.
+/// Number of fixed-point coordinates along an axis in f32: 2³².
 const UNITS: f64 = 4_294_967_296.0;
 
-/// Adding and subtracting this rounds a number below 2⁵¹ to the nearest integer, ties to even. All SIMD levels have vector
-/// instructions for it, but not all for `round_ties_even`.
+/// Constant whose addition and subtraction rounds a number below 2⁵¹ to the nearest integer, ties to even. All SIMD levels have
+/// vector instructions for this, but not all for `round_ties_even`.
 const WHOLE: f64 = 6_755_399_441_055_744.0;
 
-/// The nearest integer to a value below 2⁵¹.
+/// Rounds a value below 2⁵¹ to the nearest integer.
 #[inline(always)]
 fn nearest<N: Number>(value: N) -> N {
     (value + N::constant(WHOLE)) - N::constant(WHOLE)
 }
 
-/// Number types that can hold an encoded coordinate: records hold numbers and coordinates side by side.
+/// Number types that can hold an encoded coordinate. Records hold numbers and coordinates side by side.
 pub trait Coordinate: Packed {
-    /// Whether differences are those of the nearest images without further computation.
+    /// Whether differences of codes refer to the nearest images without further computation.
     const WRAPS: bool;
     /// Parameters of the encoding along one axis.
     type Encoding: Copy + Debug + Send + Sync + 'static;
 
-    /// The encoding for an axis with an optional period, for differences up to `support`.
+    /// Encoding for an axis with an optional period, for differences up to `support`.
     fn encoding(period: Option<f64>, support: f64) -> Self::Encoding;
-    /// The code of a coordinate. Its value as a number has no meaning.
+    /// Encodes a coordinate. The value of the code as a number has no meaning.
     fn encode(coordinate: f64, encoding: Self::Encoding) -> Self;
-    /// The difference of two coordinates, or of the nearest images where the axis is periodic. `PERIODIC` says whether any
-    /// axis is.
+    /// Difference of two coordinates, or of their nearest images along a periodic axis. `PERIODIC` says whether any axis is
+    /// periodic.
     fn separation<const PERIODIC: bool, N: Number<Scalar = Self>>(one: N, other: N, encoding: Self::Encoding) -> N;
 }
 
-/// The fixed-point encoding of f32.
+/// Fixed-point encoding of f32.
 #[derive(Debug, Clone, Copy)]
 pub struct Fixed {
     /// Units per meter [1/m].
     scale: f64,
-    /// The unit [m].
+    /// Fixed-point unit [m].
     unit: f32,
 }
 
@@ -53,7 +55,7 @@ impl Coordinate for f32 {
     type Encoding = Fixed;
 
     fn encoding(period: Option<f64>, support: f64) -> Fixed {
-        // A power of two without a period, whose product with a coordinate is exact.
+        // Without a period the scale is a power of two, so its product with a coordinate is exact.
         let modulus = period.map_or_else(
             || libm::ldexp(1.0, libm::ilogb(support) + 4),
             |period| period / (period / (8.0 * support)).floor().max(1.0),
@@ -72,12 +74,12 @@ impl Coordinate for f32 {
     }
 }
 
-/// The distance of periodic images in f64.
+/// Period of an axis and its inverse, for nearest images in f64.
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
-    /// The period [m], 0 for none.
+    /// Period [m], 0 for none.
     period: f64,
-    /// Its inverse [1/m], 0 for none.
+    /// Inverse of the period [1/m], 0 for none.
     inverse: f64,
 }
 
@@ -108,8 +110,8 @@ impl Coordinate for f64 {
 mod tests {
     use super::*;
 
-    /// Half a unit for each coordinate; half an ulp for the conversion, and with a period, where the unit is no power of
-    /// two, for the unit and the product too.
+    /// Error bound: half a unit for each coordinate, and half an ulp for the conversion. With a period the unit is no power of
+    /// two; then half an ulp is added for the unit and for the product.
     fn tolerance(separation: f64, support: f64, period: Option<f64>) -> f64 {
         let roundings = if period.is_some() { 3.0 } else { 1.0 };
         4e-9 * support + roundings * 0.5 * f64::from(f32::EPSILON) * separation.abs()
@@ -141,7 +143,7 @@ mod tests {
             let (one, other) = (0.1, -0.15 + f64::from(turns) * period);
             let separation = f32::separation::<true, _>(f32::encode(one, single), f32::encode(other, single), single);
             assert!((f64::from(separation) - 0.25).abs() < tolerance(0.25, support, Some(period)), "{separation}");
-            // The coordinate itself is rounded at 2700 m, and its quotient by the period costs as much again.
+            // The coordinate is rounded at 2700 m; its quotient by the period adds as large an error.
             assert!((f64::separation::<true, _>(one, other, double) - 0.25).abs() < 4.0 * 2700.0 * f64::EPSILON);
         }
     }

@@ -1,11 +1,11 @@
-//! Bodies: what all particles have, in columns, and the item that says what else they are.
+//! Bodies: the columns that all particles have, and the item with the kind and all other values.
 
 use glam::DVec3;
 
 use super::{Item, Value};
 use crate::error::Result;
 
-/// Particles.
+/// Body made of particles.
 #[derive(Debug, Clone)]
 pub struct Body {
     /// Positions [m].
@@ -18,13 +18,13 @@ pub struct Body {
     pub charge: Vec<f64>,
     /// Radii [m].
     pub radius: Vec<f64>,
-    /// Which particles keep their velocity whatever acts on them.
+    /// Whether each particle is fixed: it keeps its velocity whatever forces act on it.
     pub fixed: Vec<bool>,
-    /// What they are, with all other values.
+    /// Kind of the body, with all other values.
     pub item: Item,
 }
 
-/// The kind of a body that is nothing but particles.
+/// Kind of a body without further structure.
 pub const PARTICLES: &str = "Particles";
 
 impl Default for Body {
@@ -42,10 +42,10 @@ impl Default for Body {
 }
 
 impl Body {
-    /// The body that an item declares.
+    /// Reads the body that an item declares.
     ///
     /// # Errors
-    /// If a column is missing, or has not a row for each particle.
+    /// If a column is missing, or does not have one row per particle.
     pub fn new(mut item: Item, dimension: usize) -> Result<Self> {
         let positions = vectors(&mut item, "positions", None, dimension)?;
         let count = positions.len();

@@ -1,48 +1,48 @@
-//! Functions of the user's.
+//! User-defined functions.
 
 use glam::DVec3;
 
 use crate::error::{Cause, Error};
 
-/// What a function of the user's is called with.
+/// Argument of a user-defined function.
 #[derive(Debug, Clone, Copy)]
 pub enum Argument<'a> {
-    /// A number.
+    /// Number.
     Number(f64),
-    /// An array with a vector in each row.
+    /// Array with one vector per row.
     Vectors(&'a [DVec3]),
-    /// An array of numbers of a shape, row by row.
+    /// Array of numbers with any shape, row by row.
     Array {
-        /// The numbers.
+        /// Entries of the array.
         numbers: &'a [f64],
-        /// The length of each axis.
+        /// Length of each axis.
         shape: &'a [usize],
     },
 }
 
-/// A function of the user's, which gives numbers.
+/// User-defined function that returns numbers.
 pub trait Callback: Send + Sync {
-    /// The numbers that it gives for these arguments, row by row and not necessarily finite: an array of this shape, a single
-    /// number where that is empty. `what` names them for errors.
+    /// Calls the function and returns its numbers, row by row, not necessarily finite. They form an array of this shape, or a
+    /// single number if the shape is empty. `what` names them in errors.
     fn call(&self, arguments: &[Argument<'_>], what: &str, shape: &[usize]) -> Result<Vec<f64>, Failure>;
 }
 
-/// How a function of the user's failed.
+/// Failure of a user-defined function.
 #[derive(Debug)]
 pub enum Failure {
-    /// It raised an error.
+    /// The function raised an error.
     Raised(Cause),
-    /// It gave something else than was expected.
+    /// The function returned an invalid value.
     Refused {
-        /// What was expected.
+        /// Description of the expected value.
         expected: String,
-        /// What it gave.
+        /// Description of the returned value.
         found: String,
     },
 }
 
 impl Failure {
-    /// The error of the function at `path`.
+    /// Returns the error of the function at `path`.
     pub fn at(self, path: String) -> Error {
         match self {
             Self::Raised(cause) => Error::Callback { path, cause },

@@ -1,4 +1,4 @@
-//! Items of a scene: a kind with named values. Who builds what an item declares knows the names; nobody else does.
+//! Items of a scene: a kind with named values. Only the code that builds the declared object knows the names.
 
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Formatter};
@@ -9,61 +9,61 @@ use glam::DVec3;
 use super::Callback;
 use crate::error::{Error, Result};
 
-/// A body, a force, a boundary or another item, as the user declared it.
+/// Body, force, boundary or other item, as the user declared it.
 #[derive(Debug, Clone, Default)]
 pub struct Item {
-    /// Where it stands in the scene, as in `forces[2]`.
+    /// Path of the item in the scene, such as `forces[2]`.
     pub path: String,
-    /// What it is; in Python the name of its class.
+    /// Kind of the item; in Python, the name of its class.
     pub kind: String,
-    /// What the user calls it.
+    /// Name given by the user.
     pub name: Option<String>,
-    /// The bodies that it acts on; all of them if this is None.
+    /// Indices of the bodies on which the item acts; None for all.
     pub on: Option<Vec<usize>>,
-    /// Its values by name; those that are left open are not there.
+    /// Values by name; values left open are absent.
     pub values: BTreeMap<String, Value>,
 }
 
-/// Items are equal if they say the same, wherever they stand.
+/// Items are equal if their contents are, wherever they stand in the scene.
 impl PartialEq for Item {
     fn eq(&self, other: &Self) -> bool {
         (&self.kind, &self.name, &self.on, &self.values) == (&other.kind, &other.name, &other.on, &other.values)
     }
 }
 
-/// A value of an item.
+/// Value of an item.
 #[derive(Clone)]
 pub enum Value {
-    /// A number.
+    /// Number.
     Number(f64),
-    /// A vector of up to three components; those that it has not are 0.
+    /// Vector of up to three components; missing components are 0.
     Vector(DVec3),
-    /// Yes or no.
+    /// Boolean.
     Flag(bool),
-    /// A text.
+    /// Text.
     Text(String),
-    /// An array of numbers.
+    /// Array of numbers.
     Numbers(Array<f64>),
-    /// An array of indices.
+    /// Array of indices.
     Indices(Array<u32>),
-    /// An array of yes or no.
+    /// Array of booleans.
     Flags(Array<bool>),
-    /// A function of the user's.
+    /// User-defined function.
     Callback(Arc<dyn Callback>),
-    /// Some texts.
+    /// Texts.
     Texts(Vec<String>),
-    /// An item within the item.
+    /// Item within the item.
     Record(Box<Item>),
-    /// Some items within the item.
+    /// Items within the item.
     Records(Vec<Item>),
 }
 
-/// An array with any number of axes, the last of which runs fastest.
+/// Array with any number of axes, the last of which varies fastest.
 #[derive(Clone, PartialEq)]
 pub struct Array<T> {
-    /// The length of each axis.
+    /// Length of each axis.
     pub shape: Vec<usize>,
-    /// Its entries, as many as the product of these lengths.
+    /// Entries; their number is the product of the lengths.
     pub entries: Vec<T>,
 }
 
@@ -97,7 +97,7 @@ impl Debug for Value {
     }
 }
 
-/// Functions are equal if they are the same one.
+/// Functions are equal if they are identical.
 impl PartialEq for Value {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -117,7 +117,7 @@ impl PartialEq for Value {
     }
 }
 
-/// An item without values.
+/// Converts a kind to an item without values.
 impl From<&str> for Item {
     fn from(kind: &str) -> Self {
         Self { kind: kind.to_owned(), ..Self::default() }
@@ -125,18 +125,18 @@ impl From<&str> for Item {
 }
 
 impl Item {
-    /// An item of a kind with these values, which acts on all bodies.
+    /// Returns an item of a kind with these values, which acts on all bodies.
     pub fn new(kind: &str, values: impl IntoIterator<Item = (&'static str, Value)>) -> Self {
         let values = values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
         Self { kind: kind.to_owned(), values, ..Self::default() }
     }
 
-    /// Whether it acts on a body.
+    /// Whether the item acts on a body.
     pub fn acts_on(&self, body: usize) -> bool {
         self.on.as_ref().is_none_or(|bodies| bodies.contains(&body))
     }
 
-    /// The cells of the largest grid that it has: the product of a vector `cells`, here or in an item within it.
+    /// Number of cells of the largest grid of the item: the product of a vector `cells`, here or in an item within it.
     pub fn cells(&self) -> usize {
         let cells = |(name, value): (&String, &Value)| match value {
             Value::Vector(cells) if name == "cells" => {
@@ -148,7 +148,7 @@ impl Item {
         self.values.iter().map(cells).max().unwrap_or(0)
     }
 
-    /// A number that must be there and finite.
+    /// Reads a number that must be present and finite.
     pub fn number(&self, name: &str) -> Result<f64> {
         match self.values.get(name) {
             Some(Value::Number(number)) if number.is_finite() => Ok(*number),
@@ -156,7 +156,7 @@ impl Item {
         }
     }
 
-    /// A number that must be there, finite and at least 0.
+    /// Reads a number that must be present, finite and at least 0.
     pub fn non_negative(&self, name: &str) -> Result<f64> {
         match self.number(name)? {
             number if number >= 0.0 => Ok(number),
@@ -164,7 +164,7 @@ impl Item {
         }
     }
 
-    /// A vector that must be there and finite.
+    /// Reads a vector that must be present and finite.
     pub fn vector(&self, name: &str) -> Result<DVec3> {
         match self.values.get(name) {
             Some(Value::Vector(vector)) if vector.is_finite() => Ok(*vector),
@@ -172,12 +172,12 @@ impl Item {
         }
     }
 
-    /// A vector that may be left out.
+    /// Reads an optional vector.
     pub fn optional_vector(&self, name: &str) -> Result<Option<DVec3>> {
         if self.values.contains_key(name) { self.vector(name).map(Some) } else { Ok(None) }
     }
 
-    /// Yes or no.
+    /// Reads a boolean.
     pub fn flag(&self, name: &str) -> Result<bool> {
         match self.values.get(name) {
             Some(Value::Flag(flag)) => Ok(*flag),
@@ -185,14 +185,14 @@ impl Item {
         }
     }
 
-    /// One of some words.
+    /// Reads one of several words.
     pub fn word(&self, name: &str, known: &[&'static str]) -> Result<&'static str> {
         let given = self.values.get(name);
         let found = known.iter().find(|word| matches!(given, Some(Value::Text(text)) if text == *word));
         found.copied().ok_or_else(|| self.wrong(name, &known.join(" or "), given))
     }
 
-    /// A list of numbers, one for each of `count`.
+    /// Reads a list of `count` numbers.
     pub fn numbers(&self, name: &str, count: usize) -> Result<&[f64]> {
         match self.values.get(name) {
             Some(Value::Numbers(array)) if array.shape == [count] => Ok(&array.entries),
@@ -200,7 +200,7 @@ impl Item {
         }
     }
 
-    /// Rows of `dimension` numbers, 2 or 3, as vectors: `count` of them, if that is known.
+    /// Reads rows of `dimension` numbers, 2 or 3, as vectors: `count` of them, if given.
     pub fn vectors(&self, name: &str, count: Option<usize>, dimension: usize) -> Result<Vec<DVec3>> {
         let fits =
             |array: &Array<f64>| matches!(array.shape[..], [rows, width] if width == dimension && rows == count.unwrap_or(rows));
@@ -213,7 +213,7 @@ impl Item {
         }
     }
 
-    /// Rows of N indices each.
+    /// Reads rows of N indices each.
     pub fn tuples<const N: usize>(&self, name: &str) -> Result<&[[u32; N]]> {
         match self.values.get(name) {
             Some(Value::Indices(array)) if matches!(array.shape[..], [_, width] if width == N) => Ok(array.entries.as_chunks().0),
@@ -221,7 +221,7 @@ impl Item {
         }
     }
 
-    /// An item within it.
+    /// Reads an item within the item.
     pub fn record(&self, name: &str) -> Result<&Self> {
         match self.values.get(name) {
             Some(Value::Record(item)) => Ok(item),
@@ -229,7 +229,7 @@ impl Item {
         }
     }
 
-    /// Some items within it; none where they are left out.
+    /// Reads items within the item; none if absent.
     pub fn records(&self, name: &str) -> Result<&[Self]> {
         match self.values.get(name) {
             None => Ok(&[]),
@@ -238,7 +238,7 @@ impl Item {
         }
     }
 
-    /// Texts, `count` of them, each one of some words.
+    /// Reads `count` texts, each one of several words.
     pub fn words(&self, name: &str, count: usize, known: &[&'static str]) -> Result<Vec<&'static str>> {
         let given = self.values.get(name);
         let expected = || self.wrong(name, &format!("{count} times {}", known.join(" or ")), given);
@@ -247,7 +247,7 @@ impl Item {
         found.filter(|found| found.len() == count).ok_or_else(expected)
     }
 
-    /// A function of the user's.
+    /// Reads a user-defined function.
     pub fn callback(&self, name: &str) -> Result<Arc<dyn Callback>> {
         match self.values.get(name) {
             Some(Value::Callback(callback)) => Ok(Arc::clone(callback)),
@@ -255,12 +255,12 @@ impl Item {
         }
     }
 
-    /// A function that may be left out.
+    /// Reads an optional user-defined function.
     pub fn optional_callback(&self, name: &str) -> Result<Option<Arc<dyn Callback>>> {
         if self.values.contains_key(name) { self.callback(name).map(Some) } else { Ok(None) }
     }
 
-    /// The error that a value is not what it should be.
+    /// Returns the error that a value is not as expected.
     pub fn wrong(&self, name: &str, expected: &str, found: Option<&Value>) -> Error {
         let found = found.map_or_else(|| "nothing".to_owned(), |value| format!("{value:?}"));
         Error::parameter(format!("{}.{name}", self.path), expected, found)

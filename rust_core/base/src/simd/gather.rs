@@ -1,10 +1,10 @@
-//! Gathers: reads of a column at indices that are checked once, when they are built, instead of at every read.
+//! Gathers: reads of a column at indices that are checked once, when they are built, not at every read.
 
 use std::ops::Range;
 
 use super::{LANES, Lanes};
 
-/// Indices into columns of a known length. Signed, as hardware gathers require.
+/// Indices into columns of a known length. They are signed, as hardware gathers require.
 #[derive(Debug, Clone, Default)]
 pub struct Gather {
     indices: Vec<Lanes<i32>>,
@@ -12,10 +12,10 @@ pub struct Gather {
 }
 
 impl Gather {
-    /// Indices for columns of at least `length` elements, which must be below 2³¹.
+    /// Builds indices for columns of at least `length` elements; `length` must be below 2³¹.
     ///
     /// # Panics
-    /// If an index is not below `length`, or their number is not a whole number of lanes.
+    /// If an index is not below `length`, or the number of indices is not a multiple of the lanes.
     pub fn new(indices: &[u32], length: usize) -> Self {
         assert!(i32::try_from(length).is_ok(), "a column is too long to be indexed");
         assert!(indices.iter().all(|&index| (index as usize) < length), "an index lies outside its column");
@@ -29,17 +29,17 @@ impl Gather {
         std::mem::size_of_val(self.indices.as_slice())
     }
 
-    /// The indices of one group.
+    /// Indices of one group.
     #[inline(always)]
     pub fn indices(&self, group: usize) -> &Lanes<i32> {
         &self.indices[group]
     }
 
-    /// Copies the elements of `column` at the indices of some groups. A separate loop, because compilers emit gathers for
+    /// Copies the elements of `column` at the indices of some groups. This is a separate loop, because compilers emit gathers for
     /// no other form.
     ///
     /// # Panics
-    /// If the column is shorter than promised, there are no such groups, or `out` has another number of them.
+    /// If the column is shorter than promised, the groups do not exist, or `out` has another number of groups.
     #[inline(always)]
     pub fn read<T: Copy>(&self, groups: Range<usize>, column: &[T], out: &mut [Lanes<T>]) {
         let (indices, out) = (self.indices[groups].as_flattened(), out.as_flattened_mut());

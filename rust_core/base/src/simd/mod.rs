@@ -1,12 +1,18 @@
 //! SIMD with dispatch at run time: one wheel for every CPU.
 //!
-//! A kernel is a plain loop over fixed lanes. [`dispatch`] runs it inside a function compiled for AVX2 and FMA, which x86-64
-//! needs to have; [`dispatch_wide`] inside one for AVX-512 where the CPU has that and a bench shows that the kernel gains
-//! more than a tenth by it. The portable level is that of other targets, and of x86-64 with the feature `portable`, which
-//! compares its bits. Pair sums, which compilers vectorize badly, are written over registers instead: the [`Pack`] of a
-//! level. No level changes the bits: nothing here reassociates, contracts or estimates. This folder is the only place where
-//! `unsafe` is allowed: for calls of such functions after detection of the CPU, for gathers with indices that were checked
-//! once, and for the level's own instructions. Code with those takes an [`Isa`], which a [`Kernel`] receives.
+//! A kernel is a plain loop over fixed lanes. The function [`dispatch`] runs it inside a function compiled for AVX2 and FMA,
+//! which are required on x86-64. The function [`dispatch_wide`] runs it inside one for AVX-512, if the CPU has that. This is
+//! done where a benchmark shows that the kernel gains more than a tenth. The portable level serves other targets, and x86-64
+//! with the feature `portable`, which compares its bits. Pair sums, which compilers vectorize badly, are written over registers
+//! instead: the [`Pack`] of a level.
+//!
+//! No level changes the bits of results: nothing here reassociates, contracts or estimates.
+//!
+//! This folder is the only place where `unsafe` is allowed, for three purposes:
+//!
+//! - calls of such functions after detection of the CPU;
+//! - gathers with indices that were checked once;
+//! - instructions of a level; code with those takes an [`Isa`], which a [`Kernel`] receives.
 #![allow(unsafe_code)]
 
 use std::sync::OnceLock;
@@ -27,23 +33,23 @@ pub use packs::{Number, Pack, Packed};
 pub use records::{Record, Table, WORDS};
 pub use selection::{Group, Selection, at_most};
 
-/// The width of every fixed-lane loop: one AVX-512 register of f32, two of f64.
+/// Width of every fixed-lane loop: one AVX-512 register of f32, two of f64.
 pub const LANES: usize = 16;
 
-/// One number for every lane.
+/// One number per lane.
 pub type Lanes<T> = [T; LANES];
 
-/// `count` rounded up to whole groups of lanes: columns are this long, so that no kernel has a remainder.
+/// Rounds `count` up to whole groups of lanes. Columns have this length, so no kernel has a remainder.
 pub const fn padded(count: usize) -> usize {
     count.div_ceil(LANES) * LANES
 }
 
-/// A set of vector instructions.
+/// Set of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// The base level of the target: of x86-64, registers of four f32 or two f64.
+    /// Base level of the target: on x86-64, registers of four f32 or two f64.
     Portable,
-    /// AVX2 with FMA, and the bit operations that come with it.
+    /// AVX2 with FMA, and the bit-manipulation instructions that come with it.
     Avx2,
     /// AVX-512 F, VL, DQ and BW.
     Avx512,
@@ -56,7 +62,7 @@ impl Level {
     /// All levels.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// The name that `PHYSCORE_SIMD` and the plan use.
+    /// Name of the level in `PHYSCORE_SIMD` and in the plan.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -65,7 +71,7 @@ impl Level {
         }
     }
 
-    /// The best level of this CPU.
+    /// Detects the best level of this CPU.
     fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
@@ -94,12 +100,12 @@ impl Level {
         HAS_PORTABLE || Self::detect() > Self::Portable
     }
 
-    /// Whether this build has the level, and this CPU too.
+    /// Whether both this build and this CPU have the level.
     fn is_present(self) -> bool {
         self <= Self::detect() && (HAS_PORTABLE || self > Self::Portable)
     }
 
-    /// Whether `PHYSCORE_SIMD` names a level of this build and this CPU, if it is set.
+    /// Checks that `PHYSCORE_SIMD`, if set, names a level of this build and this CPU.
     ///
     /// # Errors
     /// If it does not.
@@ -112,10 +118,10 @@ impl Level {
         Err(Error::parameter("PHYSCORE_SIMD", format!("a level that is here: {}", present.join(" or ")), format!("{name:?}")))
     }
 
-    /// The level in use: that of the CPU, or a lower one set by the environment variable `PHYSCORE_SIMD`.
+    /// Level in use: that of the CPU, or a lower one set by the environment variable `PHYSCORE_SIMD`.
     ///
     /// # Panics
-    /// If this build has no code for this CPU, which `is_supported` tells.
+    /// If this build has no code for this CPU; see `is_supported`.
     pub fn current() -> Self {
         static LEVEL: OnceLock<Level> = OnceLock::new();
         *LEVEL.get_or_init(|| {
@@ -127,38 +133,38 @@ impl Level {
     }
 }
 
-/// A level as a type, whose values exist only where the CPU has it.
+/// Level as a type, whose values exist only if the CPU has the level.
 pub trait Isa: Copy {
-    /// Its name as a value.
+    /// The level as a value.
     const LEVEL: Level;
-    /// A register of it.
+    /// Register of the level.
     type Pack<T: Packed>: Pack<Scalar = T>;
     /// Registers for the lanes of a whole group.
     type Group<T: Packed>: Pack<Scalar = T>;
 }
 
-/// A computation to run at the best level. `run` and all that it calls must be `#[inline(always)]`, but for what only the base
-/// level calls.
+/// Computation to run at the best level. `run` and everything that it calls must be `#[inline(always)]`, except functions that
+/// only the base level calls.
 ///
-/// The code of each level is a method: compilers then put it beside the other code of the kernel's module, and compile modules
-/// side by side. Functions here would all be compiled as one unit.
+/// The code of each level is a method: compilers then put it beside the other code of the kernel's module, and compile modules in
+/// parallel. Functions here would all be compiled as one unit.
 pub trait Kernel: Sized {
-    /// Its result.
+    /// Result of the computation.
     type Output;
 
-    /// Computes it, with the level as a type.
+    /// Runs the computation, with the level as a type.
     fn run<I: Isa>(self, isa: I) -> Self::Output;
 
-    /// [`Kernel::run`] at the portable level. Not inlined into [`dispatch`], as those of the other levels.
+    /// Runs [`Kernel::run`] at the portable level. Like those of the other levels, it is not inlined into [`dispatch`].
     #[inline(never)]
     fn run_portable(self) -> Self::Output {
         self.run(Portable(()))
     }
 
-    /// [`Kernel::run`] at that level.
+    /// Runs [`Kernel::run`] at the level AVX2.
     ///
     /// # Safety
-    /// The CPU has it.
+    /// The CPU has AVX2, FMA and the bit-manipulation instructions of the level.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
     unsafe fn run_avx2(self) -> Self::Output {
@@ -166,10 +172,10 @@ pub trait Kernel: Sized {
         self.run(Avx2(()))
     }
 
-    /// [`Kernel::run`] at that level.
+    /// Runs [`Kernel::run`] at the level AVX-512.
     ///
     /// # Safety
-    /// The CPU has it.
+    /// The CPU has the AVX-512 instructions of the level.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,popcnt,bmi1,bmi2")]
     unsafe fn run_avx512(self) -> Self::Output {
@@ -180,7 +186,7 @@ pub trait Kernel: Sized {
 
 macro_rules! level {
     ($name:ident, $level:ident, $pack:ty, $group:ty) => {
-        /// A level as a type.
+        /// Level as a type.
         #[derive(Debug, Clone, Copy)]
         struct $name(());
 
@@ -198,7 +204,7 @@ level!(Avx2, Avx2, T::Avx2, T::Avx2Group);
 #[cfg(target_arch = "x86_64")]
 level!(Avx512, Avx512, T::Avx512, T::Avx512Group);
 
-/// Runs `kernel` at the current level, but with AVX2 where that is AVX-512.
+/// Runs `kernel` at the current level, or with AVX2 if that is AVX-512.
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     let level = Level::current();
     #[cfg(target_arch = "x86_64")]
@@ -222,15 +228,15 @@ pub fn dispatch_wide<K: Kernel>(kernel: K) -> K::Output {
     dispatch(kernel)
 }
 
-/// A cache line on the stack. A function that has one aligns its frame, and with it the registers that it spills: compilers do
-/// not align a frame for spilled registers alone, and one that straddles two cache lines takes several times as long.
+/// Cache line on the stack. A function that holds one aligns its frame, and with it the registers that it spills. Compilers do
+/// not align a frame for spilled registers alone. A register that straddles two cache lines takes several times as long.
 #[cfg(target_arch = "x86_64")]
 #[repr(align(64))]
 struct CacheLine(#[expect(dead_code, reason = "its place counts, not its value")] [u8; 64]);
 
 #[cfg(target_arch = "x86_64")]
 impl CacheLine {
-    /// Aligns the frame of the function that this is called in.
+    /// Aligns the frame of the calling function.
     #[inline(always)]
     fn align_frame() {
         black_box(&MaybeUninit::<Self>::uninit());

@@ -1,8 +1,8 @@
 //! Packs: numbers in lanes, for the terms of several pairs, or the stages of several particles, at once.
 //!
-//! A law is written over [`Number`], which is one number or a vector register of them. Registers instead of loops over
-//! arrays, because interleaved records then stay in registers, where compilers that vectorize a loop go through memory.
-//! Every operation is that of IEEE 754 in each lane, so that all have the same bits.
+//! A law is written over [`Number`], which is one number or a vector register of numbers. Registers are used instead of loops
+//! over arrays because interleaved records then stay in registers. Compilers that vectorize a loop go through memory instead.
+//! Every operation follows IEEE 754 in each lane, so the bits are equal for all widths.
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
@@ -13,61 +13,60 @@ use wide::{f32x4, f64x4, i32x4, i64x4};
 use super::registers::{Double256, Double512, Single256, Single512};
 use super::{Group, LANES, Record, WORDS};
 
-/// A number, or one in each lane.
+/// Number, or vector of numbers in lanes.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + AddAssign {
-    /// The type of a lane.
+    /// Type of a lane.
     type Scalar;
-    /// A subset of the lanes.
+    /// Subset of the lanes.
     type Mask: Copy;
 
-    /// The same number in every lane.
+    /// Broadcasts a number to every lane.
     fn of(number: Self::Scalar) -> Self;
-    /// The nearest number to `value`, in every lane.
+    /// Broadcasts the nearest number to `value` to every lane.
     fn constant(value: f64) -> Self;
-    /// The correctly rounded square root.
+    /// Square root, correctly rounded.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// This number where it is less than the other, and the other elsewhere.
+    /// Minimum: this number in lanes where it is less than the other, and the other elsewhere.
     #[must_use]
     fn min(self, other: Self) -> Self;
-    /// This number where it is greater than the other, and the other elsewhere.
+    /// Maximum: this number in lanes where it is greater than the other, and the other elsewhere.
     #[must_use]
     fn max(self, other: Self) -> Self;
-    /// Where it is less than the other.
+    /// Mask of the lanes where this number is less than the other.
     fn less(self, other: Self) -> Self::Mask;
-    /// Where both are.
+    /// Intersection of two masks.
     fn both(one: Self::Mask, other: Self::Mask) -> Self::Mask;
-    /// One number in the lanes of a mask, another elsewhere.
+    /// Selects one number in the lanes of a mask, another elsewhere.
     fn select(mask: Self::Mask, one: Self, other: Self) -> Self;
-    /// This number in the lanes of a mask, 0 elsewhere.
+    /// Number in the lanes of a mask, 0 elsewhere.
     #[must_use]
     fn masked(self, mask: Self::Mask) -> Self;
-    /// Where one of the bits of the number is set.
+    /// Mask of the lanes where this bit of the number is set.
     fn has_bit(self, bit: u32) -> Self::Mask;
-    /// The difference of two encoded coordinates: of f32, that of their bits as integers, modulo 2³²; of f64, that of the
-    /// numbers.
+    /// Difference of two encoded coordinates: in f32, of their bits as integers, modulo 2³²; in f64, of the numbers.
     #[must_use]
     fn coordinate_difference(self, other: Self) -> Self;
 }
 
-/// A register of a level, or several: its width divides [`LANES`].
+/// Register of a level, or several; the width divides [`LANES`].
 pub trait Pack: Number {
-    /// The number of lanes.
+    /// Number of lanes.
     const WIDTH: usize;
-    /// Whether loops are to hide the latency of one group's operations behind those of the next.
+    /// Whether loops hide the latency of one group's operations behind those of the next.
     const OVERLAPS: bool;
 
-    /// These numbers, of which there are at least [`Pack::WIDTH`].
+    /// Loads numbers, of which there are at least [`Pack::WIDTH`].
     fn load(numbers: &[Self::Scalar]) -> Self;
     /// Writes the numbers to the beginning of a slice that is at least as long.
     fn store(self, to: &mut [Self::Scalar]);
-    /// The words of the records of a part of a group, one lane per record, from `first` on.
+    /// Transposes the records of a part of a group, from `first` on: words of the records, one lane per record.
     ///
     /// # Panics
-    /// If there are fewer records than the bound of the group, or fewer lanes than it takes.
+    /// If there are fewer records than the bound of the group, or fewer lanes than the part takes.
     fn transpose(records: &[Record<Self::Scalar>], group: Group<'_>, first: usize) -> Record<Self>;
 
-    /// The sum of all lanes of each register, by a tree.
+    /// Sum of all lanes of each register, by a binary tree.
     #[inline(always)]
     fn fold<const SUMS: usize>(registers: [Self; SUMS]) -> [Self::Scalar; SUMS]
     where
@@ -84,7 +83,7 @@ pub trait Pack: Number {
     }
 }
 
-/// The sum of lanes, by a tree.
+/// Sum of lanes, by a binary tree.
 #[inline(always)]
 fn fold<T: Packed>(lanes: &mut [T]) -> T {
     let mut half = lanes.len() / 2;
@@ -98,39 +97,38 @@ fn fold<T: Packed>(lanes: &mut [T]) -> T {
     lanes[0]
 }
 
-/// A number type with packs. A pack must be accessed through an [`super::Isa`], which exists only where the CPU has the
-/// registers: code over these types alone would run anywhere.
+/// Number type with packs. A pack must be accessed through an [`super::Isa`], which exists only if the CPU has the registers.
+/// Code over these types alone would run on any CPU.
 pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
-    /// The pack of the base level.
+    /// Pack of the base level.
     type Base: Pack<Scalar = Self>;
-    /// The pack of AVX-512.
+    /// Pack of AVX-512.
     #[cfg(target_arch = "x86_64")]
     type Avx512: Pack<Scalar = Self>;
-    /// The pack of AVX2.
+    /// Pack of AVX2.
     #[cfg(target_arch = "x86_64")]
     type Avx2: Pack<Scalar = Self>;
-    /// The same for whole groups of lanes.
+    /// Pack of AVX-512 for whole groups of lanes.
     #[cfg(target_arch = "x86_64")]
     type Avx512Group: Pack<Scalar = Self>;
-    /// The same for whole groups of lanes.
+    /// Pack of AVX2 for whole groups of lanes.
     #[cfg(target_arch = "x86_64")]
     type Avx2Group: Pack<Scalar = Self>;
 }
 
-/// Part of a group, none of whose indices is past the end of some records.
+/// Part of a group; none of its indices is past the end of the records.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part<'a, const WIDTH: usize>(&'a [u32; WIDTH]);
 
 impl<'a, const WIDTH: usize> Part<'a, WIDTH> {
-    /// The part of a group from `first` on.
+    /// Returns the part of a group from `first` on.
     #[inline(always)]
     pub fn new<T>(records: &[Record<T>], group: Group<'a>, first: usize) -> Self {
         assert!(records.len() >= group.bound(), "records that are not there");
         Self(group.indices()[first..].first_chunk().expect("a part of the group"))
     }
 
-    /// One index. The read is volatile, because compilers would else compute all addresses in vectors only to extract them
-    /// again.
+    /// Reads one index. The read is volatile; otherwise compilers compute all addresses in vectors, only to extract them again.
     #[inline(always)]
     pub fn index(self, lane: usize) -> usize {
         // SAFETY: a reference to a number can be read.
@@ -207,12 +205,12 @@ macro_rules! scalar {
 scalar!(f32, |one, other| one.to_bits().wrapping_sub(other.to_bits()).cast_signed() as f32);
 scalar!(f64, |one, other| one - other);
 
-/// Pack of four numbers, by the crate `wide`: registers of the base level of the target.
+/// Defines a pack of four numbers, by the crate `wide`: registers of the base level of the target.
 macro_rules! four {
     ($pack:ident, $number:ident, $bits:ident, |$one:ident, $other:ident| $difference:expr) => {
         impl Number for $pack {
             type Scalar = $number;
-            /// All bits of the lanes of a subset, and none of the others.
+            /// Mask: all bits set in the lanes of the subset, none in the others.
             type Mask = Self;
 
             #[inline(always)]
@@ -306,7 +304,7 @@ macro_rules! four {
 four!(f32x4, f32, i32x4, |one, other| f32x4::from_i32x4(cast::<_, i32x4>(one) - cast::<_, i32x4>(other)));
 four!(f64x4, f64, i64x4, |one, other| one - other);
 
-/// Two packs as one: their operations alternate, so that each hides the latency of the other.
+/// Two packs as one. Their operations alternate, so each hides the latency of the other.
 #[derive(Debug, Clone, Copy)]
 pub struct Twice<P>(P, P);
 

@@ -1,4 +1,4 @@
-//! The packs of x86-64: one vector register each.
+//! Packs of x86-64: one vector register each.
 
 #[allow(clippy::wildcard_imports)]
 use std::arch::x86_64::*;
@@ -7,7 +7,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Sub};
 use super::packs::{Number, Pack, Part};
 use super::{Group, Record, WORDS};
 
-/// A register as a [`Number`]; operations that differ by name are listed, those that differ in kind are closures.
+/// Implements [`Number`] for a register. Operations that differ by name are listed; those that differ in kind are closures.
 macro_rules! register {
     (
         $name:ident, $register:ident, $scalar:ident, $mask:ident, $width:literal,
@@ -21,7 +21,7 @@ macro_rules! register {
         transpose: $transpose:ident
         $(, fold: $fold:ident)?
     ) => {
-        /// A register of this width.
+        /// Register of this width.
         #[derive(Debug, Clone, Copy)]
         pub struct $name($register);
 
@@ -112,21 +112,21 @@ macro_rules! register {
             #[inline(always)]
             fn load(numbers: &[$scalar]) -> Self {
                 assert!(numbers.len() >= $width);
-                // SAFETY: there are as many numbers.
+                // SAFETY: there are at least as many numbers.
                 Self(unsafe { $load(numbers.as_ptr()) })
             }
 
             #[inline(always)]
             fn store(self, to: &mut [$scalar]) {
                 assert!(to.len() >= $width);
-                // SAFETY: there is room for as many.
+                // SAFETY: there is room for the numbers.
                 unsafe { $store(to.as_mut_ptr(), self.0) };
             }
 
             #[inline(always)]
             fn transpose(records: &[Record<$scalar>], group: Group<'_>, first: usize) -> Record<Self> {
                 let part = Part::<$width>::new(records, group, first);
-                // SAFETY: all indices are below the bound of the group, and that is the number of records.
+                // SAFETY: all indices are below the bound of the group, which is at most the number of records.
                 let words = unsafe { $transpose(records.as_ptr().cast(), part) };
                 [
                     Self(words[0]),
@@ -224,23 +224,23 @@ register!(
     transpose: four_doubles
 );
 
-/// The words of sixteen records.
+/// Transposes sixteen records of f32.
 ///
 /// # Safety
-/// The part is one of these records, and the CPU has AVX-512 F and DQ.
+/// The part belongs to these records, and the CPU has AVX-512 F and DQ.
 #[inline(always)]
 unsafe fn sixteen_singles(records: *const f32, part: Part<'_, 16>) -> [__m512; WORDS] {
     unsafe {
         let mut halves = [[_mm512_setzero_ps(); 4]; 2];
         for half in 0..2 {
-            // Two whole records in each register, loaded into their places: each index is read once.
+            // Each register takes two whole records, loaded into their places: each index is read once.
             let mut rows = [_mm512_setzero_ps(); 4];
             for row in 0..4 {
                 let record = |lane: usize| records.add(part.index(lane) * WORDS);
                 let (low, high) = (_mm256_loadu_ps(record(8 * half + row)), _mm256_loadu_ps(record(8 * half + row + 4)));
                 rows[row] = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high);
             }
-            // The words w and w + 4 of four records in each quarter.
+            // Words w and w + 4 of four records in each quarter.
             let [a, b, c, d] = rows;
             let (ab, cd) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
             let (ba, dc) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
@@ -258,7 +258,7 @@ unsafe fn sixteen_singles(records: *const f32, part: Part<'_, 16>) -> [__m512; W
     }
 }
 
-/// The sums of lanes at a distance of 8 and 4.
+/// Sums of lanes at a distance of 8 and 4.
 ///
 /// # Safety
 /// The CPU has AVX-512 F and DQ.
@@ -267,7 +267,7 @@ unsafe fn four_of_sixteen(register: __m512) -> __m128 {
     unsafe { four_of_eight(_mm256_add_ps(_mm512_castps512_ps256(register), _mm512_extractf32x8_ps::<1>(register))) }
 }
 
-/// The sums of lanes at a distance of 4.
+/// Sums of lanes at a distance of 4.
 ///
 /// # Safety
 /// The CPU has AVX2.
@@ -276,7 +276,7 @@ unsafe fn four_of_eight(register: __m256) -> __m128 {
     unsafe { _mm_add_ps(_mm256_castps256_ps128(register), _mm256_extractf128_ps::<1>(register)) }
 }
 
-/// The sums over the four lanes of registers, by a tree.
+/// Sums over the four lanes of registers, by a binary tree.
 ///
 /// # Safety
 /// The CPU has AVX2.
@@ -289,7 +289,7 @@ unsafe fn fold_fours<const SUMS: usize>(registers: [__m128; SUMS]) -> [f32; SUMS
         unsafe {
             let mut four = [_mm_setzero_ps(); 4];
             four[..number].copy_from_slice(&registers[first..first + number]);
-            // One number of each pair in the lower half, the other in the upper one.
+            // One number of each pair in the lower half, the other in the upper half.
             let [a, b, c, d] = four;
             let ab = _mm_add_ps(_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
             let cd = _mm_add_ps(_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));
@@ -300,15 +300,15 @@ unsafe fn fold_fours<const SUMS: usize>(registers: [__m128; SUMS]) -> [f32; SUMS
     sums
 }
 
-/// The words of eight records.
+/// Transposes eight records of f32.
 ///
 /// # Safety
-/// The part is one of these records, and the CPU has AVX2.
+/// The part belongs to these records, and the CPU has AVX2.
 #[inline(always)]
 unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORDS] {
     unsafe {
         let mut words = [_mm256_setzero_ps(); WORDS];
-        // Each index is read once; in a loop, because compilers do not inline `map` over arrays of this length.
+        // Each index is read once. This is a loop, because compilers do not inline `map` over arrays of this length.
         let mut starts = [records; 8];
         for row in 0..8 {
             starts[row] = records.add(part.index(row) * WORDS);
@@ -317,7 +317,7 @@ unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORD
             let mut rows = [_mm256_setzero_pd(); 4];
             let mut read = [_mm256_setzero_ps(); 4];
             for row in 0..4 {
-                // Half a record of one in each half.
+                // Half a record in each half of the register.
                 let low = _mm_loadu_ps(starts[row].add(4 * half));
                 let high = _mm_loadu_ps(starts[row + 4].add(4 * half));
                 read[row] = _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
@@ -336,10 +336,10 @@ unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORD
     }
 }
 
-/// The words of eight records.
+/// Transposes eight records of f64.
 ///
 /// # Safety
-/// The part is one of these records, and the CPU has AVX-512 F and DQ.
+/// The part belongs to these records, and the CPU has AVX-512 F and DQ.
 #[inline(always)]
 unsafe fn eight_doubles(records: *const f64, part: Part<'_, 8>) -> [__m512d; WORDS] {
     unsafe {
@@ -361,10 +361,10 @@ unsafe fn eight_doubles(records: *const f64, part: Part<'_, 8>) -> [__m512d; WOR
     }
 }
 
-/// The words of four records.
+/// Transposes four records of f64.
 ///
 /// # Safety
-/// The part is one of these records, and the CPU has AVX2.
+/// The part belongs to these records, and the CPU has AVX2.
 #[inline(always)]
 unsafe fn four_doubles(records: *const f64, part: Part<'_, 4>) -> [__m256d; WORDS] {
     unsafe {

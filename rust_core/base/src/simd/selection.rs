@@ -1,12 +1,12 @@
-//! Lists of the lanes that pass a test, as indices that need no check when they are read.
+//! Selections: indices of the lanes that pass a test, which need no bounds check when they are read.
 
 use super::{Isa, LANES, Lanes};
 
-/// Indices below a bound, in groups. After [`Selection::spare`] the storage is longer than the selection by a group of lanes, so
-/// that groups are read whole.
+/// Indices below a bound, in groups. After [`Selection::spare`] the storage exceeds the selection by a group of lanes, so groups
+/// are read whole.
 #[derive(Debug)]
 pub struct Selection {
-    /// All of these are below the bound, those past the end too.
+    /// Indices. All are below the bound, including those past the end of the selection.
     entries: Vec<u32>,
     length: usize,
     bound: usize,
@@ -14,7 +14,7 @@ pub struct Selection {
     overflowed: bool,
 }
 
-/// A group of indices out of a [`Selection`].
+/// Group of indices of a [`Selection`].
 #[derive(Debug, Clone, Copy)]
 pub struct Group<'a> {
     indices: &'a Lanes<u32>,
@@ -22,13 +22,13 @@ pub struct Group<'a> {
 }
 
 impl<'a> Group<'a> {
-    /// The indices, all below the bound.
+    /// Indices, all below the bound.
     #[inline(always)]
     pub fn indices(&self) -> &'a Lanes<u32> {
         self.indices
     }
 
-    /// The bound of all indices.
+    /// Bound of all indices.
     #[inline(always)]
     pub fn bound(&self) -> usize {
         self.bound
@@ -36,7 +36,7 @@ impl<'a> Group<'a> {
 }
 
 impl Selection {
-    /// An empty selection of indices below `bound`.
+    /// Returns an empty selection of indices below `bound`.
     ///
     /// # Panics
     /// If the bound is less than a group of lanes.
@@ -50,13 +50,13 @@ impl Selection {
         self.entries.capacity() * size_of::<u32>()
     }
 
-    /// The number of indices.
+    /// Number of indices.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.length
     }
 
-    /// Whether there are none.
+    /// Whether there are no indices.
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }
@@ -67,7 +67,7 @@ impl Selection {
         self.overflowed = false;
     }
 
-    /// Keeps some of the indices from `start` on, in their order.
+    /// Retains the indices from `start` on for which `keep` holds, in their order.
     pub fn retain(&mut self, start: usize, keep: impl Fn(u32) -> bool) {
         let mut end = start;
         for at in start..self.length {
@@ -77,25 +77,25 @@ impl Selection {
         self.length = end;
     }
 
-    /// Whether memory ran out since the last clear, with the beginning of the selection overwritten.
+    /// Whether memory ran out since the last clear; the beginning of the selection is then overwritten.
     pub fn has_overflowed(&self) -> bool {
         self.overflowed
     }
 
-    /// Reserves an eighth more than the present length, so that the next selection of similar length needs no allocation.
+    /// Reserves an eighth more than the present length. The next selection of similar length then needs no allocation.
     pub fn spare(&mut self) {
         if self.entries.len() < self.length + self.length / 8 + LANES {
             self.grow(0);
         }
     }
 
-    /// The indices from `start` to `end`.
+    /// Indices from `start` to `end`.
     #[inline(always)]
     pub fn list(&self, start: usize, end: usize) -> &[u32] {
         &self.entries[start..end]
     }
 
-    /// The indices from `start` to `end` in groups, the last of which may extend beyond.
+    /// Indices from `start` to `end` in groups; the last group may extend beyond `end`.
     #[inline(always)]
     pub fn groups(&self, start: usize, end: usize) -> impl Iterator<Item = Group<'_>> + Clone {
         let bound = self.bound;
@@ -103,7 +103,7 @@ impl Selection {
         whole.iter().map(move |indices| Group { indices, bound })
     }
 
-    /// Makes room for this many more indices, and some.
+    /// Makes room for at least `more` further indices.
     #[cold]
     fn grow(&mut self, more: usize) {
         let length = self.length + self.length / 8 + more + 4 * LANES;
@@ -115,17 +115,17 @@ impl Selection {
         }
     }
 
-    /// Adds an index, if `counts`.
+    /// Adds an index if `counts` holds.
     ///
     /// # Panics
-    /// If it is not below the bound.
+    /// If the index is not below the bound.
     #[inline(always)]
     pub fn push(&mut self, index: u32, counts: bool) {
         assert!((index as usize) < self.bound, "an index past the bound");
         if self.entries.len() < self.length + LANES + 1 {
             self.grow(0);
         }
-        // Written in any case, because the branch is hard to predict.
+        // Written in any case, because the branch would be hard to predict.
         self.entries[self.length] = index;
         self.length += usize::from(counts);
     }
@@ -133,7 +133,7 @@ impl Selection {
     /// Adds `first` plus the number of each lane of a mask, in order.
     ///
     /// # Panics
-    /// If that could be more than the bound.
+    /// If an index could reach the bound.
     #[inline(always)]
     pub fn add<I: Isa>(&mut self, isa: I, first: usize, mask: u16) {
         assert!(first <= self.bound - LANES, "indices past the bound");
@@ -145,10 +145,10 @@ impl Selection {
         }
     }
 
-    /// Adds all indices of another selection; if that has overflowed, so has this.
+    /// Adds all indices of another selection. If the other has overflowed, so has this one.
     ///
     /// # Panics
-    /// If its bound is greater.
+    /// If the bound of the other selection is greater.
     #[inline(always)]
     pub fn append(&mut self, other: &Self) {
         assert!(other.bound <= self.bound, "indices past the bound");
@@ -163,7 +163,7 @@ impl Selection {
     }
 }
 
-/// The mask, bit by bit, of the values that are at most `limit`.
+/// Mask of the values that are at most `limit`, one bit per lane.
 #[inline(always)]
 pub fn at_most<I: Isa>(isa: I, values: &Lanes<f64>, limit: f64) -> u16 {
     let _ = isa;
@@ -184,8 +184,8 @@ pub fn at_most<I: Isa>(isa: I, values: &Lanes<f64>, limit: f64) -> u16 {
     mask
 }
 
-/// Writes `first` plus the number of each lane of a mask to the beginning of `out`, and returns how many there are. The
-/// remainder is arbitrary, but 0 or other lanes.
+/// Writes `first` plus the number of each lane of a mask to the beginning of `out`, and returns their number. The rest of `out`
+/// is unspecified: zeros, or numbers of other lanes.
 #[inline(always)]
 fn compress<I: Isa>(isa: I, first: u32, mask: u16, out: &mut Lanes<u32>) -> usize {
     let _ = isa;
@@ -201,7 +201,7 @@ fn compress<I: Isa>(isa: I, first: u32, mask: u16, out: &mut Lanes<u32>) -> usiz
     }
     let mut count = 0;
     for lane in 0..LANES {
-        // The count never exceeds the lane, so the modulus changes nothing but spares a bounds check.
+        // The count never exceeds the lane: the modulus has no effect, but saves a bounds check.
         out[count % LANES] = first + lane as u32;
         count += usize::from(mask & (1 << lane) != 0);
     }
@@ -238,7 +238,7 @@ mod x86 {
         }
     }
 
-    /// The indices of the set bits of each byte, a byte each, and zeros.
+    /// Table of the indices of the set bits of each byte, one byte per index, followed by zeros.
     const BITS: [u64; 256] = {
         let mut table = [0; 256];
         let mut byte = 0;
@@ -280,7 +280,7 @@ mod x86 {
                 let byte = (mask >> (8 * half)) as u8;
                 let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(BITS[usize::from(byte)].cast_signed()));
                 let lanes = _mm256_add_epi32(lanes, _mm256_set1_epi32((first + 8 * half).cast_signed()));
-                // The second half begins at most 8 past the beginning, so that it ends within `out`.
+                // The second half begins at most 8 past the beginning, so it ends within `out`.
                 _mm256_storeu_si256(out.as_mut_ptr().add(count).cast(), lanes);
                 count += byte.count_ones() as usize;
             }

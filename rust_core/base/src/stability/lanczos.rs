@@ -1,11 +1,11 @@
-//! The largest eigenvalue of M⁻¹K (and of M⁻¹C alike) for the present directions of the springs, by a few steps of Lanczos'
+//! Largest eigenvalue of M⁻¹K (and likewise of M⁻¹C) for the present directions of the springs, by a few steps of the Lanczos
 //! method.
 //!
-//! The Gershgorin rows ([`super::rows`]) hold for all directions of the springs; this method uses the present ones. It
-//! takes products of the matrix M⁻½ K M⁻½ with a vector, and its largest Ritz value θ approaches the largest eigenvalue
-//! from below. Within the residual |β s| of θ there is an eigenvalue. That it is the largest is likely and not certain:
-//! hence a margin, and the rows where certainty is required. The start vector has random signs, and is large where rows
-//! are, as the fastest modes are.
+//! The Gershgorin rows ([`super::rows`]) hold for all directions of the springs; this method uses the present ones. It takes
+//! products of the matrix M⁻½ K M⁻½ with a vector. Its largest Ritz value θ approaches the largest eigenvalue from below. An
+//! eigenvalue lies within the residual |β s| of θ. Probably it is the largest one, but this is not certain: hence a margin, and
+//! the rows where certainty is required. The start vector has random signs, and is large where the rows are large, as the fastest
+//! modes are.
 //!
 //! Source: C. Lanczos, J. Res. Natl. Bur. Stand. 45 (1950) 255; B. N. Parlett, The Symmetric Eigenvalue Problem (1980),
 //! chapter 13. The vectors are not reorthogonalized: loss of orthogonality repeats converged eigenvalues, and adds none.
@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use crate::math::noise;
 
-/// A spring between two particles: its matrix has the longitudinal value `along` and the transverse value `across`.
+/// Spring between two particles: its matrix has the longitudinal value `along` and the transverse value `across`.
 #[derive(Debug, Clone, Copy)]
 pub struct Edge {
     pub ends: [u32; 2],
@@ -25,17 +25,18 @@ pub struct Edge {
 
 /// Number of matrix–vector products. Sixteen sufficed for 1000 random networks of up to 1600 particles.
 const PRODUCTS: usize = 16;
-/// Factor of the sum of the Ritz value and its residual.
+/// Safety factor of the sum of the Ritz value and its residual.
 const MARGIN: f64 = 1.02;
-/// Length of a new vector, relative to θ, that is rounding: the Krylov space of the start is exhausted.
+/// Length of a new vector, relative to θ, below which it is rounding error: the Krylov space of the start vector is exhausted.
 const NOTHING: f64 = 1e-9;
 
-/// Rates whose squares neither overflow nor underflow; beyond them the rows are used.
+/// Range of rates whose squares neither overflow nor underflow; outside it the rows are used.
 const SQUARABLE: std::ops::Range<f64> = 1e-140..1e140;
 
-/// Estimates of the largest eigenvalue from below, and from above, which is rarely less than it: of the springs `edges`,
-/// and of terms `alone` on the particles [1/s²], with the square roots of the inverse masses and the bound by rows at each
-/// particle.
+/// Estimates of the largest eigenvalue, from below and from above; the upper estimate is rarely too small.
+///
+/// The matrix consists of the springs `edges` and of terms `alone` on single particles [1/s²]. The slice `root` holds the square
+/// roots of the inverse masses, and `rows` the bound by rows at each particle.
 pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f64; 2] {
     let highest = rows.iter().fold(0.0, |highest: f64, &row| highest.max(row));
     if highest == 0.0 {
@@ -45,7 +46,7 @@ pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f6
         return [0.0, f64::INFINITY];
     }
     let flat = edges.iter().all(|edge| edge.direction.z == 0.0);
-    // In a plane configuration the fastest mode lies in that plane: a spring is stiffer longitudinally than transversely.
+    // In a plane configuration the fastest mode lies in the plane: a spring is stiffer longitudinally than transversely.
     let space = DVec3::new(1.0, 1.0, if flat { 0.0 } else { 1.0 });
     let start = rows.iter().enumerate().map(|(index, &row)| (row / highest).powi(2) * space * noise(index as u64));
     let mut vector: Vec<DVec3> = start.collect();
@@ -74,7 +75,7 @@ pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f6
     [ritz, MARGIN * (ritz + residual)]
 }
 
-/// M⁻½ K M⁻½ times a vector.
+/// Multiplies a vector by M⁻½ K M⁻½.
 fn multiply(edges: &[Edge], alone: &[f64], root: &[f64], vector: &[DVec3], image: &mut [DVec3]) {
     image.fill(DVec3::ZERO);
     for edge in edges {
@@ -89,15 +90,15 @@ fn multiply(edges: &[Edge], alone: &[f64], root: &[f64], vector: &[DVec3], image
     }
 }
 
-/// The scalar product, summed in a fixed order.
+/// Scalar product, summed in a fixed order.
 fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one.dot(*other)).sum()
 }
 
-/// The largest eigenvalue of a symmetric tridiagonal matrix, not above `highest` but for rounding, and its residual: the
+/// Largest eigenvalue of a symmetric tridiagonal matrix, at most `highest` up to rounding, and its residual. The residual is the
 /// last off-diagonal element times the last entry of the eigenvector.
 fn top(diagonal: &[f64], beside: &[f64], highest: f64) -> (f64, f64) {
-    // Sylvester: all pivots of T − λ are negative just above the largest eigenvalue.
+    // Sylvester's law of inertia: all pivots of T − λ are negative just above the largest eigenvalue.
     let above = |value: f64| {
         let mut pivot = diagonal[0] - value;
         (1..diagonal.len()).all(|index| {
@@ -134,7 +135,7 @@ mod tests {
         let (found, residual) = top(&[2.0, 3.0], &[1.0, 0.5], 4.0);
         assert!((found - exact).abs() < 1e-14);
         assert!((residual - 0.5 * (exact - 2.0) / 1.0_f64.hypot(exact - 2.0)).abs() < 1e-14);
-        // Of one vector the residual is what is left of its image.
+        // With a single vector, the residual is the remainder of its image.
         assert_eq!(top(&[2.0], &[0.5], 4.0).1, 0.5);
     }
 }

@@ -1,13 +1,13 @@
-//! The modes of a body as a box of frequencies and dampings, and the largest stable step of all of them.
+//! Modes of a body as a box of frequencies and dampings, and the largest stable step of all of them.
 //!
-//! All modes have ω² and γ between a least and a highest value. Along a ray of constant ξ = γ/2ω the limit is L(ξ)/ω, so it
-//! is smallest where the ray leaves the box: at the highest ω, or at the highest γ. That leaves one minimum over ξ. A
-//! particle under harmonic wells and linear drag alone is one oscillator, and its box one point.
+//! All modes have ω² and γ between a lower and an upper bound. Along a ray of constant ξ = γ/2ω the limit is L(ξ)/ω. It is
+//! smallest where the ray leaves the box: at the highest ω, or at the highest γ. One minimization over ξ remains. A particle
+//! under harmonic wells and linear drag alone is one oscillator, and its box is a point.
 
 use super::rows::Row;
 use crate::integrators::{Facts, amplification};
 
-/// The stability limits of an integrator on an oscillator.
+/// Stability limits of an integrator for an oscillator.
 #[derive(Debug, Clone, Copy)]
 pub struct Method {
     /// [`Integrator::limit`].
@@ -25,51 +25,51 @@ impl Method {
     }
 }
 
-/// The range of a rate, ω² [1/s²] or γ [1/s], over all modes of a body.
+/// Range of a rate, ω² [1/s²] or γ [1/s], over all modes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Upper bound.
     pub highest: Row,
     /// Lower bound.
     pub least: f64,
-    /// Lower bound of the largest rate; 0 where unknown.
+    /// Lower bound of the largest rate; 0 if unknown.
     pub reached: f64,
 }
 
 impl Band {
-    /// A single rate.
+    /// Band of a single rate.
     pub fn exactly(row: Row) -> Self {
         Self { highest: row, least: row.rate, reached: row.rate }
     }
 
-    /// The union of two bands.
+    /// Smallest band that contains two bands.
     pub fn with(self, other: Self) -> Self {
         let highest = if other.highest.rate > self.highest.rate { other.highest } else { self.highest };
         Self { highest, least: self.least.min(other.least), reached: self.reached.max(other.reached) }
     }
 }
 
-/// The box that encloses the modes of a body.
+/// Box that encloses the modes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modes {
     pub stiffness: Band,
     pub damping: Band,
 }
 
-/// Damping ratio of pure damping: there 2ξL(ξ) is within 1e-12 of its limit for ξ → ∞.
+/// Damping ratio that stands for pure damping: here 2ξL(ξ) is within 1e-12 of its limit for ξ → ∞.
 const PURE_DAMPING: f64 = 1e6;
-/// Number of rays on each of the two outer edges. The lowest is then refined between its neighbors, so it only has to lie
-/// in the basin of the minimum of L. The narrowest are PEFRL's, 0.28 < ξ < 0.32, which counts while the corner of the box
-/// lies between that and ξ = 0.5, and then holds four rays; and `BlanesMoan4`'s, 0.10 < ξ < 0.14, which counts up to 0.31
-/// and then holds eight. Compared with 20,000 rays, the limits are the same for all corners of all integrators' boxes.
+/// Number of rays on each of the two outer edges. The lowest ray is then refined between its neighbors, so it only has to lie in
+/// the basin of the minimum of L. The narrowest basins are those of PEFRL and `BlanesMoan4`. PEFRL's, 0.28 < ξ < 0.32, matters
+/// while the corner of the box lies between it and ξ = 0.5; it then holds four rays. `BlanesMoan4`'s, 0.10 < ξ < 0.14, matters up
+/// to 0.31; it then holds eight. With 20,000 rays, the limits are equal for all corners of the boxes of all integrators.
 const RAYS: usize = 64;
 
-/// Factor of the upper bound of stable steps where stiffness and damping couple the modes, so that none of them has the
-/// highest frequency or damping: measured, not proved. Without it, a network was stable up to 5 % above the bound.
+/// Factor of the upper bound of stable steps where stiffness and damping couple the modes: no mode then has the highest frequency
+/// or damping. Measured, not proved; without it, a network was stable up to 5 % above the bound.
 const MIXED: f64 = 1.5;
 
 impl Modes {
-    /// The bounding box of both.
+    /// Bounding box of two boxes.
     pub fn with(&self, other: &Self) -> Self {
         Self { stiffness: self.stiffness.with(other.stiffness), damping: self.damping.with(other.damping) }
     }
@@ -80,7 +80,7 @@ impl Modes {
         encloses(&self.stiffness, &other.stiffness) && encloses(&self.damping, &other.damping)
     }
 
-    /// The largest stable step of all modes [s], and the term that sets it.
+    /// Largest stable step of all modes [s], and the term that sets it.
     pub fn limit(&self, method: &Method) -> (f64, &'static str) {
         let Self { stiffness, damping } = self;
         let Method { largest, coupled, .. } = *method;
@@ -94,7 +94,7 @@ impl Modes {
         }
         let along = |angle: f64| {
             let ratio = libm::tan(angle).clamp(0.0, PURE_DAMPING);
-            // At ξ = 0 without damping the second is 0/0, which `min` ignores.
+            // At ξ = 0 without damping the second operand is 0/0, which `min` ignores.
             largest(ratio) / frequency.min(damping.highest.rate / (2.0 * ratio))
         };
         let corner = libm::atan(damping.highest.rate / (2.0 * frequency));
@@ -106,8 +106,8 @@ impl Modes {
         (margin * stiff.min(damped), binding.highest.term)
     }
 
-    /// Upper bound of the stable steps [s]: the largest stable step of the mode of the highest frequency, or of the highest
-    /// damping, for any value of its other rate. Infinite where neither is known.
+    /// Upper bound of the stable steps [s]. It is the largest stable step of the mode with the highest frequency, or with the
+    /// highest damping, for any value of its other rate. Infinite if neither is known.
     pub fn endured(&self, method: &Method) -> f64 {
         let Self { stiffness, damping } = self;
         let ratio = |damping: f64, square: f64| damping / (2.0 * square.sqrt());
@@ -129,8 +129,8 @@ impl Modes {
     }
 }
 
-/// The maximum of a function of the damping ratio on rays from one to another. It may be larger between two of them: unlike
-/// a limit, the value is only informative, and a quarter of the rays suffices.
+/// Maximum of a function of the damping ratio, on rays from `low` to `high`. The function may be larger between two rays. Unlike
+/// a limit, this value is only informative, and a quarter of the rays suffices.
 fn peak(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let rays = if low < high { RAYS / 4 } else { 0 };
     let (low, high) = (libm::atan(low), libm::atan(high));
@@ -138,7 +138,7 @@ fn peak(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     (0..=rays).map(|ray| function(libm::tan(at(ray)).clamp(0.0, PURE_DAMPING))).fold(0.0, f64::max)
 }
 
-/// The minimum of a function between `low` and `high`.
+/// Minimum of a function between `low` and `high`.
 fn minimize(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     if low >= high {
         return function(high);
@@ -150,14 +150,13 @@ fn minimize(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     values[least].min(function(refined))
 }
 
-/// A cache of an integrator's limits for the boxes of modes of the previous bound. Most of them stay the same from step to
-/// step, and a box with damping takes thousands of trial steps.
+/// Cache of an integrator's limits for the boxes of modes of the previous bound. Most boxes stay equal from step to step, and a
+/// box with damping takes thousands of trial steps.
 #[derive(Debug, Default)]
 pub struct LimitCache(Vec<(Modes, (f64, &'static str))>);
 
 impl LimitCache {
-    /// Updates the cache to these boxes, computing the limits of new ones. Returns the smallest limit, and the term that
-    /// sets it.
+    /// Updates the cache to these boxes, computing the limits of new ones. Returns the smallest limit and the term that sets it.
     pub fn least(&mut self, boxes: &[Modes], method: &Method) -> (f64, &'static str) {
         let known = std::mem::take(&mut self.0);
         let of = |modes: &Modes| {

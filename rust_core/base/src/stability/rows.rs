@@ -1,44 +1,44 @@
-//! Gershgorin-type bounds on the largest eigenvalue of M⁻¹K (and of M⁻¹C alike) from its rows.
+//! Gershgorin-type bounds on the largest eigenvalue of M⁻¹K (and likewise of M⁻¹C) from its rows.
 //!
-//! Let each spring e join i and j with stiffness kₑ, and each particle carry point terms of total stiffness pᵢ. As a spring's
-//! matrix lies between −kₑ and kₑ times that of a spring which pulls alike in every direction, ω² ≤ ρ, the spectral radius
-//! of the non-negative matrix Q = M⁻¹(D + A + P) with Dᵢ = dᵢ = Σ kₑ at i, Aᵢⱼ = kₑ and P = diag(p). By Perron and
-//! Frobenius, Q has an eigenvector x ≥ 0 with ρ:
+//! Let each spring e join i and j with stiffness kₑ, and let each particle carry point terms of total stiffness pᵢ. The matrix of
+//! a spring lies between −kₑ and kₑ times that of a spring with equal stiffness in every direction. Therefore ω² ≤ ρ, the
+//! spectral radius of the non-negative matrix Q = M⁻¹(D + A + P). Here Dᵢ = dᵢ = Σ kₑ at i, Aᵢⱼ = kₑ and P = diag(p). By the
+//! Perron–Frobenius theorem, Q has an eigenvector x ≥ 0 with eigenvalue ρ:
 //!
 //! ```text
 //! (ρ − pᵢ/mᵢ) xᵢ = Σ over e at i of kₑ/mᵢ yₑ,   with yₑ = xᵢ + xⱼ.
 //! ```
 //!
-//! Write σᵢ = dᵢ/mᵢ, qᵢ = pᵢ/mᵢ. Where ρ exceeds all q, xᵢ ≤ σᵢ y/(ρ − qᵢ) with y the largest yₑ; added up over the two
-//! ends of that spring, 1 ≤ σᵢ/(ρ − qᵢ) + σⱼ/(ρ − qⱼ), that is
+//! Write σᵢ = dᵢ/mᵢ, qᵢ = pᵢ/mᵢ. Where ρ exceeds all q, xᵢ ≤ σᵢ y/(ρ − qᵢ), where y is the largest yₑ. The sum over the two ends
+//! of this spring gives 1 ≤ σᵢ/(ρ − qᵢ) + σⱼ/(ρ − qⱼ), that is
 //!
 //! ```text
 //! ρ ≤ largest eigenvalue of [ qᵢ + σᵢ   σᵢ      ]
 //!                           [ σⱼ        qⱼ + σⱼ ]  for some spring, or ρ ≤ qᵢ for some particle.
 //! ```
 //!
-//! Without point terms this is the bound dᵢ/mᵢ + dⱼ/mⱼ of the springs' Gram matrix; with the same q everywhere q is added,
-//! as Weyl's inequality has it. Fixed particles have infinite mass and move in no mode: σ = q = 0.
+//! Without point terms this is the bound dᵢ/mᵢ + dⱼ/mⱼ of the Gram matrix of the springs. With equal q everywhere, q is added, in
+//! accord with Weyl's inequality. Fixed particles have infinite mass and move in no mode: σ = q = 0.
 
-/// The largest row, as a rate (ω² [1/s²] or γ [1/s]), and the term that contributes most to it.
+/// Largest row, as a rate (ω² [1/s²] or γ [1/s]), and the term that contributes most to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     pub rate: f64,
     pub term: &'static str,
 }
 
-/// The rows of the stiffness, or of the damping, of all terms.
+/// Rows of the stiffness, or of the damping, of all terms.
 #[derive(Debug, Clone)]
 pub struct GershgorinRows {
-    /// The name of the springs' term.
+    /// Name of the term of the springs.
     springs: &'static str,
-    /// The ends of each spring.
+    /// Ends of each spring.
     ends: Vec<[u32; 2]>,
-    /// The sum over the springs at each particle; empty without springs.
+    /// Sum over the springs at each particle; empty without springs.
     joined: Vec<f64>,
-    /// The sum over the point terms of each particle; empty without any.
+    /// Sum over the point terms of each particle; empty if none.
     alone: Vec<f64>,
-    /// The largest point term of each particle.
+    /// Largest point term of each particle.
     leading: Vec<(f64, &'static str)>,
 }
 
@@ -69,7 +69,7 @@ impl GershgorinRows {
         }
     }
 
-    /// The largest row of each body, over the particles for which `counts` holds.
+    /// Largest row of each body, over the particles for which `counts` holds.
     pub fn largest(&self, inverse_mass: &[f64], body: &[u32], bodies: usize, counts: impl Fn(usize) -> bool) -> Vec<Row> {
         let mut rows = vec![Row { rate: 0.0, term: "" }; bodies];
         self.visit(inverse_mass, |i, _, rate, term| {
@@ -81,7 +81,7 @@ impl GershgorinRows {
         rows
     }
 
-    /// The largest row of each particle.
+    /// Largest row of each particle.
     pub fn at_particles(&self, inverse_mass: &[f64]) -> Vec<f64> {
         let mut rows = vec![0.0; inverse_mass.len()];
         self.visit(inverse_mass, |i, j, rate, _| {
@@ -92,24 +92,24 @@ impl GershgorinRows {
         rows
     }
 
-    /// The rate of the point terms of each particle.
+    /// Rate of the point terms of each particle.
     pub fn points<'a>(&'a self, inverse_mass: &'a [f64]) -> impl Fn(usize) -> f64 + 'a {
         |i| at(&self.alone, inverse_mass, i)
     }
 
-    /// The sum over the point terms of a particle without springs; None with springs.
+    /// Sum over the point terms of a particle without springs; None with springs.
     pub fn alone_at(&self, i: usize) -> Option<f64> {
         let joined = self.joined.get(i).is_some_and(|&sum| sum > 0.0);
         (!joined).then(|| self.alone.get(i).copied().unwrap_or(0.0))
     }
 
-    /// The largest point term of a particle; empty without any.
+    /// Largest point term of a particle; empty if none.
     pub fn leading(&self, i: usize) -> &'static str {
         self.leading.get(i).map_or("", |&(_, term)| term)
     }
 
-    /// Calls `raise` for every row: the ends of its spring, twice the same particle for a point term, the rate, and the
-    /// binding term.
+    /// Calls `raise` for every row, with the ends of its spring, the rate and the binding term. For a point term, both ends are
+    /// the particle.
     fn visit(&self, inverse_mass: &[f64], mut raise: impl FnMut(usize, usize, f64, &'static str)) {
         let at = |sums: &[f64], i: usize| at(sums, inverse_mass, i);
         for i in 0..self.alone.len() {
@@ -130,12 +130,12 @@ impl GershgorinRows {
     }
 }
 
-/// A sum over mass, as a rate: 0 for an empty sum, or for a fixed particle, even if the sum is infinite.
+/// Sum over mass, as a rate: 0 for an empty sum, or for a fixed particle, even if the sum is infinite.
 fn at(sums: &[f64], inverse_mass: &[f64], i: usize) -> f64 {
     sums.get(i).map_or(0.0, |&sum| if sum > 0.0 && inverse_mass[i] > 0.0 { sum * inverse_mass[i] } else { 0.0 })
 }
 
-/// √(leg² + one·other), without overflow of the squares: `hypot` takes longer than all the rest of a row.
+/// Computes √(leg² + one·other) without overflow of the squares. `hypot` would take longer than the rest of a row.
 fn hypotenuse(leg: f64, one: f64, other: f64) -> f64 {
     let sum = leg * leg + one * other;
     if sum.is_normal() { sum.sqrt() } else { libm::hypot(leg, one.sqrt() * other.sqrt()) }

@@ -1,4 +1,4 @@
-//! Shapes cover as many pixels as their areas say.
+//! Tests of coverage: shapes cover as many pixels as their areas require.
 
 use physcore_canvas::{Canvas, Disc, Line, Mixing, Painting};
 use proptest::prelude::*;
@@ -15,10 +15,10 @@ fn covered(canvas: &Canvas) -> f64 {
     canvas.pixels().iter().map(|pixel| f64::from(pixel[0]) / 255.0).sum()
 }
 
-/// The ramp is Lipschitz with constant 1 and not constant only in a band one pixel wide along the perimeter p. Sampling it at
-/// pixel centers is the midpoint rule, whose error per pixel of the band is at most the mean distance to the pixel's center,
-/// 0.383; the errors of about p + 4 pixels have varying signs, so that they add up like their root. Rounding to 1/256 adds at
-/// most 1/256 for each of the band's pixels.
+/// Bound of the sampling error. The ramp is Lipschitz continuous with constant 1. It varies only in a band one pixel wide along
+/// the perimeter p. Sampling at pixel centers is the midpoint rule. Its error per pixel of the band is at most the mean distance
+/// from the center of the pixel, 0.383. The errors of about p + 4 pixels have varying signs, so they add up like the square root
+/// of their number. Rounding to 1/256 adds at most 1/256 for each pixel of the band.
 fn sampling_error(perimeter: f64) -> f64 {
     let pixels = perimeter + 4.0;
     0.383 * pixels.sqrt() + pixels / 256.0
@@ -41,7 +41,7 @@ proptest! {
         let mut canvas = black();
         canvas.line(Line { from, to, width, color: WHITE, softness: 1.0 });
         let length = f64::from((to[0] - from[0]).hypot(to[1] - from[1]));
-        // The two round ends make a disc of the drawn half width h, of which the ramp gives π(h² + 1/12).
+        // The two round ends form a disc of the drawn half width h, to which the ramp gives π(h² + 1/12).
         let (w, half) = (f64::from(width), f64::from(width.max(1.0)) / 2.0);
         let ends = std::f64::consts::PI * (half * half + 1.0 / 12.0) * w.min(1.0);
         let error = (covered(&canvas) - (w * length + ends)).abs();
@@ -58,13 +58,13 @@ proptest! {
         let side = |p: [f32; 2], q: [f32; 2]| f64::from((p[0] - q[0]).hypot(p[1] - q[1]));
         let perimeter = side(a, b) + side(b, c) + side(c, a);
         let error = (covered(&canvas) - f64::from(doubled.abs()) / 2.0).abs();
-        // The ramp lies half outside each side, and in a corner of angle α the outer halves meet: at most a half pixel each way,
-        // so that a very flat triangle may gain up to a quarter of its perimeter (both sides' half ramps, of area 1/8 each).
+        // Half of the ramp lies outside each side, and the outer halves meet in corners, at most half a pixel each way. A very
+        // flat triangle may thus gain up to a quarter of its perimeter (both sides' half ramps, of area 1/8 each).
         prop_assert!(error < sampling_error(perimeter) + perimeter / 4.0, "{error}");
     }
 
-    /// Pixels are blended in groups; where the clip begins or ends within one, those outside stay as they are. Distances are
-    /// rounded from another first pixel then, which may change an opacity by one level.
+    /// Pixels are blended in groups. If the clip begins or ends within a group, its pixels outside the clip stay unchanged.
+    /// Distances are then rounded from another first pixel, which may change an opacity by one level.
     #[test]
     fn a_clip_changes_nothing_within_it(
         from in [5.0..60.0_f32, 5.0..60.0_f32], to in [5.0..60.0_f32, 5.0..60.0_f32], width in 0.1..8.0_f32,
@@ -118,8 +118,8 @@ proptest! {
     }
 }
 
-/// Averaged over 16 × 16 sub-pixel offsets, sampling errs no more: what is left is the ramp's integral, and the rounding of each
-/// pixel of the edge to 1/256, at most (2πr + 8)/512 and, as it goes both ways, in fact far less.
+/// Averages over 16 × 16 sub-pixel offsets, which removes the sampling error. The integral of the ramp remains, and the rounding
+/// of each edge pixel to 1/256. Rounding is at most (2πr + 8)/512, and far less in practice because it has both signs.
 #[test]
 fn a_disc_covers_exactly_its_area_on_average() {
     for radius in [0.1, 0.3, 0.57, 0.59, 1.0, 2.3, 7.0_f32] {

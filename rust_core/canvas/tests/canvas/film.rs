@@ -1,4 +1,4 @@
-//! What a film holds is what was drawn, read back by the `gif` crate, which shares no code with the writer.
+//! Tests of films: frames read back by the `gif` crate, which shares no code with the writer, equal the drawn frames.
 
 use std::fs;
 use std::io::Write;
@@ -20,7 +20,7 @@ fn film(frames: &[(Canvas, u16)], palette: &Palette) -> Vec<u8> {
     gif.finish().expect("a vector takes all")
 }
 
-/// The same film, encoded on a thread of its own.
+/// Encodes a film on a separate thread.
 fn film_in_background(frames: &[(Canvas, u16)], palette: &Palette) -> Vec<u8> {
     let gif = Gif::new(Vec::new(), &frames[0].0, palette.clone()).expect("a vector takes all");
     let mut background = Background::new(gif).expect("a thread");
@@ -33,7 +33,7 @@ fn film_in_background(frames: &[(Canvas, u16)], palette: &Palette) -> Vec<u8> {
     bytes
 }
 
-/// The colors on the screen after each frame, as the format says that a viewer shall compose them, and the delays.
+/// Colors on the screen after each frame, composed as the format prescribes for viewers, and the delays.
 fn shown(bytes: &[u8]) -> (Vec<Vec<[u8; 3]>>, Vec<u16>) {
     let mut decoder = gif::DecodeOptions::new().read_info(bytes).expect("a valid header");
     let table: Vec<[u8; 3]> = decoder.global_palette().expect("one palette").chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
@@ -55,7 +55,7 @@ fn shown(bytes: &[u8]) -> (Vec<Vec<[u8; 3]>>, Vec<u16>) {
     (screens, delays)
 }
 
-/// The colors that the palette gives each pixel.
+/// Palette colors of the pixels.
 fn reduced(canvas: &Canvas, palette: &mut Palette) -> Vec<[u8; 3]> {
     let mut indices = Vec::new();
     palette.indices(canvas.pixels(), canvas.width(), &mut indices);
@@ -91,7 +91,7 @@ proptest! {
             }
             frame.disc(Disc { center: [x, y], radius, color, shading: 0.5, softness: 1.0 });
             frames.push((frame.clone(), 3 + index as u16));
-            frames.push((frame.clone(), 4)); // a picture that rests is a frame all the same
+            frames.push((frame.clone(), 4)); // an unchanged picture is a frame too
         }
         let mut palette = palette_with(&frames, quality, most);
         prop_assert!(palette.colors().len() <= usize::from(most));
@@ -111,7 +111,8 @@ proptest! {
         prop_assert_eq!(&bytes, &film_in_background(&frames, &palette), "on any thread");
     }
 
-    /// Each pixel is off by no more than was said, however long the film goes on; what rests stays; the ground is clean.
+    /// Checks that each pixel is within the tolerance, however long the film; that pixels at rest stay; and that backgrounds are
+    /// clean.
     #[test]
     fn a_tolerant_film_keeps_within_its_tolerance(
         width in 1..80_usize, height in 1..60_usize, distance in 1..40_u8,
@@ -149,9 +150,9 @@ proptest! {
         }
     }
 
-    /// Every color of a cell gets the color q that is nearest to the cell's middle m, or one of the palette inside the cell. With b
-    /// the nearest to the color p itself and r half the cell's diagonal, |p − q| ≤ |m − q| + r ≤ |m − b| + r ≤ |p − b| + 2r; and
-    /// in the other case |p − q| ≤ 2r.
+    /// Every color of a cell gets the color q nearest to the middle m of the cell, or a palette color inside the cell. Let b be
+    /// the color nearest to the color p itself, and r half the diagonal of the cell.
+    /// Then |p − q| ≤ |m − q| + r ≤ |m − b| + r ≤ |p − b| + 2r. In the other case |p − q| ≤ 2r.
     #[test]
     fn a_pixel_gets_almost_the_nearest_color(
         colors in prop::collection::vec(any::<[u8; 3]>(), 300..900), most in 2..=255_u8,
@@ -169,7 +170,7 @@ proptest! {
     }
 }
 
-/// A row of pixels in these colors.
+/// Draws a row of pixels in these colors.
 fn mosaic(colors: &[[u8; 3]]) -> Canvas {
     let mut frame = canvas(colors.len(), 1);
     for (&[red, green, blue], x) in colors.iter().zip(0_u16..) {
@@ -179,7 +180,7 @@ fn mosaic(colors: &[[u8; 3]]) -> Canvas {
     frame
 }
 
-/// The mean square of what the palette changes in a channel.
+/// Mean square error of a channel by the palette.
 fn mean_square_error(colors: &[[u8; 3]], quality: Quality, most: u8) -> f64 {
     let frame = mosaic(colors);
     let shown = reduced(&frame, &mut palette_with(&[(frame.clone(), 3)], quality, most));
@@ -187,9 +188,9 @@ fn mean_square_error(colors: &[[u8; 3]], quality: Quality, most: u8) -> f64 {
     channels.map(|(&drawn, &shown)| f64::from(drawn.abs_diff(shown)).powi(2)).sum::<f64>() / (3 * colors.len()) as f64
 }
 
-/// A ramp is cut in halves of halves: 2^k colors stand for equal parts of L = 256 / 2^k levels, and k-means leaves them there. The
-/// mean of the levels of a part lies between two of them and is rounded to one: the mean square of −(L/2 − 1) … L/2 is
-/// (L² − 1) / 12 + 1/4. One color more is reserved for the background.
+/// A ramp is halved repeatedly: 2^k colors represent equal parts of L = 256 / 2^k levels, and k-means keeps them there. The mean
+/// of the levels of a part lies between two levels and is rounded to one. The mean square of −(L/2 − 1) … L/2 is (L² − 1) / 12 +
+/// 1/4. One more color is reserved for the background.
 #[test]
 fn a_gray_ramp_is_as_good_as_equal_steps() {
     let ramp: Vec<[u8; 3]> = (0..=255).map(|level| [level; 3]).collect();
@@ -201,9 +202,9 @@ fn a_gray_ramp_is_as_good_as_equal_steps() {
     }
 }
 
-/// A square of two channels with 250 colors is cut at least seven times everywhere, into parts of 16 × 32 levels: per channel a
-/// mean square of at most (16² + 32²) / 12 / 3 and 1/4 for rounding, to which cells of the look-up of side s add (s² − 1) / 12,
-/// as their middle is another place to measure from.
+/// A square of two channels with 250 colors is cut at least seven times everywhere, into parts of 16 × 32 levels. The mean square
+/// per channel is at most (16² + 32²) / 12 / 3, and 1/4 for rounding. Cells of the look-up table of side s add (s² − 1) / 12,
+/// because distances are measured from their middle.
 #[test]
 fn a_square_of_colors_is_as_good_as_equal_parts() {
     let square: Vec<[u8; 3]> =
@@ -228,17 +229,17 @@ fn fewer_colors_make_a_smaller_table() {
     }
 }
 
-/// High quality stores a frame in the smaller of two ways, so with the same indices no film grows.
+/// High quality stores a frame in the smaller of two encodings, so with equal indices no film grows.
 #[test]
 fn high_quality_takes_the_smaller_way_to_store_a_frame() {
-    // What rests is of the same color as what has changed: one long run, unless transparent pieces interrupt it.
+    // Unchanged pixels have the color of changed ones: one long run, unless transparent pieces interrupt it.
     let stripes: Vec<[u8; 3]> = (0..4000).map(|x| [if x % 100 < 40 { 9 } else { 200 }, 0, 0]).collect();
     let frames = [(mosaic(&stripes), 3), (mosaic(&[[9, 0, 0]; 4000]), 3)];
     let length = |quality| film(&frames, &palette_with(&frames, quality, 255)).len();
     assert!(length(Quality::High) < length(Quality::Fast));
 }
 
-/// A ramp that moves: its colors differ by less than the tolerance from those of the frame before.
+/// A moving ramp: its colors differ from those of the previous frame by less than the tolerance.
 #[test]
 fn a_tolerant_film_is_smaller() {
     let ramp = |shift: u32| mosaic(&(0..4000_u32).map(|x| [((x + shift) % 500 / 2) as u8, 90, 40]).collect::<Vec<_>>());
@@ -261,7 +262,7 @@ fn there_are_two_qualities() {
     assert_eq!(message, "quality: must be \"fast\" or \"high\", got \"best\"");
 }
 
-/// Takes so many bytes and then none.
+/// Writer that accepts this number of bytes and then fails.
 struct Full(usize);
 
 impl Write for Full {
@@ -291,7 +292,7 @@ fn a_full_disk_is_reported_from_the_other_thread_too() {
     assert!(last.written().is_err() || last.finish().is_err(), "no failure is lost at the end");
 }
 
-/// Noise fills the dictionary of 4096 strings again and again; with every change of its width, off by one would show here.
+/// Noise fills the dictionary of 4096 strings repeatedly; an off-by-one error at a change of the code width would show here.
 #[test]
 fn noise_survives() {
     let mut state = 1_u32;
@@ -372,14 +373,14 @@ fn a_file_is_the_new_one_whole_or_the_old_one() {
     fs::remove_dir_all(&folder).expect("an empty folder");
 }
 
-/// A halo in the middle of a picture.
+/// Draws a halo in the middle of a picture.
 fn glowing(color: [u8; 3], shadow: bool) -> Canvas {
     let mut picture = Canvas::new(512, 512, if shadow { [250; 3] } else { BACKGROUND }).expect("a valid size");
     picture.halo(Halo { center: [256.0, 256.0], radius: 250.0, color: [color[0], color[1], color[2], 160], shadow });
     picture
 }
 
-/// Differences of the means of colors over squares of 8 × 8 pixels from those of a picture, squared and added up.
+/// Sum of the squared differences of mean colors over 8 × 8 pixels from those of a picture.
 fn unevenness(picture: &Canvas, colors: &[[u8; 3]]) -> f64 {
     let width = picture.width();
     let mut sums = vec![[0.0; 3]; (width / 8) * (picture.height() / 8)];
@@ -390,8 +391,8 @@ fn unevenness(picture: &Canvas, colors: &[[u8; 3]]) -> f64 {
     sums.iter().flatten().map(|sum| (sum / 64.0) * (sum / 64.0)).sum()
 }
 
-/// In few colors the means of glow are less than half as far off as with nearest colors: it has no rings. (They are off where
-/// the palette ends, at the center, beyond which there is no color to mix with.)
+/// With few colors, the mean errors of glow are less than half of those with nearest colors: no rings appear. (The means are off
+/// where the palette ends, at the center, beyond which no color is available for mixing.)
 #[test]
 fn glow_is_dithered() {
     for (color, shadow) in [([255, 190, 60], false), ([60, 160, 255], false), ([220, 90, 40], true)] {
@@ -414,7 +415,7 @@ fn glow_is_dithered() {
     }
 }
 
-/// A color that is the palette's own is shown as it is, in glow too, and what covers glow is not dithered.
+/// A color of the palette is shown exactly, in glow too; shapes that cover glow are not dithered.
 #[test]
 fn only_glow_between_two_colors_is_dithered() {
     let picture = glowing([255, 190, 60], false);
@@ -431,8 +432,8 @@ fn only_glow_between_two_colors_is_dithered() {
     assert!(first.iter().all(|shown| *shown == first[0]));
 }
 
-/// A color is included where none is within 24 levels in each channel, up to the 8 of a cell; then the palette has it, and a color
-/// that is alike changes nothing.
+/// A color is included if none is within 24 levels in each channel, up to the 8 of a cell. The palette then contains it, and a
+/// similar color changes nothing.
 #[test]
 fn included_colors_are_in_the_palette() {
     let mut picture = canvas(64, 64);

@@ -1,18 +1,18 @@
-//! Shadows fall where something stands in the way of the lamp, and nowhere else; ground is where a plane is seen.
+//! Tests of light and ground: shadows fall where an object blocks the lamp, and nowhere else; ground is where its plane is seen.
 
 use physcore_canvas::{Canvas, Disc, Eye, Ground, Light, Line, Painting, Triangle};
 
 const SIDE: usize = 200;
 const GRAY: u8 = 200;
-/// From straight above, in a picture whose up is up.
+/// Lamp direction straight above, in a picture whose vertical axis is up.
 const ABOVE: [f32; 3] = [0.0, 1.0, 0.0];
 
-/// An orthographic view, 50 pixels per unit, of a floor at the height −1, seen from 45 degrees above.
+/// Draws an orthographic view, 50 pixels per unit, of a floor at the height −1, seen from 45 degrees above.
 fn floor(grid: Option<([u8; 3], f32, f32)>) -> Canvas {
     let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
     canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
     let half = 0.5_f32.sqrt();
-    // The scene's up is tilted toward the eye.
+    // The vertical axis of the scene is tilted toward the eye.
     let normal = [0.0, half, half];
     let center = normal.map(|component| -component);
     canvas.ground(&Ground { normal, center, size: 100.0, color: [GRAY; 3], grid, along: [1.0, 0.0, 0.0], part: None });
@@ -34,7 +34,7 @@ fn gray(canvas: &Canvas, x: usize, y: usize) -> u8 {
     canvas.pixels()[y * SIDE + x][0]
 }
 
-/// Along the floor's normal n the foot of a ball's center c is c − ((c + n)·n) n: of the focus it is −n, which is seen 50·√½ = 35
+/// Along the floor's normal n, the foot of the center c of a ball is c − ((c + n)·n) n. For the focus it is −n, seen 50·√½ = 35
 /// pixels below the middle of the picture. The dither of the floor is at most 1.5 levels.
 #[test]
 fn a_ball_has_its_shadow_at_its_foot_and_nowhere_else() {
@@ -47,7 +47,7 @@ fn a_ball_has_its_shadow_at_its_foot_and_nowhere_else() {
     }
 }
 
-/// The floor is the plane y' = −1 along its normal; a lamp that shines along the floor from the left meets it with the cosine 0.
+/// The floor is the plane y' = −1 along its normal; a lamp along the floor from the left has an incidence cosine of 0.
 #[test]
 fn no_shadow_falls_on_what_the_lamp_does_not_reach() {
     let canvas = lit(&[([100.0, 100.0], 15.0, 0.0)], [-1.0, 0.0, 0.0]);
@@ -55,8 +55,8 @@ fn no_shadow_falls_on_what_the_lamp_does_not_reach() {
     assert!((0..SIDE * SIDE).filter(beside).all(|pixel| canvas.pixels()[pixel][1] >= GRAY - 3));
 }
 
-/// Where two sides of a body meet, one with its center in a pixel keeps half of it or more, whichever is drawn first: an edge
-/// between many of them does not go to and fro.
+/// Where two sides of a body meet, the side with its center in a pixel keeps half of it or more, whichever is drawn first. An
+/// edge between many sides therefore does not alternate.
 #[test]
 fn an_edge_lies_where_its_sides_meet_in_either_order() {
     let picture = |first: usize| {
@@ -89,7 +89,7 @@ fn an_edge_lies_where_its_sides_meet_in_either_order() {
     }
 }
 
-/// Nor is there anything above a plane, of triangles however thin.
+/// Nothing is above a plane, even one made of thin triangles.
 #[test]
 fn a_wall_of_thin_triangles_takes_no_light_from_itself() {
     for slope in [0.0_f32, 0.01, 0.04] {
@@ -117,7 +117,7 @@ fn a_wall_of_thin_triangles_takes_no_light_from_itself() {
     }
 }
 
-/// A straight rod is convex: nothing of it lies above another part of it, whatever it is put together from.
+/// A straight rod is convex: no part of it is above another part, however it is composed.
 #[test]
 fn a_rod_of_several_lines_takes_no_light_from_itself() {
     for slope in [-0.015_f32, 0.0, 0.004, 0.015] {
@@ -155,7 +155,7 @@ fn a_place_among_others_gets_less_light_from_around() {
         canvas.pixels().iter().map(|pixel| u32::from(pixel[0])).sum()
     };
     assert!(total(0.8) < total(0.4) && total(0.4) < total(0.0));
-    // Far from the crowd nothing is lost.
+    // Far from the crowd, no light is lost.
     let (mut painting, mut canvas) = (Painting::default(), floor(None));
     painting.light(Light { lamp: ABOVE, shadow: 0.0, occlusion: 0.8, reach: 10.0 });
     painting.disc(Disc { center: [100.0, 100.0], radius: 5.0, color: [255; 4], shading: 0.5, softness: 1.0 }, 0.0);
@@ -163,7 +163,7 @@ fn a_place_among_others_gets_less_light_from_around() {
     assert_eq!(gray(&canvas, 20, 20), gray(&floor(None), 20, 20));
 }
 
-/// Colors that stand for values are those that were asked for: no light falls on a disc without shading.
+/// Colors that represent values are exact: an unshaded disc receives no light.
 #[test]
 fn what_is_not_shaded_is_not_lit() {
     let (mut painting, mut canvas) = (Painting::default(), floor(None));
@@ -174,7 +174,7 @@ fn what_is_not_shaded_is_not_lit() {
     assert_eq!(gray(&canvas, 100, 110), 77);
 }
 
-/// Lines a unit apart along x are 50 pixels apart; across them the floor is tilted by 45 degrees, which makes 35.
+/// Lines a unit apart along x are 50 pixels apart; across them the floor is tilted by 45 degrees, which gives 35 pixels.
 #[test]
 fn the_grid_has_its_pitch_in_perspective() {
     let canvas = floor(Some(([0; 3], 1.0, 1.0)));
@@ -194,7 +194,7 @@ fn threads_and_bad_numbers_do_not_show() {
     assert!(one.pixels() == other.pixels());
 }
 
-/// An orthographic view of a wall that faces the eye, from −1 to 1 along both axes, two lengths behind the focus.
+/// Draws an orthographic view of a wall that faces the eye, from −1 to 1 along both axes, two lengths behind the focus.
 fn wall(normal: [f32; 3]) -> Canvas {
     let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
     canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
@@ -205,8 +205,8 @@ fn wall(normal: [f32; 3]) -> Canvas {
     canvas
 }
 
-/// A wall is between its corners and seen from its front. The lamp is at half a right angle from the left, so that the shadow of a ball
-/// that is two lengths in front of the wall falls two lengths, which are 100 pixels, to the right of it.
+/// A wall lies between its corners and is seen from its front. The lamp is 45 degrees to the left. A ball two lengths in front of
+/// the wall therefore casts its shadow two lengths, 100 pixels, to its right.
 #[test]
 fn a_wall_is_between_its_corners_and_takes_shadows() {
     let half = 0.5_f32.sqrt();
@@ -226,7 +226,8 @@ fn a_wall_is_between_its_corners_and_takes_shadows() {
     }
 }
 
-/// Two walls that meet take no light from each other, wherever something else is: the corner would be dark near to that alone.
+/// Two walls that meet take no light from each other, wherever other objects are: otherwise the corner would be dark only near
+/// these.
 #[test]
 fn what_stands_still_is_not_darker_where_something_is_near() {
     let half = 0.5_f32.sqrt();

@@ -1,4 +1,4 @@
-//! Light is neither lost nor made by blur, glow and seams; liquids flow together and hide what is behind them.
+//! Tests of appearance: blur, glow and seams conserve light; liquids merge and hide their background.
 
 use std::sync::Arc;
 
@@ -24,8 +24,8 @@ fn at(canvas: &Canvas, x: usize, y: usize) -> [u8; 3] {
 }
 
 proptest! {
-    /// Opacity is rounded to 1/255, which errs by up to half of that over all that is covered, and each pixel's share to 1/256. The
-    /// ramp is sampled at pixel centers: an error of at most 0.383 for each pixel of the edge of a sharp disc, of varying sign.
+    /// Opacity is rounded to 1/255, an error of up to half of this over the covered area, and the share of each pixel to 1/256.
+    /// The ramp is sampled at pixel centers: an error of at most 0.383 for each edge pixel of a sharp disc, of varying sign.
     #[test]
     fn a_disc_out_of_focus_keeps_its_light(radius in 1.0..8.0_f32, confusion in 0.0..16.0_f32, x in 40.0..50.0_f32) {
         let mut canvas = plain(0);
@@ -37,7 +37,7 @@ proptest! {
         prop_assert!(error < rounding + 0.383 * (2.0 * PI * reach + 4.0).sqrt(), "{error}");
     }
 
-    /// As for discs; the ends of a line are left out by taking the difference of two lengths.
+    /// Tolerances are those of discs; the ends of a line are eliminated by the difference of two lengths.
     #[test]
     fn a_line_out_of_focus_keeps_its_light(width in 1.0..6.0_f32, confusion in 0.0..8.0_f32, slope in -1.0..1.0_f32) {
         let drawn = |length: f32| {
@@ -55,8 +55,8 @@ proptest! {
         prop_assert!(error < rounding + 0.383 * 2.0 * (2.0 * longer).sqrt(), "{error}");
     }
 
-    /// ∫ (1 − d²/r²)² dA = πr²/3. The profile has no edge, so that the midpoint rule over pixels errs little: by less than its
-    /// largest second derivative, 4/r², over 24 for each of the πr² pixels, and 1/255 for rounding.
+    /// Light of a halo: ∫ (1 − d²/r²)² dA = πr²/3. The profile has no edge, so the midpoint rule over pixels has a small error.
+    /// It is less than the largest second derivative, 4/r², over 24 for each of the πr² pixels, and 1/255 for rounding.
     #[test]
     fn a_halo_adds_the_light_that_it_has(radius in 4.0..30.0_f32, alpha in 40..=255_u8, shadow: bool) {
         let mut canvas = plain(if shadow { 255 } else { 0 });
@@ -90,7 +90,7 @@ proptest! {
         }
     }
 
-    /// Many shapes are painted by as many threads as there are, one by one they are drawn by this one.
+    /// Many shapes are painted by several threads, and drawn one by one by this thread.
     #[test]
     fn threads_do_not_show(seeds in prop::collection::vec([-20.0..120.0_f32, -20.0..120.0_f32, 0.1..6.0_f32], 1000..1200)) {
         let (mut painting, mut canvas, mut alone) = (Painting::default(), plain(20), plain(20));
@@ -130,8 +130,8 @@ proptest! {
     }
 }
 
-/// The eye focuses at depth 0: the farther from there, the larger the disc that a point becomes, without limit before it and up to
-/// b·d behind it, where d is the distance of the eye.
+/// The eye focuses at depth 0. The farther a point is from the focus, the larger its disc. In front of the focus the disc grows
+/// without limit; behind it up to b·d, where d is the distance of the eye.
 #[test]
 fn only_what_is_at_the_focus_is_sharp() {
     let width = |depth: f32| {
@@ -154,7 +154,7 @@ fn colors_and_textures_are_those_of_the_corners() {
     canvas.triangle(&Triangle { corners, colors, depths: [0.0; 3], lit: false, texture_coordinates: [[0.0; 2]; 3] }, None);
     for ([x, y], channel) in [([11, 79], 0), ([78, 79], 1), ([11, 12], 2)] {
         let color = at(&canvas, x, y);
-        // A pixel from the corner the two other colors have each about 1/70 of the weight.
+        // One pixel from the corner, the two other colors have about 1/70 of the weight each.
         assert!(color[channel] > 235 && color.iter().map(|&value| u32::from(value)).sum::<u32>() <= 257, "{color:?}");
     }
 
@@ -169,7 +169,7 @@ fn colors_and_textures_are_those_of_the_corners() {
     );
     painting.paint(&mut canvas);
     for ([x, y], color) in [([14, 76], [0, 0, 100]), ([74, 79], [100, 100, 100]), ([11, 16], [100, 0, 0])] {
-        assert_eq!(at(&canvas, x, y), color); // half as bright as the texel, whose edge ends at the picture's edge
+        assert_eq!(at(&canvas, x, y), color); // half as bright as the texel, whose edge is at the edge of the picture
     }
 }
 
@@ -180,8 +180,8 @@ fn block(spacing: f32, depth: f32, painting: &mut Painting) {
     }
 }
 
-/// A hundred drops on a square lattice: inside there is no hole, and they cover no less than their hundred squares and no more
-/// than a border of 0.6 spacings around them (a drop by itself has that radius).
+/// A hundred drops on a square lattice have no holes inside. They cover at least their hundred squares, and at most a border of
+/// 0.6 spacings more (the radius of an isolated drop).
 #[test]
 fn drops_flow_together_in_the_plane() {
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
@@ -195,7 +195,7 @@ fn drops_flow_together_in_the_plane() {
     }
 }
 
-/// A flat layer of balls is smooth: its light varies by less than a tenth, though each ball by itself goes from light to dark.
+/// A flat layer of balls is smooth: its light varies by less than a tenth, although each single ball ranges from light to dark.
 #[test]
 fn balls_flow_together_into_a_smooth_surface_that_hides_what_is_behind() {
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
@@ -228,7 +228,7 @@ fn trails_join_the_times_of_each_thing_and_fade_with_age() {
 }
 
 proptest! {
-    /// Pieces too short to be seen are joined: what is left begins and ends where the trail does, without a hole.
+    /// Segments too short to be seen are joined: the result begins and ends where the trail does, without holes.
     #[test]
     fn trails_have_no_holes(steps in prop::collection::vec([-4.0..4.0_f32, -4.0..4.0_f32], 1..300)) {
         let mut past = vec![[0.0, 0.0]];
@@ -244,7 +244,7 @@ proptest! {
     }
 }
 
-/// A trail that fades does not cover what it crosses: on a dark ground no channel becomes darker, on a light one none lighter.
+/// A fading trail does not cover other shapes: on a dark ground no channel becomes darker, on a light ground none lighter.
 #[test]
 fn a_faint_trail_leaves_what_is_brighter_below_it() {
     let past = [[4.0, 16.0], [60.0, 16.0]];

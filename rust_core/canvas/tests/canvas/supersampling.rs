@@ -1,11 +1,12 @@
-//! A picture whose pixels are means of several is that of a larger one made smaller, and its outlines have smaller steps.
+//! Tests of supersampling: a picture with several samples per pixel equals a larger picture reduced, with smaller steps in
+//! outlines.
 
 use physcore_canvas::{Align, Canvas, Disc, Drop, Eye, Ground, Halo, Light, Line, Painting, Triangle};
 
 const SIDE: usize = 80;
 const GROUND: [u8; 3] = [20, 24, 30];
 
-/// All kinds of shapes, a liquid and light, with lengths in pixels times a factor.
+/// Draws all kinds of shapes, a liquid and light, with lengths in pixels times a factor.
 fn scene(canvas: &mut Canvas, times: f32) {
     let place = |x: f32, y: f32| [times * x, times * y];
     canvas.backdrop(place(40.0, 30.0), 60.0 * times, [90, 60, 70], 0.5);
@@ -49,8 +50,8 @@ fn drawn(samples: usize) -> Canvas {
     canvas.reduced().into_owned()
 }
 
-/// The means over squares of a picture that is so many times as large, but for the triangle's half pixel, which is one of what is
-/// drawn in both.
+/// Compares with means over squares of a larger picture. An exception is the triangle's half pixel, which is half a drawn pixel
+/// in both.
 #[test]
 fn a_pixel_is_the_mean_of_those_of_a_larger_picture() {
     for samples in [2, 3] {
@@ -81,8 +82,8 @@ fn a_picture_of_single_samples_is_the_one_that_was_drawn() {
     assert_eq!(plain.pixels(), drawn(1).pixels());
 }
 
-/// The clip and text are where they are in a picture of single samples; the baseline is rounded to a pixel that is drawn, by half
-/// of one at most in each.
+/// The clip and text keep their positions of a picture with single samples. The baseline is rounded to a drawn pixel, by at most
+/// half a pixel in each.
 #[test]
 fn text_and_clip_keep_their_places() {
     let mut pictures = [1, 2].map(|samples| Canvas::supersampled(SIDE, SIDE, GROUND, samples).expect("a valid size"));
@@ -103,8 +104,8 @@ fn text_and_clip_keep_their_places() {
     assert!((one[0] - two[0]).abs() < 0.5 && (one[1] - two[1]).abs() < 0.75, "{one:?} {two:?}");
 }
 
-/// Two surfaces that meet in a ridge, cut into triangles that are drawn in an order that changes along it: each is drawn half a pixel
-/// larger, so that the ridge has steps of a pixel, and half of one with two samples.
+/// Two surfaces meet in a ridge. They are cut into triangles whose drawing order changes along it. Each is drawn half a pixel
+/// larger, so the ridge has steps of one pixel, and of half a pixel with two samples.
 #[test]
 fn a_ridge_has_smaller_steps() {
     let roughness = [1, 4].map(|samples| {
@@ -122,7 +123,7 @@ fn a_ridge_has_smaller_steps() {
         }
         painting.paint(&mut canvas);
         let picture = canvas.reduced();
-        // How high the red reaches in the middles of the triangles, which is the same but for the order.
+        // Height of the red surface in the middles of the triangles, which is equal except for the order.
         let heights: Vec<f32> = (0..8)
             .map(|index| (35..46).map(|row| f32::from(picture.pixels()[row * SIDE + 10 * index + 5][0]) / 250.0).sum())
             .collect();

@@ -1,4 +1,4 @@
-//! Every sign that is drawn is one that was meant.
+//! Tests of text: every drawn character is the intended one.
 
 use physcore_canvas::{Align, Canvas, missing_signs, text_width};
 
@@ -10,7 +10,7 @@ fn written(text: &str, height: usize, align: Align) -> Vec<[u8; 4]> {
     canvas.pixels().to_vec()
 }
 
-/// Columns and rows from the first to the last that has ink.
+/// Columns and rows from the first to the last with ink.
 fn extent(pixels: &[[u8; 4]]) -> [usize; 4] {
     let inked = || pixels.iter().enumerate().filter(|(_, pixel)| pixel[0] > 0).map(|(index, _)| (index % 200, index / 200));
     let columns = || inked().map(|(column, _)| column);
@@ -27,7 +27,7 @@ fn signs_of_many_scripts_have_glyphs_of_their_own() {
         let picture = written(&sign.to_string(), 32, Align::Left);
         assert!(picture.iter().any(|pixel| pixel[0] > 100), "{sign} has ink");
         for (other, drawn) in &seen {
-            // Some letters look the same in Latin and Cyrillic; none of these do.
+            // Some letters look alike in Latin and Cyrillic; none of these do.
             assert!(*other == sign || *drawn != picture, "{sign} differs from {other}");
         }
         seen.push((sign, picture));
@@ -52,7 +52,7 @@ fn a_line_stays_in_its_height_and_is_as_wide_as_said() {
     }
 }
 
-/// Digits are equally wide, so that a clock does not tremble.
+/// Digits have equal widths, so a clock does not tremble.
 #[test]
 fn digits_are_equally_wide() {
     assert!(('0'..='9').all(|digit| text_width(&digit.to_string().repeat(10), 24) == text_width("0000000000", 24)));

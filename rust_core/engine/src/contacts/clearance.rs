@@ -1,5 +1,5 @@
-//! The clearance test that most particles pass at every step, in the state's precision and vectorized: if the Bernstein
-//! control points of the path are clear of every wall, so is the path, which lies in their convex hull.
+//! Clearance test, vectorized and in the precision of the state. Most particles pass it at every step. The path lies in the
+//! convex hull of its Bernstein control points. If the control points are clear of every wall, so is the path.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, Properties};
 use crate::simd::{Isa, Kernel, LANES, Lanes};
 
-/// A wall, or two parallel ones, in the form of the test. `set` is the column of radii that it uses.
+/// A wall, or two parallel walls, in the form of the test. `set` is the index of the column of radii.
 #[derive(Debug, Clone)]
 pub(super) enum Test<T> {
     /// lower ≤ x ≤ upper along one axis.
@@ -18,16 +18,17 @@ pub(super) enum Test<T> {
     Plane { set: usize, normal: [T; AXES], offset: T },
     /// |x − c| ≤ R or ≥ R.
     Sphere { set: usize, center: [T; AXES], radius: T, inside: bool },
-    /// n·x ≥ offset for one of these planes at least.
+    /// n·x ≥ offset for at least one of these planes.
     Solid { set: usize, planes: Vec<([T; AXES], T)> },
 }
 
-/// The most facets of a solid that are tested one by one; one with more, or with none, is in a ball.
+/// Maximum number of facets of a solid that are tested one by one. A solid with more facets, or none, is tested by its
+/// bounding ball.
 const FACETS: usize = 16;
 
 impl<T: Real> Test<T> {
-    /// The tests of the walls of a boundary for particles of at most the radius `largest`. Each wall is offset inward by a
-    /// few units of rounding, so that particles that near are tested in double precision.
+    /// Tests of the walls of a boundary, for particles of at most the radius `largest`. Each wall is offset inward by a few
+    /// units of rounding. Particles within this margin are tested in double precision.
     pub fn of(walls: &[Wall], set: usize, largest: f64) -> Vec<Self> {
         let mut tests: Vec<Self> = Vec::new();
         for wall in walls {
@@ -65,7 +66,7 @@ impl<T: Real> Test<T> {
                         Self::Sphere { set, center, radius: T::from_f64(radius + margin), inside: false }
                     });
                 }
-                // What is higher than all of the ground is clear of it.
+                // A particle above the highest point of the ground is clear of it.
                 Wall::Terrain(ref terrain) => {
                     let (up, highest) = terrain.top();
                     let (axis, lower) = (if up == DVec3::Z { 2 } else { 1 }, T::from_f64(highest + margin));
@@ -81,7 +82,7 @@ impl<T: Real> Test<T> {
     }
 }
 
-/// One block's contacts after one step.
+/// Contacts of one block after one step.
 pub(super) struct Sweep<'a, 'b, 'c, V: Vector> {
     pub contacts: &'a Contacts<V>,
     pub before: &'a Before<'b, V>,
@@ -90,7 +91,7 @@ pub(super) struct Sweep<'a, 'b, 'c, V: Vector> {
     pub h: f64,
 }
 
-/// The three Bernstein control points of a group's paths along one axis.
+/// Three Bernstein control points of a group's paths along one axis.
 type Control<T> = [Lanes<T>; 3];
 
 impl<V: Vector> Kernel for Sweep<'_, '_, '_, V> {
@@ -121,7 +122,7 @@ impl<V: Vector> Kernel for Sweep<'_, '_, '_, V> {
 }
 
 impl<V: Vector> Sweep<'_, '_, '_, V> {
-    /// P₀ = x₀, P₁ = x₀ + h v/2 = (x₀ + x₁)/2 − h (v₁ − v₀)/4, P₂ = x₁ along one axis.
+    /// Control points along one axis: P₀ = x₀, P₁ = x₀ + h v/2 = (x₀ + x₁)/2 − h (v₁ − v₀)/4, P₂ = x₁.
     #[inline(always)]
     fn control(&self, base: usize, axis: usize) -> Control<V::Scalar> {
         let (half, quarter) = (V::Scalar::from_f64(0.5), V::Scalar::from_f64(0.25 * self.h));
@@ -135,8 +136,8 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
         [first, middle, last]
     }
 
-    /// Lowers each lane's clearance to 0 or below where clearance from a wall is not certain. Only the sign has a meaning.
-    /// A radius of −∞ is always clear.
+    /// Lowers each lane's clearance to 0 or below unless its clearance from a wall is certain. Only the sign is meaningful. A
+    /// radius of −∞ is always clear.
     #[inline(always)]
     fn apply(&self, test: &Test<V::Scalar>, base: usize, clear: &mut Lanes<V::Scalar>) {
         let reach = |set: usize| lanes(&self.contacts.reach[set][self.block.start + base..]);
@@ -188,7 +189,7 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
         }
     }
 
-    /// The smallest Bernstein coefficient of n·x along a group's paths.
+    /// Smallest Bernstein coefficient of n·x along a group's paths.
     #[inline(always)]
     fn lowest(&self, base: usize, normal: &[V::Scalar; AXES]) -> Lanes<V::Scalar> {
         let mut height = [[V::Scalar::ZERO; LANES]; 3];
@@ -203,7 +204,7 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
         std::array::from_fn(|lane| smaller(smaller(first[lane], middle[lane]), last[lane]))
     }
 
-    /// The smallest and the largest Bernstein coefficient of |x − c|² along a group's paths.
+    /// Smallest and largest Bernstein coefficient of |x − c|² along a group's paths.
     #[inline(always)]
     fn squares(&self, base: usize, center: &[V::Scalar; AXES]) -> (Lanes<V::Scalar>, Lanes<V::Scalar>) {
         let mut products = [[V::Scalar::ZERO; LANES]; 6];

@@ -1,8 +1,8 @@
 //! Supporting contacts: the walls that carry a particle, and its sliding on them.
 //!
-//! Of the walls that a particle touches without approaching, some exert normal accelerations λ ≥ 0 so that none is
-//! penetrated: n·(a + Σ λ n) ≥ −κ v². One wall suffices, or two along an edge, or the particle rests in a corner; these few
-//! cases are tried in turn. Friction is μ λ against the slip.
+//! Consider the walls that a particle touches without approaching. Some exert normal accelerations λ ≥ 0 so that none is
+//! penetrated: n·(a + Σ λ n) ≥ −κ v². One wall suffices, or two along an edge, or the particle rests in a corner. These cases
+//! are tried in turn. Friction is μ λ against the slip.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use super::trajectory::{Contact, ContactSet, pushes};
 /// Maximum rotation of the tangent plane [rad] within one slide on a curved wall.
 const ANGLE: f64 = 0.25;
 
-/// The supporting contacts of a particle.
+/// Supporting contacts of a particle.
 #[derive(Debug, Clone)]
 pub(super) struct Support {
     carriers: [Contact; 2],
@@ -25,7 +25,7 @@ pub(super) struct Support {
     pub acceleration: DVec3,
     /// Deceleration by friction, Σ μ λ [m/s²].
     friction: f64,
-    /// The largest |κ| of the carrying walls along the velocity, and in any direction [1/m].
+    /// Largest |κ| of the carrying walls along the velocity, and in any direction [1/m].
     pub curvature: f64,
     pub bend: f64,
 }
@@ -37,15 +37,15 @@ pub(super) struct Slip {
     pub acceleration: DVec3,
     /// Duration [s].
     pub duration: f64,
-    /// Whether the slip then vanishes.
+    /// Whether the slip vanishes at the end.
     pub stops: bool,
-    /// Whether the particle then rests.
+    /// Whether the particle rests afterwards.
     pub rests: bool,
 }
 
 impl Support {
-    /// The support of a particle, or None if it leaves all the walls that it touches. Normal speeds up to `still` are
-    /// rounding and are set to 0.
+    /// Finds the support of a particle; None if it leaves all walls that it touches. Normal speeds up to `still` are rounding
+    /// errors and are set to 0.
     pub fn of(contacts: &ContactSet, velocity: &mut DVec3, acceleration: DVec3, left: f64, still: f64) -> Option<Self> {
         let mut parallel = ContactSet::default();
         for contact in contacts.as_slice() {
@@ -57,7 +57,7 @@ impl Support {
         }
         let square = velocity.length_squared();
         let tolerance = still / left + 8.0 * f64::EPSILON * acceleration.length();
-        // Normal acceleration relative to a wall, with an acceleration `push` by the walls.
+        // Normal acceleration relative to a wall; `push` is the acceleration by the walls.
         let leaves = |contact: &Contact, push: DVec3| contact.normal.dot(acceleration + push) + contact.curvature * square;
         let holds = |push: DVec3| parallel.as_slice().iter().all(|contact| leaves(contact, push) >= -tolerance);
         let finish = |carriers: [Contact; 2], count: usize, push: [f64; 2]| {
@@ -102,7 +102,7 @@ impl Support {
         Some(Self { slides: parallel, ..corner })
     }
 
-    /// The component of `vector` tangential to the carrying walls.
+    /// Component of `vector` tangential to the carrying walls.
     pub fn along(&self, vector: DVec3) -> DVec3 {
         let [one, other] = self.carriers.map(|contact| contact.normal);
         match self.count {
@@ -112,7 +112,7 @@ impl Support {
         }
     }
 
-    /// The same support at another position, where `surface` gives a piece's normal and curvatures.
+    /// Support at another position; `surface` gives the normal and the curvatures of a piece there.
     pub fn moved(&self, surface: impl Fn(Key) -> (DVec3, f64, f64)) -> Self {
         let mut moved = self.clone();
         for contact in moved.carriers.iter_mut().take(self.count.min(2)) {
@@ -121,7 +121,7 @@ impl Support {
         moved
     }
 
-    /// Deceleration by friction at a speed [m/s²]: on a curved wall the normal force depends on it.
+    /// Deceleration by friction [m/s²] at a speed. On a curved wall the normal force depends on the speed.
     pub fn friction_at(&self, speed: f64) -> f64 {
         let carriers = &self.carriers[..self.count.min(2)];
         let [first, second] = [0, 1].map(|index| {
@@ -134,9 +134,9 @@ impl Support {
         carriers.iter().zip(push).map(|(contact, push)| contact.friction * push.max(0.0)).sum()
     }
 
-    /// Sliding from `velocity`, for at most the time `left`: with uniform acceleration a − f û, û the direction of slip at
-    /// mid-time, which makes the method second-order and friction always dissipative. Where friction would reverse the
-    /// slip, it ends when the slip is zero.
+    /// Sliding from `velocity`, for at most the time `left`, with the uniform acceleration a − f û. The direction of slip û is
+    /// taken at mid-time; this makes the method second-order and friction always dissipative. If friction would reverse the
+    /// slip, sliding ends at zero slip.
     pub fn slip(&self, velocity: DVec3, left: f64) -> Slip {
         let (a, mut friction, speed) = (self.acceleration, self.friction, velocity.length());
         if self.count > 2 {
@@ -164,7 +164,7 @@ impl Support {
         }
         let along = velocity.normalize_or_zero();
         let brake = friction - a.dot(along);
-        // Without deceleration beyond rounding, it does not stop.
+        // Without deceleration beyond rounding the particle does not stop.
         let stop = if brake > 0.0 { speed / brake } else { f64::INFINITY };
         let stops = stop <= duration;
         Slip { acceleration: along * -brake, duration: duration.min(stop), stops, rests: stops && a.length() <= friction }

@@ -1,20 +1,21 @@
-//! One particle through one step, from impact to impact.
+//! Motion of one particle through one step, from impact to impact.
 //!
-//! **The path.** The mean acceleration ā = (v₁ − v₀)/h of the step is kept, with or without contacts. Up to the first
-//! contact at t the particle follows the integrator's path; then its velocity is v₀ + ā t, so that kinetic and potential
-//! energy are those of the integrator; afterwards its slope is its velocity.
+//! **Path.** The mean acceleration ā = (v₁ − v₀)/h of the step is kept, with or without contacts. Up to the first contact at
+//! t the particle follows the integrator's path. Its velocity there is v₀ + ā t, so that kinetic and potential energy are
+//! those of the integrator. Afterwards the slope of the path is the velocity.
 //!
-//! **An impact** returns −e times the normal velocity; friction reduces the slip by μ (1 + e) |vₙ|, at most to zero
+//! **Impact.** An impact returns −e times the normal velocity. Friction reduces the slip by μ (1 + e) |vₙ|, at most to zero
 //! (Coulomb). The energy loss per mass is ½ (1 − e²) vₙ² + ½ (|vₜ|² − |vₜ⁺|²): exactly 0 for e = 1 and μ = 0.
 //!
-//! **Rest.** A series of decaying rebounds lasts 2 e |vₙ| / ((1 − e) p) where p is the acceleration into the wall. If that
-//! is within the step, the impact is taken as plastic: the total impulse over the series is |vₙ| (plus p times the time) in
-//! either case, so the end of the step is the same. The same holds if the next rebound would not rise above rounding. Then
-//! the particle slides ([`super::support`]).
+//! **Rest.** A series of decaying rebounds lasts 2 e |vₙ| / ((1 − e) p), where p is the acceleration into the wall. If the
+//! series ends within the step, the impact is taken as plastic. The total impulse over the series is |vₙ| (plus p times the
+//! time) in either case, so that the end of the step is the same. An impact is also plastic if the next rebound would not
+//! rise above rounding. After a plastic impact the particle slides ([`super::support`]).
 //!
-//! After [`EVENTS`] impacts and slides a particle keeps its position and velocity until the step's end: energy stays exact
-//! and no wall is crossed; the error is the phase of a motion that dt does not resolve. The same holds where a path would end in the
-//! ground of a height field, in a corner of which rounding may hide all faces from a point.
+//! **Limits.** After [`EVENTS`] impacts and slides a particle keeps its position and velocity until the end of the step.
+//! Energy stays exact and no wall is crossed. The error is the phase of a motion that dt does not resolve. A particle also
+//! keeps its state if its path would end in the ground of a height field. In a corner of the ground, rounding may hide all
+//! faces from a point.
 
 use arrayvec::ArrayVec;
 use glam::DVec3;
@@ -28,7 +29,7 @@ const EVENTS: usize = 64;
 /// Maximum number of simultaneous contacts of a particle.
 const MOST_CONTACTS: usize = 12;
 
-/// The walls that one particle can touch.
+/// Walls that one particle can touch.
 #[derive(Clone, Copy)]
 pub(super) struct Walls<'a> {
     pub surfaces: &'a [Surface],
@@ -38,7 +39,7 @@ pub(super) struct Walls<'a> {
     pub rounding: f64,
 }
 
-/// The final state of a step with contacts.
+/// Final state of a step with contacts.
 pub(super) struct End {
     pub position: DVec3,
     pub velocity: DVec3,
@@ -46,16 +47,16 @@ pub(super) struct End {
     pub lost: f64,
 }
 
-/// A wall that a particle touches.
+/// Contact of a particle with a wall.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Contact {
-    /// The surface, or its part.
+    /// Surface, or its part.
     pub key: Key,
-    /// The unit normal into the allowed side.
+    /// Unit normal into the allowed side.
     pub normal: DVec3,
-    /// Curvature κ [1/m] along the velocity: sliding with velocity v takes a normal acceleration −κ v².
+    /// Curvature κ [1/m] along the velocity. Sliding with velocity v takes a normal acceleration −κ v².
     pub curvature: f64,
-    /// The largest curvature in magnitude [1/m].
+    /// Largest curvature in magnitude [1/m].
     pub bend: f64,
     /// Coulomb's coefficient of friction μ.
     pub friction: f64,
@@ -63,7 +64,7 @@ pub(super) struct Contact {
     slack: f64,
 }
 
-/// The walls that a particle touches.
+/// Contacts of a particle.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ContactSet {
     items: ArrayVec<Contact, MOST_CONTACTS>,
@@ -74,8 +75,8 @@ impl ContactSet {
         &self.items
     }
 
-    /// Adds a contact. Where its normal is that of a contact with the same surface but for a rounding error of `blur`, it
-    /// becomes that one, so that faces in a plane do not form a valley.
+    /// Adds a contact. If its normal agrees with the normal of another contact with the same surface within the rounding
+    /// error `blur`, that normal is used. Faces in one plane then do not form a valley.
     fn add_part(&mut self, mut contact: Contact, blur: f64) {
         let is_same = |other: &&Contact| {
             other.key.surface == contact.key.surface && (other.normal - contact.normal).length_squared() <= blur * blur
@@ -86,7 +87,7 @@ impl ContactSet {
         self.add(contact);
     }
 
-    /// Adds a contact, unless there are [`MOST_CONTACTS`].
+    /// Adds a contact, unless there are already [`MOST_CONTACTS`].
     pub fn add(&mut self, contact: Contact) {
         let _ = self.items.try_push(contact);
     }
@@ -97,8 +98,8 @@ impl ContactSet {
 }
 
 impl<'a> Walls<'a> {
-    /// Integrates a step of `h` with contacts, which the integrator took along `path` from the velocity `start`; None
-    /// without contact.
+    /// Integrates a step of `h` seconds with contacts; None without contact. The integrator took this step along `path` from
+    /// the velocity `start`.
     pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
         let Some((time, key)) = self.first(path, h, &self.contacts(path.position, start, None), None) else {
             return self.buries(path.at(h)).then_some(End { position: path.position, velocity: start, lost: 0.0 });
@@ -114,7 +115,7 @@ impl<'a> Walls<'a> {
         Some(trajectory.finish(key))
     }
 
-    /// The pieces of walls that the particle may touch within a box along the axes.
+    /// Pieces of walls within reach of the particle in an axis-aligned box.
     fn acting(&self, bounds: (DVec3, DVec3)) -> impl Iterator<Item = (Key, &'a Surface, Piece<'a>)> {
         let Self { surfaces, body, radius, rounding } = *self;
         let surfaces = surfaces.iter().enumerate().filter(move |(_, surface)| surface.bodies[body]);
@@ -124,12 +125,12 @@ impl<'a> Walls<'a> {
         })
     }
 
-    /// What a particle touches.
+    /// Surface, or part of one, of a key.
     fn piece(&self, key: Key) -> Piece<'a> {
         self.surfaces[key.surface].wall.piece(key.part)
     }
 
-    /// The walls that a particle at `x` with a velocity touches; `hit` is one of them irrespective of rounding.
+    /// Contacts of a particle at `x` with a velocity. `hit` is one of them irrespective of rounding.
     fn contacts(&self, x: DVec3, velocity: DVec3, hit: Option<Key>) -> ContactSet {
         let mut contacts = ContactSet::default();
         for (key, surface, piece) in self.acting((x, x)) {
@@ -145,8 +146,8 @@ impl<'a> Walls<'a> {
         contacts
     }
 
-    /// The first contact along `path` within `duration`, except with the walls that the particle slides on. The others that it
-    /// touches it leaves then: only rounding makes it meet one at once.
+    /// First contact along `path` within `duration`, except with the walls that the particle slides on. The particle leaves
+    /// the other walls that it touches: an immediate contact with one of these is rounding, and does not count.
     fn first(&self, path: &Path, duration: f64, contacts: &ContactSet, slides: Option<&ContactSet>) -> Option<(f64, Key)> {
         let mut first = None;
         let mut duration = duration;
@@ -164,14 +165,14 @@ impl<'a> Walls<'a> {
         first
     }
 
-    /// Whether `x` is in the ground of a height field by more than rounding. A path there has slipped through between faces, and is
-    /// not taken.
+    /// Whether `x` is in the ground of a height field by more than rounding. A path that ends there has slipped through
+    /// between faces, and is rejected.
     fn buries(&self, x: DVec3) -> bool {
         let mut surfaces = self.surfaces.iter().filter(|surface| surface.bodies[self.body]);
         surfaces.any(|surface| surface.wall.covers(x, surface.slack(self.rounding, x, self.radius)))
     }
 
-    /// `x`, projected onto the walls that the particle slides on.
+    /// Projects `x` onto the walls that the particle slides on.
     fn onto(&self, slides: &ContactSet, mut x: DVec3) -> DVec3 {
         let gap = |contact: &Contact, x: DVec3| {
             let (distance, normal) = self.piece(contact.key).surface(x);
@@ -183,7 +184,7 @@ impl<'a> Walls<'a> {
                 x + normal * push
             }
             [one, other] => {
-                // Newton's method: exact at once on planes, and after two rounds to rounding from as near as this.
+                // Newton's method: exact at once on planes. From this near, two rounds converge to rounding on curved walls.
                 for _ in 0..2 {
                     let ((first, one), (second, other)) = (gap(one, x), gap(other, x));
                     let [first, second] = pushes(one.dot(other), first, second);
@@ -196,8 +197,8 @@ impl<'a> Walls<'a> {
     }
 }
 
-/// The coefficients of two unit normals, whose scalar product is `cosine`, such that the projections of their sum on them
-/// are `first` and `second`; 0 for parallel normals.
+/// Coefficients of two unit normals with the scalar product `cosine`. The projections of their sum on the normals are `first`
+/// and `second`. For parallel normals both are 0.
 pub(super) fn pushes(cosine: f64, first: f64, second: f64) -> [f64; 2] {
     let determinant = 1.0 - cosine * cosine;
     if determinant <= f64::EPSILON {
@@ -206,7 +207,7 @@ pub(super) fn pushes(cosine: f64, first: f64, second: f64) -> [f64; 2] {
     [(first - cosine * second) / determinant, (second - cosine * first) / determinant]
 }
 
-/// The state of a particle along its trajectory.
+/// State of a particle along its trajectory.
 struct Trajectory<'a> {
     walls: Walls<'a>,
     position: DVec3,
@@ -242,7 +243,7 @@ impl Trajectory<'_> {
         8.0 * f64::EPSILON * (self.velocity.length() + self.acceleration.length() * self.left)
     }
 
-    /// The touched wall with the largest approach speed.
+    /// Contact with the largest approach speed.
     fn approached(&self, contacts: &ContactSet) -> Option<Contact> {
         let mut fastest = (-self.still(), None);
         for contact in contacts.as_slice() {
@@ -256,7 +257,7 @@ impl Trajectory<'_> {
 
     fn bounce(&mut self, contact: &Contact) {
         let Surface { restitution, friction, .. } = self.walls.surfaces[contact.key.surface];
-        // Divided by n², so that a normal whose length is off by rounding does not add energy at every bounce.
+        // Division by n²: a normal whose length is off by rounding must not add energy at every bounce.
         let normal = contact.normal / contact.normal.length_squared();
         let speed = -normal.dot(self.velocity);
         let slip = self.velocity + contact.normal * speed;
@@ -273,7 +274,7 @@ impl Trajectory<'_> {
         self.velocity = slip * share + contact.normal * (restitution * speed);
     }
 
-    /// Advances freely or sliding to the next event; returns the wall of the next contact.
+    /// Advances to the next event, freely or sliding; returns the key of the next contact.
     fn go_on(&mut self, contacts: &ContactSet) -> Option<Key> {
         let still = self.still();
         match Support::of(contacts, &mut self.velocity, self.acceleration, self.left, still) {
@@ -296,9 +297,9 @@ impl Trajectory<'_> {
         next.map(|(_, key)| key)
     }
 
-    /// Slides on the supporting walls: a velocity Verlet step within the surface, with the friction along the velocity
-    /// at its middle. On planes this is the exact parabola, and energy is exact; on a sphere it stays on the surface, and
-    /// its energy is off by O(h²) without drift, as Verlet's is.
+    /// Slides on the supporting walls by a velocity Verlet step within the surface. Friction acts along the velocity at the
+    /// middle of the step. On planes this is the exact parabola, and energy is exact. On a sphere the particle stays on the
+    /// surface. As in Verlet's method, the error of its energy is O(h²) without drift.
     fn slide(&mut self, contacts: &ContactSet, support: &Support) -> Option<Key> {
         let Slip { acceleration, duration, stops, rests } = support.slip(self.velocity, self.left);
         if rests && duration == 0.0 {
@@ -306,7 +307,7 @@ impl Trajectory<'_> {
             (self.velocity, self.left) = (DVec3::ZERO, 0.0);
             return None;
         }
-        // In units of the duration, because the square of a short duration may underflow.
+        // In units of the duration: the square of a short duration may underflow.
         let way = self.velocity * duration;
         let bend = if support.bend > 0.0 {
             (self.slide_to(support, acceleration, duration) - self.position - way) * 2.0
@@ -335,14 +336,14 @@ impl Trajectory<'_> {
             self.velocity += acceleration * time;
         }
         if stops {
-            // Exactly zero: a rounding remainder would be decelerated again and again.
+            // Exactly zero: friction would decelerate a rounding remainder again and again.
             self.velocity = DVec3::ZERO;
             self.left = if rests { 0.0 } else { self.left };
         }
         next.map(|(_, key)| key)
     }
 
-    /// The time, up to `time`, until which a slide on facets stays on them: beyond an edge the path lifts off. A slide on a part
+    /// Time, up to `time`, until which a slide on facets stays on them; beyond an edge the path lifts off. A slide on a part
     /// of a height field stays in its region.
     fn edge(&self, support: &Support, acceleration: DVec3, time: f64) -> f64 {
         let is_flat = support.bend == 0.0;
@@ -370,7 +371,7 @@ impl Trajectory<'_> {
         }
     }
 
-    /// The final position of a slide with the given tangential acceleration.
+    /// Final position of a slide with the given tangential acceleration.
     fn slide_to(&self, support: &Support, acceleration: DVec3, time: f64) -> DVec3 {
         let way = (self.velocity + acceleration * (0.5 * time)) * time;
         // A tangent of length R tan φ spans an arc of length R φ: tan φ = φ + φ³/3 + O(φ⁵).
@@ -378,8 +379,8 @@ impl Trajectory<'_> {
         self.walls.onto(&support.slides, self.position + way * (1.0 + angle / 3.0))
     }
 
-    /// The second half of a slide on a curved wall: the velocity is rotated into the new tangent plane, and the forces are
-    /// those there.
+    /// Second half of a slide on a curved wall. The velocity is rotated into the new tangent plane, where the forces are
+    /// evaluated.
     fn turn(&mut self, support: &Support, middle: DVec3, drag: f64, time: f64) {
         let here = support.moved(|key| {
             let piece = self.walls.piece(key);

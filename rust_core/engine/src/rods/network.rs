@@ -1,45 +1,45 @@
-//! Rods as rows of one system of equations, which impulses along their directions satisfy together.
+//! Network of rods: one system of equations for the impulses along the rods, which satisfy all rods together.
 
 use glam::DVec3;
 
 use crate::sparse::Factorization;
 
-/// A pivot of A below this multiple of its largest entry makes it singular; those of chains of 10⁴ rods are all above.
+/// A pivot of A below this multiple of its largest entry makes A singular. Pivots of chains of 10⁴ rods are all above.
 const SINGULAR: f64 = 1e-9;
 /// A pivot of A + ε 1 below this multiple of ε belongs to a redundant rod.
 const REDUNDANT: f64 = 100.0;
-/// The most iterations of a projection.
+/// Maximum number of iterations of a projection.
 const MOST_ITERATIONS: usize = 100;
 
 /// A rod between two particles of a network.
 #[derive(Debug, Clone, Copy)]
 pub struct Rod {
-    /// Its ends, as indices of the network's particles.
+    /// Ends, as indices of the network's particles.
     pub ends: [u32; 2],
     /// Length L [m].
     pub length: f64,
 }
 
 impl Rod {
-    /// The excess of its length, (|r|² − L²)/2L for the positions of its ends, and its rounding error; coordinates are rounded by
-    /// `epsilon`/2 of themselves.
+    /// Excess of the length [m], (|r|² − L²)/2L at the positions of the ends, and its rounding error. Coordinates are rounded
+    /// by `epsilon`/2 relative to themselves.
     pub fn excess(&self, [one, other]: [DVec3; 2], epsilon: f64) -> (f64, f64) {
         let residual = ((other - one).length_squared() - self.length * self.length) / (2.0 * self.length);
         (residual, epsilon * (2.0 * self.length + one.abs().max_element() + other.abs().max_element()))
     }
 }
 
-/// The velocity along a rod, for the velocities of its ends, and its rounding error.
+/// Velocity along a rod [m/s] for the velocities of its ends, and its rounding error.
 pub fn along(direction: DVec3, [one, other]: [DVec3; 2], epsilon: f64) -> (f64, f64) {
     (direction.dot(other - one), 2.0 * epsilon * (one.length() + other.length()))
 }
 
-/// A rod whose length the iterations did not reach.
+/// Failure of a projection: a rod whose length the iterations did not reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unsolved {
-    /// A particle at its end.
+    /// Particle at an end of the rod.
     pub particle: usize,
-    /// Its residual relative to rounding errors.
+    /// Residual of the rod relative to rounding errors.
     pub residual: f64,
 }
 
@@ -47,29 +47,29 @@ pub struct Unsolved {
 #[derive(Debug, Clone)]
 pub struct Network {
     pub links: Vec<Rod>,
-    /// 1/m of the particles [1/kg].
+    /// Inverse masses 1/m of the particles [1/kg].
     pub inverse_mass: Vec<f64>,
     /// Unit vectors n from the first end to the second; zero for a rod that is left out.
     pub directions: Vec<DVec3>,
-    /// Pairs of rods that meet, with the sum of ± 1/m over the particles in which they do.
+    /// Pairs of rods that meet, with the sum of ± 1/m over their common particles.
     couplings: Vec<([u32; 2], f64)>,
     factorization: Factorization,
     weights: Vec<f64>,
     diagonal: Vec<f64>,
     off_diagonal: Vec<f64>,
-    /// The number of redundant rods.
+    /// Number of redundant rods.
     pub redundant: usize,
-    /// Vectors of the particles, to be projected, and their changes by that.
+    /// Vectors of the particles to be projected, and their changes by the projection.
     pub vectors: Vec<DVec3>,
     pub changes: Vec<DVec3>,
-    /// The impulses λ of the last projection.
+    /// Impulses λ of the last projection.
     pub multipliers: Vec<f64>,
     residuals: Vec<f64>,
     buffer: Vec<f64>,
 }
 
 impl Network {
-    /// Rods between particles with these 1/m.
+    /// Network of rods between particles with these inverse masses 1/m [1/kg].
     pub fn new(links: Vec<Rod>, inverse_mass: Vec<f64>) -> Self {
         let couplings = couplings(&links, &inverse_mass);
         let pattern: Vec<[u32; 2]> = couplings.iter().map(|&(pair, _)| pair).collect();
@@ -93,7 +93,7 @@ impl Network {
         }
     }
 
-    /// Factorizes A in the present directions; a singular one with `shift` times its largest entry.
+    /// Factorizes A in the present directions. A singular A is shifted by `shift` times its largest entry.
     pub fn factorize(&mut self, shift: f64) {
         let largest = self.weights.iter().copied().fold(0.0, f64::max);
         for ((value, &weight), direction) in self.diagonal.iter_mut().zip(&self.weights).zip(&self.directions) {
@@ -112,11 +112,11 @@ impl Network {
         }
     }
 
-    /// Adds impulses along the directions until the residual of every rod vanishes. `residual` gives that of a rod with its direction and
-    /// the vectors at its ends, and its rounding error.
+    /// Adds impulses along the directions until the residual of every rod vanishes. The function `residual` returns the
+    /// residual of a rod and its rounding error, from the rod's index, its direction, and the vectors at its ends.
     ///
     /// # Errors
-    /// If the iterations do not converge; the particle is one of the network's.
+    /// If the iterations do not converge; the particle is an index of the network.
     pub fn project(&mut self, residual: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64)) -> Result<(), Unsolved> {
         self.multipliers.fill(0.0);
         self.changes.fill(DVec3::ZERO);
@@ -128,7 +128,7 @@ impl Network {
                 let (value, rounding) = residual(index, rod, self.directions[index], ends);
                 self.residuals[index] = value;
                 let relative = value.abs() / rounding.max(f64::MIN_POSITIVE);
-                // A state that is not finite is found by the divergence monitor.
+                // The divergence monitor reports states that are not finite.
                 if relative.is_nan() && iteration == 0 {
                     return Ok(());
                 }
@@ -139,7 +139,7 @@ impl Network {
             if !worst.1.is_finite() {
                 break;
             }
-            // Rounding errors of all coupled rods add up to some of one.
+            // Rounding errors of all coupled rods add up to several times the error of one.
             if worst.1 <= 1.0 || (worst.1 <= 64.0 && worst.1 > 0.5 * before) {
                 return Ok(());
             }
@@ -159,7 +159,7 @@ impl Network {
         Err(Unsolved { particle: self.links[worst.0].ends[1] as usize, residual: worst.1 })
     }
 
-    /// An estimate of the duration of a step [ns]: a factorization, and some six iterations.
+    /// Estimated duration of a step [ns]: a factorization and about six iterations.
     pub fn cost(&self) -> f64 {
         120.0 * self.links.len() as f64 + self.factorization.products() as f64 + 12.0 * self.factorization.len() as f64
     }
@@ -173,7 +173,8 @@ impl Network {
     }
 }
 
-/// Pairs of rods that meet in particles that are not fixed, with the sum of ± 1/m: + where both begin or both end there.
+/// Pairs of rods that meet in movable particles, with the sum of ± 1/m over these. The sign is + where both rods begin or
+/// both end at the particle.
 fn couplings(rods: &[Rod], inverse_mass: &[f64]) -> Vec<([u32; 2], f64)> {
     let mut meeting: Vec<Vec<(u32, f64)>> = vec![Vec::new(); inverse_mass.len()];
     for (index, rod) in rods.iter().enumerate() {

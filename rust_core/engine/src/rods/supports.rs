@@ -1,17 +1,22 @@
-//! Rods at walls: impacts and support of particles that rods hold, together with their rods.
+//! Rods at walls: impacts and support of particles, resolved together with the rods that hold the particles.
 //!
-//! A contact is one more row in the direction n of its wall's normal, on one particle, whose impulse pushes: p ≥ 0. Of those that can act,
-//! the ones that would pull are left out, and the ones that are violated without are added, until neither is left: the Kuhn–Tucker
-//! conditions of the step. A particle that would be at the gap g < 0 at the end of a step, and had g₀ > 0, met its wall at
-//! τ = h g₀/(g₀ − g) with the normal velocity u, and leaves it with −e u (Newton's law of restitution). With its normal acceleration a
+//! A contact is one more row, on one particle, in the direction n of its wall's normal. Its impulse pushes: p ≥ 0. Active
+//! contacts that would pull are removed, and inactive contacts that are violated are added, until neither occurs. These are
+//! the Kuhn–Tucker conditions of the step.
+//!
+//! Consider a particle with the gap g₀ > 0 at the start of a step that would have the gap g < 0 at its end. It meets its wall
+//! at τ = h g₀/(g₀ − g) with the normal velocity u, and leaves it with −e u (Newton's law of restitution). With its normal
+//! acceleration a
 //!
 //!     g ← (h − τ) (−e u + a (h − τ)/2),   n·v ← −e u + a (h − τ),   0 at the least
 //!
-//! first for the drift, which its rods share in, then for the velocity at the end. Where it touched at the start, the wall supports it, and
-//! both are 0. Impulses are those of both stages; at τ, or throughout the step (τ = h/2) of support, they take the energy
-//! −p n·(v₀ + v₁ + a (2τ − h))/2 out, with the velocities v₀ at the start and v₁ at the end. Contacts of one network that meet at different
-//! times within a step are resolved together: of order 1. Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom
-//! dynamics", in Nonsmooth Mechanics and Applications, CISM 302 (1988).
+//! The gap is set after the drift, and the rods of the particle share in it. The velocity is set at the end of the step. If
+//! the particle touched at the start, the wall supports it, and both are 0.
+//!
+//! Impulses are the sums of both stages. They act at τ, or throughout the step of support (τ = h/2). They remove the energy
+//! −p n·(v₀ + v₁ + a (2τ − h))/2, with the velocities v₀ at the start and v₁ at the end. Contacts of one network at different
+//! times within a step are resolved together; this is of order 1. Source: J. J. Moreau, "Unilateral contact and dry friction
+//! in finite freedom dynamics", in Nonsmooth Mechanics and Applications, CISM 302 (1988).
 
 use glam::DVec3;
 
@@ -21,37 +26,38 @@ use crate::contacts::{Contacts, Gap};
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Matter, Properties};
 
-/// The most rounds in search of the contacts that act, of which the first half leaves some out again.
+/// Maximum number of rounds in the search for the active contacts. Only the first half of the rounds removes contacts.
 const MOST_ROUNDS: usize = 60;
-/// Normal velocities below this multiple of a rounding error of the velocity violate nothing.
+/// Tolerance of normal velocities, in units of the rounding error of the velocity.
 const STILL: f64 = 64.0;
 
-/// A particle of a rod at a wall.
+/// Contact of a particle of a rod with a wall.
 #[derive(Debug, Clone, Copy)]
 struct Contact {
-    /// The particle in the network, its row, and the wall.
+    /// Index of the particle in the network, of the contact's row, and of the wall.
     particle: usize,
     row: usize,
     wall: usize,
     normal: DVec3,
-    /// When it meets the wall, after the start of the step [s].
+    /// Time at which the particle meets the wall, after the start of the step [s].
     meets: f64,
-    /// Its gap [m] and normal velocity [m/s] at the end of the step.
+    /// Required gap [m] and normal velocity [m/s] at the end of the step. For tensions: the normal acceleration [m/s²]
+    /// instead.
     gap: f64,
     speed: f64,
-    /// The acceleration of the particle and its rods without contacts [m/s²].
+    /// Acceleration of the particle and its rods without contacts [m/s²].
     acceleration: DVec3,
-    /// The sum of its impulses in this step [N·s].
+    /// Sum of the contact's impulses in this step [N·s].
     impulse: DVec3,
     active: bool,
 }
 
-/// Walls of a scene, and who meets them.
+/// Walls of a scene, and the particles that meet them.
 #[derive(Clone, Copy)]
 pub struct Walls<'a, V: Vector> {
     pub contacts: &'a Contacts<V>,
     pub properties: &'a Properties<V>,
-    /// The particles of the network.
+    /// Particles of the network.
     pub particles: &'a [u32],
 }
 
@@ -60,7 +66,7 @@ impl<V: Vector> Walls<'_, V> {
         self.contacts.gap(wall, x, self.properties, self.particles[particle] as usize, resolution::<V>())
     }
 
-    /// The nearest walls of a particle, at most `most`.
+    /// Nearest walls of a particle, at most `most`.
     fn nearest(&self, particle: usize, x: DVec3, most: usize) -> Vec<Gap> {
         let walls = self.contacts.walls_of(self.properties, self.particles[particle] as usize);
         let mut gaps: Vec<Gap> = walls.map(|wall| self.gap(wall, particle, x)).collect();
@@ -70,20 +76,21 @@ impl<V: Vector> Walls<'_, V> {
     }
 }
 
-/// The contacts of rods with walls.
+/// Contacts of rods with walls.
 #[derive(Debug, Clone)]
 pub struct Supports {
-    /// The rods, then as many rows for each particle as there are axes, from a last particle, which stands for all walls.
+    /// Rods, then as many rows per particle as there are axes. The rows start at an additional last particle, which stands
+    /// for all walls.
     network: Network,
     rods: usize,
     axes: usize,
     contacts: Vec<Contact>,
-    /// Positions and velocities at the start of the step.
+    /// Positions [m] and velocities [m/s] at the start of the step.
     start: Vec<[DVec3; 2]>,
 }
 
 impl Supports {
-    /// Those of a network of rods.
+    /// Contacts of a network of rods.
     pub fn new(rods: &Network, axes: usize) -> Self {
         let count = rods.inverse_mass.len();
         let rows = (0..count as u32).flat_map(|end| (0..axes).map(move |_| Rod { ends: [count as u32, end], length: 1.0 }));
@@ -93,15 +100,15 @@ impl Supports {
         Self { network: Network::new(links, inverse_mass), rods: rods.links.len(), axes, contacts, start }
     }
 
-    /// Takes the state at the start of a step.
+    /// Records the state at the start of a step.
     pub fn start<V: Vector>(&mut self, particles: &[u32], matter: &Matter<V>) {
         for (start, &particle) in self.start.iter_mut().zip(particles) {
             *start = [matter.exact_position(particle as usize), matter.velocity.get(particle as usize).widen()];
         }
     }
 
-    /// Keeps the particles outside of walls after a drift of `h` seconds with the velocity in a register, at whose end the rods, with
-    /// these directions, have their lengths.
+    /// Keeps the particles outside walls after a drift of `h` seconds with the velocity in a register. At the end of the
+    /// drift the rods, with these directions, have their lengths.
     ///
     /// # Errors
     /// If rods and walls contradict each other.
@@ -158,8 +165,8 @@ impl Supports {
         Ok(())
     }
 
-    /// Takes velocities along rods, in these directions, and into walls from a state at the end of a step of `h` seconds, and counts what
-    /// contacts dissipated in it; returns whether there are any.
+    /// Removes velocities along rods, with these directions, and into walls at the end of a step of `h` seconds. Tallies the
+    /// energy that contacts dissipated in the step. Returns whether there are any contacts.
     ///
     /// # Errors
     /// If rods and walls contradict each other.
@@ -200,9 +207,9 @@ impl Supports {
         Ok(true)
     }
 
-    /// The tensions [N] of rods with these directions, where some touch walls; None if none does. `state` gives the position, the velocity
-    /// and the acceleration of a particle by all other forces, `residual` the one of a rod for accelerations of its ends. On a wall of the
-    /// curvature κ, n·a ≥ −κ v².
+    /// Tensions [N] of rods with these directions, if some touch walls; None if none does. The function `state` returns the
+    /// position of a particle, its velocity, and its acceleration by all other forces. The function `residual` returns the
+    /// residual of a rod for accelerations of its ends. A wall of the curvature κ requires n·a ≥ −κ v².
     pub fn tensions<V: Vector>(
         &mut self,
         walls: &Walls<'_, V>,
@@ -229,7 +236,7 @@ impl Supports {
         }
         self.network.directions[..self.rods].copy_from_slice(directions);
         let from: Vec<DVec3> = states.iter().map(|&[_, _, acceleration]| acceleration).collect();
-        // Where the iterations stop above rounding the multipliers are those of the last one.
+        // If the iterations stop above rounding, the multipliers are those of the last one.
         let _ = self.settle(
             &mut contacts,
             &from,
@@ -241,7 +248,7 @@ impl Supports {
         Some(self.network.multipliers[..self.rods].to_vec())
     }
 
-    /// The contacts of the drift, and those that touch at its end.
+    /// Contacts of the drift, and contacts of particles that touch walls at its end.
     fn touching<V: Vector>(&self, matter: &Matter<V>, walls: &Walls<'_, V>, h: f64) -> Vec<Contact> {
         let mut contacts = Vec::new();
         for particle in (0..walls.particles.len()).filter(|&particle| self.network.inverse_mass[particle] > 0.0) {
@@ -263,7 +270,8 @@ impl Supports {
         contacts
     }
 
-    /// Finds which contacts act, and the impulses of these and of all rods, from vectors of the particles.
+    /// Finds the active contacts, and the impulses of these and of all rods. `from` are the vectors of the particles before
+    /// the projection.
     fn settle(
         &mut self,
         contacts: &mut [Contact],
@@ -311,7 +319,7 @@ impl Supports {
     }
 }
 
-/// A contact that supports a particle.
+/// Contact that supports a particle.
 fn support(gap: &Gap, h: f64) -> Contact {
     Contact {
         particle: 0,
@@ -327,7 +335,8 @@ fn support(gap: &Gap, h: f64) -> Contact {
     }
 }
 
-/// The contact of a particle with the gap g at the end of a drift of `h` seconds with `velocity`, and the gap and the velocity at its start.
+/// Contact of a particle with the gap `gap` at the end of a drift of `h` seconds with `velocity`. At the start of the step
+/// the gap was `before`, and the velocity `start`.
 fn meeting(gap: &Gap, before: f64, velocity: DVec3, start: DVec3, h: f64) -> Contact {
     let acceleration = 2.0 * (velocity - start) / h;
     let (normal_speed, normal_acceleration) = (gap.normal.dot(start), gap.normal.dot(acceleration));
@@ -349,7 +358,7 @@ fn meeting(gap: &Gap, before: f64, velocity: DVec3, start: DVec3, h: f64) -> Con
     }
 }
 
-/// Moves a particle out of its wall, where rounding left it within.
+/// Moves a particle out of its wall, if rounding left it inside.
 fn push_out<V: Vector>(matter: &mut Matter<V>, walls: &Walls<'_, V>, contact: &Contact) {
     let index = walls.particles[contact.particle] as usize;
     for round in 0..8 {

@@ -1,21 +1,21 @@
 //! Conservative advancement: the time at which two elements come near each other, never too late.
 //!
-//! Along straight paths the distance of two elements falls by at most the length l of their largest relative displacement, so that
-//! steps of 0.9 (d − ξ)/l never pass a distance ξ. Source: M. Li, D. M. Kaufman, C. Jiang, ACM Trans. Graph. 40, 170 (2021), "Additive
-//! CCD".
+//! Along straight paths the distance of two elements falls by at most the length l of their largest relative displacement.
+//! Steps of 0.9 (d − ξ)/l therefore never pass a distance ξ. Source: M. Li, D. M. Kaufman, C. Jiang, ACM Trans. Graph. 40,
+//! 170 (2021), "Additive CCD".
 
 use glam::DVec3;
 
 use super::distance::Closest;
 
-/// The part of the remaining distance that a step takes, and the part of the initial distance at which elements meet.
+/// Part of the remaining distance that a step takes, and part of the initial distance at which elements meet.
 const PART: f64 = 0.9;
 const NEAR: f64 = 0.1;
-/// The most steps; those that would take more meet where they are.
+/// Maximum number of steps. Elements that would take more meet at their last positions.
 const MOST: u32 = 200;
 
-/// The length l of the largest relative displacement of two elements, of which the first has `split` of the vertices, and all
-/// displacements without their mean.
+/// Length l [m] of the largest relative displacement of two elements, and all displacements without their mean. The first
+/// element has `split` of the vertices.
 #[inline(always)]
 pub fn relative(displacements: &[DVec3; 4], split: usize) -> (f64, [DVec3; 4]) {
     let mean = 0.25 * (displacements[0] + displacements[1] + displacements[2] + displacements[3]);
@@ -25,8 +25,8 @@ pub fn relative(displacements: &[DVec3; 4], split: usize) -> (f64, [DVec3; 4]) {
     (largest(&squares[..split]) + largest(&squares[split..]), own)
 }
 
-/// The closest points when two elements come within `least` [m] of each other, on paths from positions `x` with these displacements;
-/// None if they do not. Their distance at the start is above `least`.
+/// Closest points when two elements come within `least` [m] of each other; None if they do not. The paths start at the
+/// positions `x` and have these displacements. The distance at the start is above `least`.
 pub fn meeting(
     measure: impl Fn(&[DVec3; 4]) -> Closest,
     mut x: [DVec3; 4],

@@ -1,4 +1,4 @@
-//! Meshes that pass through each other, decided without rounding.
+//! Exact detection of meshes that pass through each other.
 
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
@@ -8,10 +8,10 @@ use super::tree::{Bounds, Swept};
 use crate::parallel::Executor;
 
 impl SelfContacts {
-    /// Looks at the state of a first step.
+    /// Checks the state before the first step.
     ///
     /// # Errors
-    /// The particles of an edge that is within a triangle.
+    /// The particles of an edge that passes through a triangle.
     pub fn check(&mut self, position: impl Fn(usize) -> DVec3, executor: &Executor) -> std::result::Result<(), [u32; 2]> {
         self.begin(|index| [position(index), DVec3::ZERO]);
         let x = &self.start;

@@ -1,4 +1,4 @@
-//! What a scene declares of contacts and strain limits: which bodies meet, by which rules, and their triangles and free edges.
+//! Contacts and strain limits as a scene declares them: the bodies that meet, their rules, their triangles and free edges.
 
 use super::limits::Limit;
 use super::mesh::{NONE, Rule};
@@ -9,7 +9,7 @@ use crate::math::Vector;
 use crate::matter::Properties;
 use crate::scene::{Body, Item, Scene, Value};
 
-/// A body's triangles and free edges, with the springs along the sides of each.
+/// Triangles and free edges of a body, with the springs along the sides of each.
 #[derive(Debug, Clone, Default)]
 pub struct Surface {
     pub faces: Vec<([u32; 3], Vec<u32>)>,
@@ -17,10 +17,10 @@ pub struct Surface {
 }
 
 impl SelfContacts {
-    /// The contacts and strain limits that a scene with these springs declares, if there are any.
+    /// Builds the contacts and strain limits that a scene with these springs declares; None if there are none.
     ///
     /// # Errors
-    /// If a value is wrong, or two items are about the same bodies.
+    /// If a value is wrong, or two items concern the same bodies.
     pub fn build<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<Option<Self>> {
         let items: Vec<&Item> = scene.constraints.iter().filter(|item| item.kind == KIND).collect();
         let limits = Limit::declared(scene, springs)?;
@@ -76,7 +76,7 @@ impl SelfContacts {
     }
 }
 
-/// The triangles of a body, or its springs where it has none, in the engine's order.
+/// Triangles of a body, or its springs if it has none, with particles in the engine's order.
 fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<Surface> {
     let first = scene.first(body);
     let networks = scene.bodies[..body].iter().filter(|body| body.item.kind == springs::KIND);

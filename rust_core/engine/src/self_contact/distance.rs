@@ -4,18 +4,18 @@
 
 use glam::DVec3;
 
-/// The closest points of two elements.
+/// Closest points of two elements.
 #[derive(Debug, Clone, Copy)]
 pub struct Closest {
-    /// Weights of the four vertices: the separation of the closest points is p = Σ wᵢ xᵢ, and Σ wᵢ = 0.
+    /// Weights of the four vertices. The separation of the closest points is p = Σ wᵢ xᵢ, with Σ wᵢ = 0.
     pub weights: [f64; 4],
-    /// p [m], from the second element to the first.
+    /// Separation p [m], from the second element to the first.
     pub separation: DVec3,
-    /// Whether both closest points are within the elements, not on the boundary of the triangle or at the end of an edge.
+    /// Whether both closest points are interior: neither on the boundary of the triangle nor at the end of an edge.
     pub interior: bool,
 }
 
-/// The separation of four vertices with these weights.
+/// Linear combination of four vectors with these weights.
 #[inline(always)]
 pub fn combined(weights: &[f64; 4], vectors: &[DVec3; 4]) -> DVec3 {
     weights[0] * vectors[0] + weights[1] * vectors[1] + weights[2] * vectors[2] + weights[3] * vectors[3]
@@ -25,7 +25,7 @@ fn closest(weights: [f64; 4], x: &[DVec3; 4], interior: bool) -> Closest {
     Closest { weights, separation: combined(&weights, x), interior }
 }
 
-/// The point of the triangle (x₁, x₂, x₃) closest to x₀.
+/// Closest point of the triangle (x₁, x₂, x₃) to x₀.
 #[inline]
 pub fn vertex_face(x: &[DVec3; 4]) -> Closest {
     let [p, a, b, c] = *x;
@@ -64,7 +64,7 @@ pub fn vertex_face(x: &[DVec3; 4]) -> Closest {
     closest([1.0, v + w - 1.0, -v, -w], x, true)
 }
 
-/// The closest points of the edges (x₀, x₁) and (x₂, x₃).
+/// Closest points of the edges (x₀, x₁) and (x₂, x₃).
 #[inline]
 pub fn edge_edge(x: &[DVec3; 4]) -> Closest {
     let [p1, q1, p2, q2] = *x;
@@ -72,7 +72,7 @@ pub fn edge_edge(x: &[DVec3; 4]) -> Closest {
     let (a, e, b) = (d1.length_squared(), d2.length_squared(), d1.dot(d2));
     let (c, f) = (d1.dot(r), d2.dot(r));
     let denominator = a * e - b * b;
-    // Of parallel edges any point of the first one is as near as the others.
+    // For parallel edges any point of the first edge is as near as the others.
     let mut s = if denominator > f64::EPSILON * a * e { ((b * f - c * e) / denominator).clamp(0.0, 1.0) } else { 0.5 };
     let mut t = (b * s + f) / e;
     if !(0.0..=1.0).contains(&t) {

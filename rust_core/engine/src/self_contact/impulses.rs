@@ -1,58 +1,60 @@
-//! Impulses of contacts: the velocities nearest to given ones at which no contact closes too far, by projected Gauss–Seidel iteration.
+//! Contact impulses by projected Gauss–Seidel iteration: the velocities nearest to given ones at which no contact closes too
+//! far.
 //!
-//! For the relative normal velocities J v ≥ b of all contacts, with impulses λ ≥ 0,
+//! All contacts require relative normal velocities J v ≥ b. With impulses λ ≥ 0,
 //!
-//!     v = v* + M⁻¹ Jᵀ λ   where λ maximizes   D(λ) = −½ λᵀ J M⁻¹ Jᵀ λ − λᵀ (J v* − b),
+//!     v = v* + M⁻¹ Jᵀ λ   where λ maximizes   D(λ) = −½ λᵀ J M⁻¹ Jᵀ λ − λᵀ (J v* − b).
 //!
-//! and Coulomb's friction on top, `|λ_t|` ≤ μ λ. The kinetic energy changes by λᵀ b − D(λ) at most, so that with b ≤ 0 it does not grow as
-//! long as D ≥ 0: the impulses of the last step, from which the iteration starts, are scaled to that, and no iteration lowers D.
-//! Sources: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988; D. M. Kaufman et al., ACM Trans.
-//! Graph. 27, 164 (2008).
+//! Coulomb's friction is added, `|λ_t|` ≤ μ λ. The kinetic energy changes by λᵀ b − D(λ) at most. With b ≤ 0 it does not grow
+//! as long as D ≥ 0. The iteration starts from the impulses of the last step, scaled such that D ≥ 0. No iteration lowers D.
+//! Sources: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988; D. M. Kaufman et al., ACM
+//! Trans. Graph. 27, 164 (2008).
 
 use glam::DVec3;
 
 use super::distance::combined;
 
-/// The most iterations, and the change of relative velocities in one, over the largest that is needed, that ends them.
+/// Maximum number of iterations. Tolerance of convergence: the change of relative velocities in one iteration, over the
+/// largest change needed.
 const MOST: u32 = 20;
 pub const CONVERGED: f64 = 1e-3;
-/// The iterations from one over all contacts to the next.
+/// Number of iterations from one over all contacts to the next.
 const COMPLETE: u32 = 5;
 
-/// Where a contact comes from.
+/// Origin of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// A pair that is near at the start of a step, by its key.
+    /// Pair that is near at the start of a step, by its key.
     Pair(u64),
-    /// A vertex at a wall.
+    /// Vertex at a wall.
     Wall,
-    /// A pair that meets on its way.
+    /// Pair that meets on its path.
     Way,
 }
 
-/// A contact of up to four particles.
+/// Contact of up to four particles.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact {
     pub nodes: [u32; 4],
     /// Weights wᵢ: the relative velocity is Σ wᵢ vᵢ.
     pub weights: [f64; 4],
-    /// The unit normal n.
+    /// Unit normal n.
     pub normal: DVec3,
-    /// The least normal velocity b [m/s].
+    /// Least normal velocity b [m/s].
     pub least: f64,
     /// Coulomb's coefficient μ.
     pub friction: f64,
     pub origin: Origin,
-    /// λ, and the impulse of friction [kg·m/s].
+    /// Normal impulse λ and impulse of friction [kg·m/s].
     pub impulse: f64,
     pub tangential: DVec3,
-    /// wᵢ/mᵢ, and 1/Σ wᵢ²/mᵢ.
+    /// wᵢ/mᵢ [1/kg], and the effective mass 1/Σ wᵢ²/mᵢ [kg].
     change: [f64; 4],
     mass: f64,
 }
 
 impl Contact {
-    /// A contact without impulse yet; None where no particle of it is free to move.
+    /// Creates a contact without impulse; None if no particle of it is free to move.
     pub fn new(
         (nodes, origin): ([u32; 4], Origin),
         weights: [f64; 4],
@@ -77,20 +79,20 @@ impl Contact {
         })
     }
 
-    /// The relative velocity [m/s].
+    /// Relative velocity [m/s].
     #[inline(always)]
     pub fn velocity(&self, velocities: &[DVec3]) -> DVec3 {
         combined(&self.weights, &self.nodes.map(|node| velocities[node as usize]))
     }
 
-    /// The energy that what holds fixed particles supplies [J].
+    /// Energy supplied by the supports of fixed particles [J].
     pub fn supplied(&self, is_fixed: impl Fn(u32) -> bool, velocities: &[DVec3]) -> f64 {
         let fixed = self.nodes.iter().zip(self.weights).filter(|&(&node, weight)| weight != 0.0 && is_fixed(node));
         let velocity: DVec3 = fixed.map(|(&node, weight)| weight * velocities[node as usize]).sum();
         -velocity.dot(self.impulse * self.normal + self.tangential)
     }
 
-    /// Adds an impulse.
+    /// Adds an impulse of the contact to the velocities.
     #[inline(always)]
     fn push(&self, impulse: DVec3, velocities: &mut [DVec3]) {
         for (node, change) in self.nodes.iter().zip(self.change) {
@@ -98,7 +100,7 @@ impl Contact {
         }
     }
 
-    /// Takes the impulses that satisfy it alone; returns the change of the normal velocity.
+    /// Sets the impulses that satisfy this contact alone; returns the change of the normal velocity [m/s].
     #[inline(always)]
     fn relax(&mut self, velocities: &mut [DVec3]) -> f64 {
         let relative = self.velocity(velocities);
@@ -121,7 +123,8 @@ impl Contact {
     }
 }
 
-/// Starts from normal impulses, scaled by the factor from 0 to 1 at which D is largest. `velocities` are without them.
+/// Applies the initial normal impulses, scaled by the factor from 0 to 1 at which D is largest. On entry `velocities` do not
+/// include them.
 pub fn start(contacts: &mut [Contact], velocities: &mut [DVec3]) {
     let mut changes = vec![DVec3::ZERO; velocities.len()];
     contacts.iter().for_each(|contact| contact.push(contact.impulse * contact.normal, &mut changes));
@@ -135,7 +138,7 @@ pub fn start(contacts: &mut [Contact], velocities: &mut [DVec3]) {
     velocities.iter_mut().zip(&changes).for_each(|(velocity, change)| *velocity += factor * *change);
 }
 
-/// Iterates over the contacts to and fro; most iterations leave out those that have no impulse.
+/// Iterates over the contacts in alternating order. Most iterations skip contacts without impulse.
 pub fn solve(contacts: &mut [Contact], velocities: &mut [DVec3]) {
     let violation = |contact: &Contact| contact.least - contact.normal.dot(contact.velocity(velocities));
     let carried = contacts.iter().map(|contact| contact.impulse / contact.mass).fold(0.0, f64::max);

@@ -1,8 +1,9 @@
-//! Strain limits: a spring at its longest is a rod until it is shorter again.
+//! Strain limits: a spring at its longest length is a rod until it is shorter again.
 //!
-//! A spring of offset d and direction n at the start of a step, whose ends have the relative velocity v, of which u is across n,
-//! stays within its longest length L where n·v ≤ (√(L² − h² u²) − ‖d‖)/h. The impulse that sees to it acts along n, as the force of
-//! SHAKE does. Source: J.-P. Ryckaert, G. Ciccotti, H. J. C. Berendsen, J. Comput. Phys. 23, 327 (1977).
+//! Consider a spring of offset d and direction n at the start of a step. Its ends have the relative velocity v, with the
+//! component u across n. The spring stays within its longest length L if n·v ≤ (√(L² − h² u²) − ‖d‖)/h. The impulse acts
+//! along n, as the force of SHAKE does. Source: J.-P. Ryckaert, G. Ciccotti, H. J. C. Berendsen, J. Comput. Phys. 23, 327
+//! (1977).
 
 use glam::DVec3;
 
@@ -11,25 +12,25 @@ use crate::error::Result;
 use crate::forces::springs::{self, Spring};
 use crate::scene::Scene;
 
-/// The excess of a spring over its longest length, relative to that, that takes no further iterations.
+/// Largest excess of a spring over its longest length, relative to that length, that needs no further iterations.
 pub const TOLERANCE: f64 = 1e-6;
-/// The part of an excess that a step takes back.
+/// Part of an excess that a step takes back.
 const PART: f64 = 0.2;
-/// What tells the key of a spring from that of a pair.
+/// Bit that distinguishes the key of a spring from the key of a pair.
 const KEY: u64 = 1 << 62;
 
-/// A spring with a strain limit.
+/// Spring with a strain limit.
 #[derive(Debug, Clone, Copy)]
 pub struct Limit {
-    /// Its index among all springs, as declared.
+    /// Index of the spring among all springs, as declared.
     pub spring: u32,
     pub ends: [u32; 2],
-    /// L [m].
+    /// Longest length L [m].
     longest: f64,
 }
 
 impl Limit {
-    /// The limits of the springs of a scene.
+    /// Strain limits of the springs of a scene.
     ///
     /// # Errors
     /// If a strain is wrong.
@@ -45,18 +46,18 @@ impl Limit {
             .collect())
     }
 
-    /// The spring's key among pairs.
+    /// Key of the spring among the keys of pairs.
     pub fn key(&self) -> u64 {
         KEY | u64::from(self.spring)
     }
 
-    /// The excess over the longest length at the end of a step of `h` seconds, relative to that.
+    /// Excess over the longest length at the end of a step of `h` seconds, relative to that length.
     pub fn excess(&self, start: &[DVec3], velocities: &[DVec3], h: f64) -> f64 {
         let [one, other] = self.ends.map(|end| start[end as usize] + h * velocities[end as usize]);
         (one - other).length() / self.longest - 1.0
     }
 
-    /// The direction n at the start, and the least velocity of the ends towards each other [m/s].
+    /// Direction n at the start, and least velocity of the ends towards each other [m/s].
     pub fn needed(&self, start: &[DVec3], velocities: &[DVec3], h: f64) -> (DVec3, f64) {
         let [one, other] = self.ends.map(|end| end as usize);
         let (offset, velocity) = (start[one] - start[other], velocities[one] - velocities[other]);
@@ -68,7 +69,7 @@ impl Limit {
         (normal, (length - excess - room + PART * excess) / h)
     }
 
-    /// The constraint that it is, with the force of the last step [N]; None where both ends are fixed.
+    /// Constraint of the spring, with the impulse from the force of the last step [N·s]; None if both ends are fixed.
     pub fn constraint(&self, (normal, least): (DVec3, f64), impulse: f64, inverse_mass: &[f64]) -> Option<Contact> {
         let [one, other] = self.ends;
         let nodes = ([one, other, one, other], Origin::Pair(self.key()));

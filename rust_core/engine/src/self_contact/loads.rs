@@ -1,4 +1,4 @@
-//! The loads of contacts, which the next step starts from: all that persists between steps.
+//! Loads of contacts: the start of the next step, and the only data that persists between steps.
 
 use glam::DVec3;
 
@@ -7,17 +7,17 @@ use super::impulses::{Contact, Origin};
 use crate::error::Result;
 use crate::history::{Archive, History};
 
-/// The forces of contacts [N].
+/// Forces of contacts [N].
 #[derive(Debug, Clone, Default)]
 pub struct Loads {
-    /// Of pairs, by their keys.
+    /// Forces of pairs, by their keys.
     pub pairs: Vec<(u64, f64)>,
-    /// Of vertices on walls, with the normal there.
+    /// Forces of vertices on walls, with the normals there.
     pub walls: Vec<(u32, DVec3, f64)>,
 }
 
 impl Loads {
-    /// The loads of the contacts of a step of `h` seconds.
+    /// Loads of the contacts of a step of `h` seconds.
     pub fn new(contacts: &[Contact], h: f64) -> Self {
         let (mut pairs, mut walls) = (Vec::new(), Vec::new());
         for contact in contacts.iter().filter(|contact| contact.impulse > 0.0) {
@@ -36,13 +36,13 @@ impl Loads {
         size_of_val(self.pairs.as_slice()) + size_of_val(self.walls.as_slice())
     }
 
-    /// The force of a pair.
+    /// Force of a pair [N].
     pub fn of(&self, key: u64) -> Option<f64> {
         self.pairs.binary_search_by_key(&key, |&(key, _)| key).ok().map(|index| self.pairs[index].1)
     }
 }
 
-/// The loads of the last step's contacts.
+/// History: the loads of the last step's contacts.
 impl History for SelfContacts {
     fn save(&mut self) {
         self.saved.clone_from(&self.loads);
@@ -55,7 +55,7 @@ impl History for SelfContacts {
     fn capture(&self, archive: &mut Archive) {
         let Loads { pairs, walls } = &self.loads;
         archive.write([pairs.len() as f64, walls.len() as f64]);
-        // The two halves of a key are whole numbers, which doubles hold.
+        // The two halves of a key are whole numbers that doubles represent exactly.
         archive.write(pairs.iter().flat_map(|&(key, load)| [(key >> 32) as f64, (key & 0xffff_ffff) as f64, load]));
         archive.write(walls.iter().flat_map(|&(vertex, normal, load)| [f64::from(vertex), normal.x, normal.y, normal.z, load]));
     }

@@ -1,4 +1,4 @@
-//! The meshes of bodies in contact: their vertices, edges and triangles, and which of them may touch.
+//! Meshes of bodies in contact: vertices, edges and triangles, and which of them may touch.
 
 use std::collections::BTreeMap;
 
@@ -9,16 +9,16 @@ use super::tree::{Swept, Tree};
 use crate::adjacency::Adjacency;
 use crate::parallel::{BlockedSlice, Executor};
 
-/// A triangle, or an edge that belongs to none, whose third vertex is its second.
+/// A triangle, or an edge without a triangle. The third vertex of an edge is its second.
 #[derive(Debug, Clone, Copy)]
 pub struct Element {
     /// Vertices, as indices of particles.
     pub vertices: [u32; 3],
-    /// Whether it is a triangle.
+    /// Whether the element is a triangle.
     pub is_face: bool,
-    /// Its body, as an index among those of the meshes.
+    /// Body of the element, as an index among the bodies of the meshes.
     pub body: u32,
-    /// The vertices and the edges that it stands for.
+    /// Vertices and edges assigned to this element.
     own_vertices: Few,
     own_edges: Few,
 }
@@ -42,87 +42,88 @@ impl Few {
     }
 }
 
-/// The contact of two bodies.
+/// Contact rule of two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
-    /// The distance at which it begins [m].
+    /// Thickness: the distance at which contact begins [m].
     pub thickness: f64,
     /// Coulomb's coefficient of friction μ.
     pub friction: f64,
-    /// The coefficient of restitution e.
+    /// Coefficient of restitution e.
     pub restitution: f64,
 }
 
 /// Two elements that may touch: a vertex and a triangle, or two edges.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
-    /// The particles: a vertex and the corners of a triangle, or the ends of two edges.
+    /// Particles: a vertex and the corners of a triangle, or the ends of two edges.
     pub nodes: [u32; 4],
-    /// The same for a pair in all steps: 0 or 1 for the kind, and the indices of both.
+    /// Identifier of the pair in all steps: 0 or 1 for the kind, and the indices of both elements.
     pub key: u64,
     pub rule: u32,
 }
 
 impl Pair {
-    /// Whether it is a vertex and a triangle.
+    /// Whether the pair is a vertex and a triangle.
     #[inline(always)]
     pub fn has_face(&self) -> bool {
         self.key >> 63 == 1
     }
 
-    /// The number of vertices of the first element.
+    /// Number of vertices of the first element.
     #[inline(always)]
     pub fn split(&self) -> usize {
         if self.has_face() { 1 } else { 2 }
     }
 
-    /// Its closest points at positions.
+    /// Closest points of the pair at these positions.
     #[inline(always)]
     pub fn measure(&self, x: &[DVec3; 4]) -> Closest {
         if self.has_face() { vertex_face(x) } else { edge_edge(x) }
     }
 
-    /// The vectors of its particles.
+    /// Vectors of the pair's particles.
     #[inline(always)]
     pub fn gather(&self, vectors: &[DVec3]) -> [DVec3; 4] {
         self.nodes.map(|node| vectors[node as usize])
     }
 }
 
-/// The meshes.
+/// Meshes of all bodies.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     pub elements: Vec<Element>,
-    /// Ends of each edge, and the vertices opposite to it in up to two triangles; its own end where there is none.
+    /// Ends of each edge, and the vertices opposite to it in up to two triangles. An end of the edge stands for a missing
+    /// vertex.
     pub edges: Vec<[u32; 2]>,
     pub opposite: Vec<[u32; 2]>,
-    /// The neighbors of each particle along edges.
+    /// Neighbors of each particle along edges.
     neighbors: Adjacency,
-    /// The rule of each pair of bodies, as an index, row by row; [`NONE`] for bodies that do not touch.
+    /// Rule of each pair of bodies, as an index, row by row; [`NONE`] for bodies that do not touch.
     rules: Vec<u32>,
     bodies: usize,
-    /// The body of each particle.
+    /// Body of each particle.
     body_of: Vec<u32>,
     tree: Tree,
-    /// Boxes around the elements in the tree's order, and whether a vertex of them has changed; boxes around the edges.
+    /// Boxes around the elements in the tree's order; whether a vertex of the element has changed; boxes around the edges.
     boxes: Vec<Swept>,
     changed: Vec<bool>,
     edge_boxes: Vec<Swept>,
 }
 
-/// What tells the higher half of the key of a vertex and a triangle.
+/// Flag of a vertex and a triangle in the higher half of a key.
 const HAS_FACE: u32 = 1 << 31;
-/// Bodies that do not touch.
+/// Index of the rule for bodies that do not touch.
 pub const NONE: u32 = u32::MAX;
-/// Nodes of the tree that one thread searches at a time.
+/// Number of tree nodes that one thread searches at a time.
 const BLOCK: usize = 512;
 
-/// The triangles and the free edges of a body, by their vertices.
+/// Triangles and free edges of a body, by their vertices.
 pub type Body = (Vec<[u32; 3]>, Vec<[u32; 2]>);
 
 impl Mesh {
-    /// The meshes of bodies, each with its triangles and its free edges, of which `rules` has a row and a column each, between
-    /// `count` particles.
+    /// Builds the meshes of bodies from their triangles and free edges, between `count` particles. `rules` has a row and a
+    /// column for each body.
     pub fn new(bodies: &[Body], rules: Vec<u32>, count: usize) -> Self {
         let mut mesh = Self { rules, bodies: bodies.len(), body_of: vec![0; count], ..Self::default() };
         let (mut has_vertex, mut numbers) = (vec![false; count], BTreeMap::<[u32; 2], u32>::new());
@@ -169,18 +170,18 @@ impl Mesh {
         self.elements.push(element);
     }
 
-    /// The vertices, each once.
+    /// Vertices of the meshes, each once.
     pub fn vertices(&self) -> impl Iterator<Item = u32> {
         self.elements.iter().flat_map(|element| element.own_vertices.as_slice()).copied()
     }
 
-    /// The neighbors of a particle along edges, in the order of these.
+    /// Neighbors of a particle along edges, in the order of the edges.
     #[inline(always)]
     pub fn neighbors(&self, vertex: u32) -> &[u32] {
         self.neighbors.of(vertex as usize)
     }
 
-    /// The pair with a key; None if there is no such pair any more.
+    /// Pair with a key; None if there is no such pair any more.
     pub fn pair(&self, key: u64) -> Option<Pair> {
         let (high, low) = ((key >> 32) as u32 & !HAS_FACE, key as u32);
         let nodes = if key >> 63 == 1 {
@@ -204,8 +205,9 @@ impl Mesh {
         self.tree.build(&self.elements.iter().map(center).collect::<Vec<_>>());
     }
 
-    /// Takes the boxes of all particles, and calls `each` with the pairs of elements without common vertices of which one has a vertex
-    /// with `changed`, and whose boxes overlap: what it returns is found, block by block.
+    /// Calls `each` with the pairs of elements whose boxes overlap; `boxes` are those of all particles. The elements have no
+    /// common vertices, and one of them has a vertex with `changed`. Results of `each` are collected in `found`, block by
+    /// block.
     pub fn pairs<T: Send + Clone>(
         &mut self,
         boxes: &[Swept],
@@ -239,7 +241,7 @@ impl Mesh {
                 mesh.tree.query(node, |some, others, around| {
                     for one in some.clone() {
                         let part = &mesh.boxes[one];
-                        // Of the elements of one leaf, each pair once.
+                        // Among the elements of one leaf, each pair once.
                         let rest = if some == others { one + 1..others.end } else { others.clone() };
                         if !part.hull().overlaps(around) {
                             continue;
@@ -255,7 +257,7 @@ impl Mesh {
         });
     }
 
-    /// Calls `found` with the pairs of two elements, by their places in the tree's order.
+    /// Calls `found` with the pairs of two elements, given by their places in the tree's order.
     #[inline]
     fn pairs_of(&self, places: [usize; 2], boxes: &[Swept], found: &mut impl FnMut(Pair, &Swept, &Swept)) {
         let [one, other] = places.map(|place| self.tree.order()[place]);

@@ -1,13 +1,13 @@
 //! Contact of meshes with themselves and with each other: nothing passes through, and distances stay at the thickness.
 //!
-//! A step moves vertices along straight paths. [`mesh`] finds the pairs, vertex and triangle or edge and edge, that may touch on
-//! the way ([`nearby`] keeps the list complete as ways change). [`touching`] takes those whose closest points are within both
-//! elements, or locally closest, as contacts, whose impulses keep them from closing to less than the thickness ([`impulses`]). Conservative
-//! advancement then looks at all pairs on the new paths ([`advancement`]): what still meets becomes a contact as it meets, and if some
-//! rounds of that do not help, particles move on together ([`zones`]). So no path of a step lets an edge through a triangle, whatever its
-//! length. [`resolution`] is that loop.
+//! A step moves vertices along straight paths. Pairs that may touch on the way are searched ([`mesh`]): vertex and triangle,
+//! or edge and edge. Their list stays complete as paths change ([`nearby`]). Contacts are the pairs whose closest points are
+//! within both elements, or locally closest ([`touching`]). Impulses keep contacts from closing to less than the thickness
+//! ([`impulses`]). Conservative advancement then tests all pairs on the new paths ([`advancement`]). Pairs that still meet
+//! become contacts as they meet. If some rounds of this do not help, particles move on together ([`zones`]). No path of a
+//! step therefore lets an edge through a triangle, whatever its length. Module [`resolution`] contains this loop.
 //!
-//! The same impulses press vertices on walls ([`walls`]) and hold springs at their strain limits ([`limits`]).
+//! Impulses also press vertices on walls ([`walls`]) and hold springs at their strain limits ([`limits`]).
 
 use glam::DVec3;
 
@@ -34,41 +34,41 @@ use nearby::Nearby;
 pub use resolution::{Step, Unresolved};
 pub use walls::{Inside, Walls};
 
-/// The kind of the items.
+/// Kind of the items.
 pub const KIND: &str = "SelfContact";
 
-/// The excess over a longest length that is said, relative to that.
+/// Smallest excess over a longest length that is reported, relative to that length.
 const NOTED: f64 = 0.01;
 
-/// The contacts of meshes.
+/// Contacts of meshes.
 #[derive(Debug, Clone, Default)]
 pub struct SelfContacts {
     rules: Vec<Rule>,
-    /// The rule of each pair of bodies, row by row.
+    /// Rule of each pair of bodies, row by row.
     table: Vec<u32>,
     surfaces: Vec<Surface>,
-    /// All springs with a strain limit, and those that are whole.
+    /// All springs with a strain limit, and those that are not broken.
     limits: Vec<Limit>,
     limited: Vec<Limit>,
     mesh: Mesh,
     nearby: Nearby,
-    /// The vertices of all meshes.
+    /// Vertices of all meshes.
     vertices: Vec<u32>,
     inverse_mass: Vec<f64>,
     /// Positions [m] and velocities [m/s] at the start of the step.
     start: Vec<DVec3>,
     start_velocities: Vec<DVec3>,
-    /// The contacts of the last step.
+    /// Loads of the contacts of the last step, and a saved copy.
     loads: Loads,
     saved: Loads,
-    /// Steps in which particles moved on together.
+    /// Number of steps in which particles moved on together.
     merged: u64,
-    /// The largest excess of a spring over its longest length, relative to that.
+    /// Largest excess of a spring over its longest length, relative to that length.
     excess: f64,
 }
 
 impl SelfContacts {
-    /// Takes the springs that are not broken, and the triangles and free edges along which none is.
+    /// Removes broken springs, and the triangles and free edges along them.
     pub fn leave_out(&mut self, broken: &[bool]) {
         let whole = |springs: &[u32]| springs.iter().all(|&spring| !broken.get(spring as usize).copied().unwrap_or(false));
         self.limited = self.limits.iter().filter(|limit| whole(&[limit.spring])).copied().collect();
@@ -87,7 +87,7 @@ impl SelfContacts {
         self.vertices.dedup();
     }
 
-    /// Takes the positions [m] and velocities [m/s] at the start of a step.
+    /// Records the positions [m] and velocities [m/s] at the start of a step.
     pub fn begin(&mut self, state: impl Fn(usize) -> [DVec3; 2]) {
         self.start_velocities.resize(self.start.len(), DVec3::ZERO);
         for (index, (start, velocity)) in self.start.iter_mut().zip(&mut self.start_velocities).enumerate() {
@@ -95,17 +95,17 @@ impl SelfContacts {
         }
     }
 
-    /// The velocities at the start of the step [m/s].
+    /// Velocities at the start of the step [m/s].
     pub fn start_velocities(&self) -> &[DVec3] {
         &self.start_velocities
     }
 
-    /// The positions at the start of the step [m].
+    /// Positions at the start of the step [m].
     pub fn start(&self) -> &[DVec3] {
         &self.start
     }
 
-    /// The names of its parts, with what they are about.
+    /// Names and descriptions of the parts in use.
     pub fn stages(&self) -> Vec<(&'static str, String)> {
         let contact = ("self-contact", format!("a tree of {} triangles and free edges", self.elements()));
         let limits = ("strain limits", format!("{} springs, which are rods at their longest", self.limits.len()));
@@ -113,7 +113,7 @@ impl SelfContacts {
         parts.into_iter().filter(|(used, _)| *used).map(|(_, part)| part).collect()
     }
 
-    /// The number of triangles and free edges.
+    /// Number of triangles and free edges.
     pub fn elements(&self) -> usize {
         self.mesh.elements.len()
     }

@@ -1,4 +1,4 @@
-//! The pairs that may touch in a step, wherever impulses lead the vertices.
+//! Pairs that may touch in a step, for all paths on which impulses lead the vertices.
 
 use std::cmp::Ordering;
 
@@ -9,21 +9,21 @@ use super::mesh::{Mesh, Pair, Rule};
 use super::tree::{Bounds, Swept};
 use crate::parallel::Executor;
 
-/// By how much impulses may lead a vertex beyond its way before its pairs are searched again, in units of the thickness.
+/// Displacement of a vertex beyond its path, by impulses, that triggers a new search of its pairs; in thicknesses.
 const SLACK: f64 = 0.25;
 
-/// A pair that may come nearer than the thickness, at the start of the step.
+/// Pair that may come nearer than the thickness, at the start of the step.
 #[derive(Debug, Clone, Copy)]
 pub struct Near {
     pub pair: Pair,
-    /// The direction from the closest point of the second element to that of the first.
+    /// Direction from the closest point of the second element to the closest point of the first.
     pub normal: DVec3,
-    /// The distance of the closest points [m].
+    /// Distance of the closest points [m].
     pub distance: f64,
 }
 
 impl Near {
-    /// A pair with its closest points.
+    /// Pair with its closest points.
     #[inline(always)]
     pub fn new(pair: Pair, closest: &Closest) -> Self {
         let distance = closest.separation.length();
@@ -31,26 +31,27 @@ impl Near {
         Self { pair, normal, distance }
     }
 
-    /// The order of distances, which neither the axes nor the numbers of the particles change.
+    /// Order of distances, and of keys for equal distances. Neither the axes nor the numbers of the particles change distances.
     pub fn order(&self, other: &Self) -> Ordering {
         self.distance.total_cmp(&other.distance).then(self.pair.key.cmp(&other.pair.key))
     }
 
-    /// A lower bound of the distance [m] at all times of a step of `h` seconds: planes across the normal through the closest points have
-    /// the elements on their outer sides at the start, and the width of such a slab between straight paths is concave in time.
+    /// Lower bound of the distance [m] at all times of a step of `h` seconds. Consider the planes across the normal through
+    /// the closest points. At the start the elements are on their outer sides. Between straight paths the width of such a
+    /// slab is concave in time.
     #[inline(always)]
     pub fn least(&self, velocities: &[DVec3], h: f64) -> f64 {
         let along = self.pair.nodes.map(|node| self.normal.dot(velocities[node as usize]));
         self.distance + h * self.slab(along)
     }
 
-    /// The same with each vertex's own place along the normal, for positions and ways [m].
+    /// Lower bound of the distance [m] at the end of the displacements, from each vertex's own position along the normal.
     pub fn least_of_vertices(&self, x: &[DVec3; 4], ways: &[DVec3; 4]) -> f64 {
         let along = std::array::from_fn(|node| self.normal.dot(x[node] - x[0] + ways[node]));
         self.slab(along)
     }
 
-    /// The width between the first element and the second, whose vertices are at these places.
+    /// Width between the first element and the second, from the coordinates of their vertices along the normal.
     #[inline(always)]
     fn slab(&self, [a, b, c, d]: [f64; 4]) -> f64 {
         let (low, high) = if self.pair.has_face() { (a, b.max(c)) } else { (a.min(b), c) };
@@ -58,25 +59,25 @@ impl Near {
     }
 }
 
-/// The pairs near each other on the ways of all vertices.
+/// Pairs near each other on the paths of all vertices.
 #[derive(Debug, Clone, Default)]
 pub struct Nearby {
-    /// The pairs.
+    /// Pairs found so far.
     pub pairs: Vec<Near>,
-    /// Those that each block of a search has found.
+    /// Pairs that each block of a search has found.
     found: Vec<Vec<Near>>,
-    /// The particles at the start of the step, and the displacements that were looked at [m].
+    /// Particles at the start of the step, and the displacements that the search covers [m].
     boxes: Vec<Swept>,
-    /// The vertices whose displacements are new.
+    /// Vertices with new displacements.
     changed: Vec<bool>,
-    /// A velocity that all have in common [m/s].
+    /// Common velocity of all vertices: their mean [m/s].
     drift: DVec3,
     slack: f64,
     searched: bool,
 }
 
 impl Nearby {
-    /// Takes the start of a step of `h` seconds, in which vertices have about these velocities.
+    /// Starts a step of `h` seconds, in which vertices have about these velocities.
     pub fn begin(&mut self, vertices: &[u32], (start, velocities): (&[DVec3], &[DVec3]), h: f64, thickness: f64) {
         self.pairs.clear();
         self.slack = SLACK * thickness;
@@ -92,7 +93,7 @@ impl Nearby {
         }
     }
 
-    /// Searches the pairs anew of the vertices that leave their ways with these velocities.
+    /// Searches again the pairs of vertices that leave their paths with these velocities.
     pub fn cover(
         &mut self,
         (mesh, rules): (&mut Mesh, &[Rule]),
@@ -106,7 +107,7 @@ impl Nearby {
                 let (to, way) = (h * (velocities[vertex] - self.drift), &mut self.boxes[vertex].way);
                 self.changed[vertex] = !way.contains(&Bounds::around(to, 0.0));
                 if self.changed[vertex] {
-                    // Up to twice as far for a vertex that others push on and on.
+                    // Up to twice the slack, for a vertex that others push repeatedly.
                     *way = Bounds::around(to, self.slack + way.distance(to).min(self.slack));
                 }
             }
@@ -120,7 +121,7 @@ impl Nearby {
         mesh.pairs(&self.boxes, &self.changed, executor, &mut self.found, &|pair, one, other| {
             let near = Near::new(pair, &pair.measure(&pair.gather(start)));
             let approach = one.relative(other).support(near.normal);
-            // Where closest points coincide, no direction tells how elements approach each other.
+            // Coincident closest points do not tell the direction in which elements approach each other.
             let reached = near.distance - approach < rules[pair.rule as usize].thickness || near.distance <= 0.0;
             reached.then_some(near)
         });

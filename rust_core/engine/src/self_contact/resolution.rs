@@ -1,4 +1,4 @@
-//! The resolution of a step: velocities at which nothing passes through.
+//! Resolution of a step: velocities at which nothing passes through.
 
 use std::collections::HashSet;
 
@@ -13,43 +13,43 @@ use super::zones::Zones;
 use super::{SelfContacts, limits};
 use crate::parallel::Executor;
 
-/// Rounds in which what closes or meets becomes a contact.
+/// Number of rounds in which pairs that close or meet become contacts.
 const ROUNDS: u32 = 8;
-/// Rounds in which zones grow.
+/// Number of rounds in which zones grow.
 const MERGERS: u32 = 1000;
-/// How far pairs are from closing to the thickness that become contacts, in units of that: the first ones, and those of later rounds,
-/// which close too far.
+/// Activation distance of contacts beyond the thickness, in thicknesses: in the first round (`AHEAD`), in later rounds
+/// (`LATE`). Later rounds add only pairs that close too far.
 const AHEAD: f64 = 0.25;
 const LATE: f64 = -0.1;
-/// The kinetic energy that is rounding, relative to itself.
+/// Rounding error of the kinetic energy, relative to itself.
 const ROUNDING: f64 = 1e-12;
 
-/// A step in which particles pass through each other that have to keep their velocities.
+/// Failure of a step: particles that have to keep their velocities pass through each other.
 #[derive(Debug, Clone, Copy)]
 pub struct Unresolved {
-    /// One of them.
+    /// One of the particles.
     pub particle: usize,
 }
 
-/// A step, the walls around it, and the threads for it.
+/// Step, with its walls and threads.
 #[derive(Clone, Copy)]
 pub struct Step<'a> {
-    /// Its size [s].
+    /// Size of the step [s].
     pub h: f64,
-    /// The walls.
+    /// Walls around the step.
     pub walls: &'a Walls<'a>,
-    /// The threads.
+    /// Threads for the step.
     pub executor: &'a Executor,
 }
 
-/// The contacts of a step.
+/// Contacts of a step.
 struct Active {
     contacts: Vec<Contact>,
-    /// The keys of those along normals.
+    /// Keys of the contacts along normals.
     known: HashSet<u64>,
-    /// Which vertices have a contact with a wall.
+    /// Whether each vertex has a contact with a wall.
     held: Vec<bool>,
-    /// The constraints of springs.
+    /// Index of the constraint of each spring with a limit, if it has one.
     taut: Vec<Option<usize>>,
 }
 
@@ -67,7 +67,7 @@ impl Active {
 }
 
 impl SelfContacts {
-    /// Changes the mean velocities of a step of `h` seconds so that nothing passes through; returns whether it did.
+    /// Changes the mean velocities of a step so that nothing passes through; returns whether they changed.
     ///
     /// # Errors
     /// If particles that have to keep their velocities pass through each other.
@@ -95,7 +95,7 @@ impl SelfContacts {
             active.extend(self.closing(&reached, &active.known, (margin, &free, velocities), step));
             let more = active.contacts.len() > known;
             let met = self.meetings(&reached, velocities, step);
-            // What the first round has found is solved together with the contacts of the last step, once.
+            // The contacts of the first round are solved together with those of the last step, once.
             if met.is_empty() && !longer && (!more || round > 0) {
                 break;
             }
@@ -116,7 +116,7 @@ impl SelfContacts {
         Ok(*velocities != free)
     }
 
-    /// The contacts of the last step, and the springs that exceed their longest lengths.
+    /// Contacts of the last step, and constraints of the springs that exceed their longest lengths.
     fn start_from_last(&self, free: &[DVec3], thickness: f64, step: Step<'_>) -> Active {
         let (held, taut) = (vec![false; free.len()], vec![None; self.limited.len()]);
         let mut active = Active { contacts: Vec::new(), known: HashSet::new(), held, taut };
@@ -126,8 +126,8 @@ impl SelfContacts {
         active
     }
 
-    /// Adds the constraints of springs that exceed their longest lengths, or renews them; returns whether one does by more than the
-    /// tolerance.
+    /// Adds or renews the constraints of springs that exceed their longest lengths. Returns whether one exceeds it by more
+    /// than the tolerance.
     fn tauten(&self, active: &mut Active, velocities: &[DVec3], h: f64) -> bool {
         let mut largest = 0.0_f64;
         for (limit, taut) in self.limited.iter().zip(&mut active.taut) {
@@ -149,8 +149,8 @@ impl SelfContacts {
         largest > limits::TOLERANCE
     }
 
-    /// Whether contacts that bounce give more kinetic energy than fixed particles supply with the impulses that act on them: restitution
-    /// of one pair at a time, as Newton's law has it, may do that where several act together.
+    /// Whether contacts that bounce give more kinetic energy than fixed particles supply by the impulses on them. Newton's
+    /// law of restitution treats one pair at a time; it may give energy where several pairs act together.
     fn gains(&self, contacts: &[Contact], free: &[DVec3], velocities: &[DVec3]) -> bool {
         if contacts.iter().all(|contact| contact.least <= 0.0) {
             return false;
@@ -165,7 +165,7 @@ impl SelfContacts {
         0.5 * (after - before) > supplied + ROUNDING * (before + after)
     }
 
-    /// Ends the ways at walls of vertices that impulses lead out of them, and adds their contacts.
+    /// Ends the paths of vertices at walls, if impulses lead them out, and adds their contacts.
     fn keep_inside(&self, active: &mut Active, free: &[DVec3], velocities: &mut [DVec3], step: Step<'_>) {
         for &vertex in &self.vertices {
             let index = vertex as usize;
@@ -189,7 +189,7 @@ impl SelfContacts {
         self.nearby.cover((&mut self.mesh, &self.rules), &self.vertices, paths, h, executor);
     }
 
-    /// Lets particles move on together until no pair meets.
+    /// Moves particles together until no pair meets.
     fn merge(&mut self, mut met: Vec<(Near, Closest)>, velocities: &mut [DVec3], step: Step<'_>) -> Result<(), Unresolved> {
         self.merged += u64::from(!met.is_empty());
         let mut zones = Zones::new(self.start.len());

@@ -1,5 +1,5 @@
-//! Which pairs are contacts, and what these require: those that would close to less than the thickness along the normal at the start of
-//! the step, and those that meet on their way.
+//! Selection of contacts, and their requirements. Some pairs would close to less than the thickness, along the normal at the
+//! start of the step. Others meet on their paths.
 
 use std::collections::HashSet;
 
@@ -13,16 +13,16 @@ use super::resolution::Step;
 use super::{SelfContacts, advancement};
 use crate::parallel::{BlockedSlice, Executor};
 
-/// The distance that is always kept, in units of the thickness, and of the present distance where that is less.
+/// Distance that is always kept: in units of the thickness, or of the present distance where that is less.
 const KEPT: f64 = 0.5;
 const KEPT_OF_PRESENT: f64 = 0.5;
-/// How far beyond the thickness the contacts of the last step are taken into the next one, in units of the thickness.
+/// Distance beyond the thickness up to which contacts of the last step are taken into the next one, in thicknesses.
 const LASTING: f64 = 1.0;
-/// Items that one thread looks at at a time.
+/// Number of items that one thread processes at a time.
 const BLOCK: usize = 1024;
 
 impl SelfContacts {
-    /// The contacts of the last step that are not far apart now, with their impulses, the nearest first.
+    /// Contacts of the last step that are not far apart now, with their impulses, the nearest first.
     pub(super) fn lasting(&self, free: &[DVec3], Step { h, .. }: Step<'_>) -> Vec<Contact> {
         let contact = |&(key, load): &(u64, f64)| {
             let pair = self.mesh.pair(key)?;
@@ -35,7 +35,7 @@ impl SelfContacts {
         in_order(self.loads.pairs.iter().filter_map(contact).collect()).into_iter().map(|(_, contact)| contact).collect()
     }
 
-    /// The pairs near each other, as indices, that these velocities may lead nearer than the thickness and `margin` times that.
+    /// Indices of the nearby pairs that may come nearer than (1 + `margin`) thicknesses with these velocities.
     pub(super) fn reached(&self, velocities: &[DVec3], margin: f64, Step { h, executor, .. }: Step<'_>) -> Vec<u32> {
         let reached = |index: usize| {
             let near = &self.nearby.pairs[index];
@@ -45,7 +45,7 @@ impl SelfContacts {
         by_blocks(self.nearby.pairs.len(), executor, &reached)
     }
 
-    /// The contacts of those among these pairs that close along their normals, apart from those `known`, the nearest first.
+    /// Contacts of the pairs in `reached` that close along their normals and are not `known`, the nearest first.
     pub(super) fn closing(
         &self,
         reached: &[u32],
@@ -64,7 +64,7 @@ impl SelfContacts {
         in_order(by_blocks(reached.len(), executor, &contact)).into_iter().map(|(_, contact)| contact).collect()
     }
 
-    /// Those among these pairs that come too near each other on their way, the nearest first, and how.
+    /// Pairs in `reached` that come too near each other on their paths, with their closest points there, the nearest first.
     pub(super) fn meetings(
         &self,
         reached: &[u32],
@@ -89,8 +89,8 @@ impl SelfContacts {
         in_order(by_blocks(reached.len(), executor, &meeting))
     }
 
-    /// The contact of a pair with its normal at the start, if it closes to less than the thickness and `margin` times that with these
-    /// velocities. Closest points on a boundary are those of several pairs: one of these counts, if it is locally closest.
+    /// Contact of a pair with its normal at the start; None unless it closes to less than (1 + `margin`) thicknesses with
+    /// these velocities. Closest points on a boundary belong to several pairs; only a locally closest pair counts.
     fn along_normal(
         &self,
         (near, closest): (&Near, &Closest),
@@ -105,14 +105,14 @@ impl SelfContacts {
             return None;
         }
         let (approach, least) = (along(free), ((rule.thickness - distance) / h).min(0.0));
-        // What touched in the last step rests; what arrives bounces.
+        // Pairs that touched in the last step rest; arriving pairs bounce.
         let bounces = rule.restitution > 0.0 && approach < least && self.loads.of(pair.key).is_none();
         let least = if bounces { least.max(-rule.restitution * approach) } else { least };
         let origin = Origin::Pair(pair.key);
         Contact::new((pair.nodes, origin), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
     }
 
-    /// The contact of a pair as it meets on its way.
+    /// Contact of a pair that meets on its path.
     pub(super) fn on_the_way(&self, &Near { ref pair, distance, .. }: &Near, closest: &Closest, h: f64) -> Option<Contact> {
         let rule = &self.rules[pair.rule as usize];
         let normal = closest.separation.normalize_or_zero();
@@ -121,7 +121,7 @@ impl SelfContacts {
         Contact::new((pair.nodes, Origin::Way), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
     }
 
-    /// Whether nothing near the closest points of a pair is closer.
+    /// Whether no points near the closest points of a pair are closer.
     fn is_local(&self, pair: &Pair, closest: &Closest) -> bool {
         let x = &self.start;
         let (p, weights) = (closest.separation, &closest.weights);
@@ -143,7 +143,7 @@ impl SelfContacts {
                 let opposite = self.mesh.opposite[edges[side] as usize];
                 opposite.iter().all(|&vertex| vertex == a || vertex == b || toward.dot(x[vertex as usize] - point) <= 0.0)
             } else {
-                // All edges at a vertex have it as their closest point: that to its first neighbor stands for them.
+                // All edges at a vertex have it as their closest point. The edge to its first neighbor stands for them.
                 ends += 1;
                 let [vertex, other] = if along <= 0.0 { [a, b] } else { [b, a] };
                 ends == 1 && self.mesh.neighbors(vertex).first() == Some(&other) && alone(vertex, toward)
@@ -152,13 +152,13 @@ impl SelfContacts {
     }
 }
 
-/// What is found of pairs, the nearest first.
+/// Sorts the results of pairs, the nearest first.
 fn in_order<T>(mut found: Vec<(Near, T)>) -> Vec<(Near, T)> {
     found.sort_unstable_by(|(one, _), (other, _)| one.order(other));
     found
 }
 
-/// What `each` finds of so many items by their indices, in their order.
+/// Results of `each` for the indices below `count`, in their order.
 fn by_blocks<R: Send + Clone>(count: usize, executor: &Executor, each: &(impl Fn(usize) -> Option<R> + Sync)) -> Vec<R> {
     let mut found: Vec<Vec<R>> = vec![Vec::new(); count.div_ceil(BLOCK)];
     executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<R>>| {

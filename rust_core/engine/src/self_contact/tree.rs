@@ -1,17 +1,18 @@
-//! A binary tree of boxes around the elements of a mesh: its topology follows from where they are at the start, its boxes from where
-//! they are now.
+//! Binary tree of boxes around the elements of a mesh. Its topology follows from the positions of the elements at the start,
+//! its boxes from their present positions.
 
 use std::ops::Range;
 
 use glam::{DVec3, Vec3A};
 
-/// Elements in a leaf.
+/// Maximum number of elements in a leaf.
 const LEAF: usize = 8;
 
-/// The margin of a box for the rounding of its corners and of sums of a few of them, relative to these: 8 half units of the last place.
+/// Margin of a box for the rounding of its corners and of sums of a few corners, relative to these: 8 half units of the last
+/// place.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
-/// A box along the axes, in single precision, rounded outward.
+/// Axis-aligned box in single precision, rounded outward.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {
     low: Vec3A,
@@ -21,7 +22,7 @@ pub struct Bounds {
 impl Bounds {
     pub const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
 
-    /// A box around a point, `margin` [m] away on all sides.
+    /// Box around a point, with a `margin` [m] on all sides.
     #[inline(always)]
     pub fn around(point: DVec3, margin: f64) -> Self {
         let (low, high) = (Vec3A::from((point - margin).as_vec3()), Vec3A::from((point + margin).as_vec3()));
@@ -44,13 +45,13 @@ impl Bounds {
         (self.low.cmple(other.low) & other.high.cmple(self.high)).all()
     }
 
-    /// The distance of a point [m].
+    /// Distance of a point from the box [m].
     pub fn distance(&self, point: DVec3) -> f64 {
         let point = Vec3A::from(point.as_vec3());
         f64::from((self.low - point).max(point - self.high).max(Vec3A::ZERO).length())
     }
 
-    /// The largest component of a point in it along a direction [m].
+    /// Largest component of a point in the box along a direction [m].
     #[inline(always)]
     pub fn support(&self, direction: DVec3) -> f64 {
         let (low, high) = (direction * self.low.as_dvec3(), direction * self.high.as_dvec3());
@@ -58,7 +59,7 @@ impl Bounds {
     }
 }
 
-/// A box around an element at the start of a step, and one around the displacements of its points.
+/// Box around an element at the start of a step, and box around the displacements of its points.
 #[derive(Debug, Clone, Copy)]
 pub struct Swept {
     pub from: Bounds,
@@ -73,51 +74,51 @@ impl Swept {
         Self { from: self.from.union(&other.from), way: self.way.union(&other.way) }
     }
 
-    /// A box around the element on its way.
+    /// Box around the element on its path.
     #[inline(always)]
     pub fn hull(&self) -> Bounds {
         let (low, high) = (self.way.low.min(Vec3A::ZERO), self.way.high.max(Vec3A::ZERO));
         Bounds { low: self.from.low + low, high: self.from.high + high }
     }
 
-    /// The displacements of another element relative to this one.
+    /// Displacements of another element relative to this one.
     #[inline(always)]
     pub fn relative(&self, other: &Self) -> Bounds {
         Bounds { low: other.way.low - self.way.high, high: other.way.high - self.way.low }
     }
 
-    /// Whether the elements may touch: a displacement that both have in common does not bring them together.
+    /// Whether the elements may touch. A common displacement does not bring them together.
     #[inline(always)]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.from.overlaps(&Self { from: other.from, way: self.relative(other) }.hull())
     }
 }
 
-/// A node in depth-first order: its box, and the next node that is not below it.
+/// Node in depth-first order: its box, and the next node that is not below it.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     bounds: Bounds,
     skip: u32,
-    /// The elements of a leaf, in the tree's order; no elements in an inner node.
+    /// Elements of a leaf, in the tree's order; an inner node has none.
     start: u32,
     count: u32,
-    /// Whether an element in it has changed.
+    /// Whether an element in the node has changed.
     changed: bool,
 }
 
 impl Node {
-    /// The places of its elements in the tree's order.
+    /// Places of the node's elements in the tree's order.
     #[inline(always)]
     fn elements(&self) -> Range<usize> {
         self.start as usize..(self.start + self.count) as usize
     }
 }
 
-/// The tree.
+/// Bounding-volume tree of elements.
 #[derive(Debug, Clone, Default)]
 pub struct Tree {
     nodes: Vec<Node>,
-    /// The elements, leaf by leaf.
+    /// Elements, leaf by leaf.
     order: Vec<u32>,
 }
 
@@ -152,7 +153,7 @@ impl Tree {
         self.nodes[at].skip = self.nodes.len() as u32;
     }
 
-    /// Takes boxes of the elements in the tree's order, and whether they have changed.
+    /// Updates the boxes of the tree from the boxes of its elements, in the tree's order, and whether these have changed.
     pub fn refit(&mut self, element: impl Fn(usize) -> (Bounds, bool)) {
         for at in (0..self.nodes.len()).rev() {
             let node = self.nodes[at];
@@ -167,18 +168,19 @@ impl Tree {
         }
     }
 
-    /// The elements in the tree's order.
+    /// Elements in the tree's order.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// The number of nodes.
+    /// Number of nodes.
     pub fn nodes(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Calls `each` with the elements of one node, if it is a leaf, and those of every leaf from there on whose box overlaps its own, if an
-    /// element of the two has changed: by their places in the tree's order, and the box of the second leaf.
+    /// Finds the leaves whose boxes overlap the box of a node, from this node on; an inner node finds none. One of the two
+    /// leaves has a changed element. Calls `each` with the elements of both, by their places in the tree's order, and the box
+    /// of the second leaf.
     #[inline]
     pub fn query(&self, node: usize, mut each: impl FnMut(Range<usize>, Range<usize>, &Bounds)) {
         let leaf = &self.nodes[node];

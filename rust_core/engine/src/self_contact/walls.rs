@@ -1,7 +1,7 @@
-//! Walls of the scene that vertices are pressed on by contacts: contacts of one vertex, with the wall's friction and restitution.
+//! Walls of the scene on which contacts press vertices: contacts of one vertex, with the wall's friction and restitution.
 //!
-//! The stage of walls has taken each particle's own momentum into a wall before, with the friction of that; what others press it on
-//! with comes on top here.
+//! The contact stage has already resolved each particle's own momentum into a wall, with its friction. The pressure by other
+//! particles is added here.
 
 use glam::DVec3;
 
@@ -9,25 +9,25 @@ use super::SelfContacts;
 use super::impulses::{self, Contact, Origin};
 use super::resolution::Step;
 
-/// A position inside all walls, with the coefficients of the wall that is in the way.
+/// A position inside all walls, with the coefficients of the wall in the way.
 #[derive(Debug, Clone, Copy)]
 pub struct Inside {
-    /// The position [m].
+    /// Position [m].
     pub position: DVec3,
     /// Coulomb's coefficient of friction μ.
     pub friction: f64,
-    /// The coefficient of restitution e.
+    /// Coefficient of restitution e.
     pub restitution: f64,
 }
 
-/// What keeps particles inside walls: where a particle that would be outside at a position is inside.
+/// Projection of positions inside walls: for a particle and a position outside, the position inside.
 pub type Walls<'a> = dyn Fn(usize, DVec3) -> Option<Inside> + Sync + 'a;
 
-/// Corrections of a zone's velocity at walls.
+/// Maximum number of corrections of a zone's velocity at walls.
 const CORRECTIONS: u32 = 8;
 
 impl SelfContacts {
-    /// The contact of a vertex that was on a wall in the last step, if it is within the thickness of one.
+    /// Contact of a vertex that was on a wall in the last step, if a wall is within the thickness.
     pub(super) fn resting(
         &self,
         &(vertex, normal, load): &(u32, DVec3, f64),
@@ -41,7 +41,7 @@ impl SelfContacts {
         Some(contact)
     }
 
-    /// The contact of a vertex with the wall that it would pass on a path. What rests on the wall, stays; what arrives, bounces.
+    /// Contact of a vertex with the wall that it would pass on a path. A resting vertex stays; an arriving one bounces.
     pub(super) fn arriving(&self, vertex: u32, [from, to]: [DVec3; 2], inside: Inside, h: f64) -> Option<Contact> {
         let mut contact = self.wall(vertex, [from, to], inside, h)?;
         let approach = contact.normal.dot(to - from) / h;
@@ -52,14 +52,14 @@ impl SelfContacts {
     fn wall(&self, vertex: u32, [from, to]: [DVec3; 2], inside: Inside, h: f64) -> Option<Contact> {
         let way = (inside.position - to).length();
         let normal = (inside.position - to) / way;
-        // What solving leaves of a velocity is no reason for another round.
+        // The remainder of an iterative solution is no reason for another round.
         (way > impulses::CONVERGED * (to - from).length()).then_some(())?;
         let least = normal.dot(inside.position - from) / h;
         let weights = [1.0, 0.0, 0.0, 0.0];
         Contact::new(([vertex; 4], Origin::Wall), weights, normal, (least, inside.friction), &self.inverse_mass)
     }
 
-    /// The velocity of particles that move together, without what leads one of them out of the walls; 0 if that is not found.
+    /// Velocity of particles that move together, corrected so that none leaves the walls; 0 if no such velocity is found.
     pub(super) fn within_walls(&self, members: &[u32], mut velocity: DVec3, Step { h, walls, .. }: Step<'_>) -> DVec3 {
         for _ in 0..CORRECTIONS {
             let way_back = |&vertex: &u32| {

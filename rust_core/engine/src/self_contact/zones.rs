@@ -1,7 +1,8 @@
 //! Zones: particles that no impulses keep apart move on together, with the mean velocity of their mass.
 //!
-//! A common translation keeps all distances within a zone, and momentum; angular momentum it does not. Zones grow until nothing meets.
-//! Source: R. Bridson, R. Fedkiw, J. Anderson, ACM Trans. Graph. 21, 594 (2002), section 7.5, whose zones turn too.
+//! A common translation conserves all distances within a zone, and momentum, but not angular momentum. Zones grow until
+//! nothing meets. Source: R. Bridson, R. Fedkiw, J. Anderson, ACM Trans. Graph. 21, 594 (2002), section 7.5; zones there also
+//! turn.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +11,7 @@ use glam::DVec3;
 /// Particles in disjoint sets.
 #[derive(Debug)]
 pub struct Zones {
-    /// The parent of each particle in the tree of its set; [`ALONE`] for those in none.
+    /// Parent of each particle in the tree of its set; [`ALONE`] for particles in no set.
     parent: Vec<u32>,
     members: Vec<u32>,
 }
@@ -18,7 +19,7 @@ pub struct Zones {
 const ALONE: u32 = u32::MAX;
 
 impl Zones {
-    /// No zones yet among `count` particles.
+    /// Empty set of zones among `count` particles.
     pub fn new(count: usize) -> Self {
         Self { parent: vec![ALONE; count], members: Vec::new() }
     }
@@ -51,7 +52,8 @@ impl Zones {
         }
     }
 
-    /// Gives each zone the mean velocity of its mass, as far as walls allow it; one with fixed particles that of the first of these.
+    /// Gives each zone the mean velocity of its mass, as far as walls allow. A zone with fixed particles takes the velocity
+    /// of the first of these.
     pub fn merge(&mut self, inverse_mass: &[f64], velocities: &mut [DVec3], within: impl Fn(&[u32], DVec3) -> DVec3) {
         let mut zones: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         self.members.sort_unstable();

@@ -1,20 +1,22 @@
 //! Adaptive steps from the limit of the time step, between two times at which every step ends.
 //!
-//! **Blocks.** The interval H is halved recursively, a binary tree of blocks H/2ᵏ, and a block is one step where the
-//! largest admissible step, at its beginning *and* at its end, is not below it:
+//! **Blocks.** The interval H is halved recursively, into a binary tree of blocks H/2ᵏ. A block is one step if the largest
+//! admissible step, at its beginning *and* at its end, is not below it:
 //!
 //! ```text
 //!     0                               H/2                              H
 //!     |---------------|-------|---|---|---|---|-------|----------------|     a close approach at H/2
 //! ```
 //!
-//! The limit at the end is known only after the step, which is therefore tried, and rejected where that limit is smaller.
-//! In reversed time the same blocks have the same ends, and are chosen again, except the rare ones in which a rejected step
-//! led to another end than its halves. A rule that uses the beginning alone makes smaller steps out of an approach than
-//! into it, or larger ones, always with the same sign, and the energy drifts. Source: D. M. Hernandez, W. Dehnen, Mon. Not.
-//! R. Astron. Soc. 522 (2023) 4639; for the blocks S. J. Aarseth, Gravitational N-Body Simulations (2003).
+//! The limit at the end is known only after the step. The step is therefore tried, and rejected if the limit at its end is
+//! smaller. In reversed time the same blocks have the same ends, and are chosen again. Rare exceptions are blocks in which a
+//! rejected step led to another end than its halves.
 //!
-//! **Errors.** With a tolerance the steps follow from error estimates instead: see [`super::controlled`].
+//! A rule that uses the beginning alone makes smaller steps out of an approach than into it, or larger ones. The sign is
+//! always the same, and the energy drifts. Source: D. M. Hernandez, W. Dehnen, Mon. Not. R. Astron. Soc. 522 (2023) 4639; for
+//! the blocks S. J. Aarseth, Gravitational N-Body Simulations (2003).
+//!
+//! **Errors.** With a tolerance the steps follow from error estimates: see [`super::controlled`].
 
 use super::halving::Halvings;
 use super::monitor::Steps;
@@ -25,11 +27,11 @@ use crate::stability::Horizon;
 /// The rule of the step-size control.
 #[derive(Debug, Clone, Copy)]
 pub struct Rule {
-    /// Safety factor: the largest step in units of the present limit.
+    /// Safety factor: largest step in units of the present limit.
     pub safety: f64,
-    /// The step without a limit [s].
+    /// Step without a limit [s].
     pub free: f64,
-    /// The tolerance of the error per step, for error control: [m], or as the method estimates it.
+    /// Tolerance of the error per step, for error control: [m], or in the unit of the method's estimate.
     pub tolerance: Option<f64>,
 }
 
@@ -40,13 +42,13 @@ pub struct Adaptation {
     pub rejected: u64,
     /// Number of steps rejected for divergence.
     pub failed: u64,
-    /// The smallest and the largest step so far [s]; 0 before the first.
+    /// Smallest and largest step so far [s]; 0 before the first.
     pub range: [f64; 2],
-    /// The next step of the error controller [s], and the last error in units of the tolerance.
+    /// Next step of the error controller [s], and last error in units of the tolerance.
     pub control: [f64; 2],
 }
 
-/// The interval over the smallest step: a power of two, so that halving is exact.
+/// Ratio of the interval to the smallest step: a power of two, so that halving is exact.
 pub(super) const FINEST: u64 = 1 << 40;
 
 /// The outcome of a trial step.
@@ -72,14 +74,14 @@ impl Simulation {
         }
     }
 
-    /// Steps of the interval over powers of two, admissible at both of their ends.
+    /// Advances in steps of the interval over powers of two, admissible at both of their ends.
     fn advance_in_blocks(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let varies = self.system.limit_varies(Horizon::Present, self.time());
         let (start, finest) = (self.time(), interval / FINEST as f64);
         let mut allowed = self.allowed(rule, interrupted)?;
         self.expect(allowed.min(interval));
         let (mut position, mut halvings, mut since) = (0, Halvings::default(), 0);
-        // The largest block that begins at a position of the binary tree.
+        // Largest block that begins at a position of the binary tree.
         let largest = |position: u64| if position == 0 { FINEST } else { position & position.wrapping_neg() };
         let mut block = largest(position);
         while position < FINEST {
@@ -96,7 +98,7 @@ impl Simulation {
                         self.rollback(1);
                         (self.segment, self.monitor, self.mach) = before;
                     })?;
-                    // Written so that a NaN limit rejects the step.
+                    // In this form a NaN limit rejects the step.
                     let suits = end >= h;
                     if suits || block == 1 {
                         (position, halvings, allowed) = (position + block, Halvings::default(), end);
@@ -124,7 +126,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The largest admissible step of the rule in the present state [s].
+    /// Largest admissible step of the rule in the present state [s].
     pub(super) fn allowed(&mut self, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<f64> {
         let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Present, time, executor))?.dt();
         Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
@@ -146,7 +148,7 @@ impl Simulation {
         }
     }
 
-    /// Counts a diverged step; returns its error if it cannot be halved once more.
+    /// Counts a diverged step; returns its error if the step cannot be halved once more.
     pub(super) fn fail(&mut self, halvings: &mut Halvings, smallest: bool, error: Error) -> Result<()> {
         if smallest {
             return Err(error);

@@ -37,7 +37,7 @@ impl Simulation {
     /// Restores a checkpoint.
     ///
     /// # Errors
-    /// If it is of another scene or of other numerics.
+    /// If it belongs to another scene or to other numerics.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         let mut archive = Archive::new(checkpoint.system.clone());
         self.system.restore(&mut archive)?;

@@ -1,7 +1,7 @@
 //! Step-size control by error estimates.
 //!
-//! Each method has its [`Control`]: that of an embedded pair estimates the error by the difference between its result and
-//! one of the order below, that of Gauss–Radau collocation by its last coefficient.
+//! Each method has its [`Control`]. An embedded pair estimates the error by the difference from a result of the order below.
+//! Gauss–Radau collocation estimates it by its last coefficient.
 
 use super::adaptive::{FINEST, Trial};
 use super::halving::Halvings;
@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::systems::Control;
 
 impl Simulation {
-    /// Steps whose estimated error is at most `tolerance`, by a method's control.
+    /// Advances in steps whose estimated error is at most `tolerance`, by a method's control.
     pub(super) fn advance_by_errors(
         &mut self,
         interval: f64,
@@ -68,8 +68,8 @@ impl Simulation {
     }
 }
 
-/// The step for the remaining `left` seconds, and whether it is the last one. The last two are equal, rather than a long
-/// one and a short rest.
+/// Step for the remaining `left` seconds, and whether it is the last one. The last two steps are equal, instead of a long one
+/// and a short rest.
 fn fit(wanted: f64, left: f64) -> (f64, bool) {
     if wanted >= left {
         (left, true)

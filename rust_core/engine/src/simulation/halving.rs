@@ -3,7 +3,7 @@
 use super::Simulation;
 use crate::error::{Error, Result};
 
-/// The most successive halvings of a diverging step, after which it counts as divergence.
+/// Maximum number of successive halvings of a diverging step. A further divergence ends the run.
 const MOST: u32 = 10;
 
 /// The number of successive halvings of a diverging step.
@@ -14,7 +14,7 @@ impl Halvings {
     /// Counts a divergence.
     ///
     /// # Errors
-    /// Its error, if the step cannot be halved once more.
+    /// The error of the divergence, if the step cannot be halved once more.
     pub fn count(&mut self, error: Error) -> Result<()> {
         self.0 += 1;
         if self.0 > MOST { Err(error) } else { Ok(()) }
@@ -27,14 +27,13 @@ impl Halvings {
 }
 
 impl Simulation {
-    /// Takes a step of `h` seconds that diverged in two halves, and whenever one of its parts diverges what is left of it in
-    /// parts of half that size. Each number of equal parts that were taken, with their size [s], goes to `parts`, also where
-    /// this fails.
+    /// Repeats a step of `h` seconds that diverged, in two halves. If one of the parts diverges, takes the remainder in parts
+    /// of half that size. Appends each number of equal parts taken, with their size [s], to `parts`, even on failure.
     ///
     /// # Errors
     /// As [`Simulation::step`]; if the smallest parts diverge.
     pub fn substep(&mut self, h: f64, parts: &mut Vec<(u64, f64)>, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        // The step itself was the first to diverge.
+        // The step itself was the first divergence.
         let (mut left, mut size, mut halvings) = (1, h, Halvings(1));
         loop {
             (left, size) = (2 * left, 0.5 * size);

@@ -1,19 +1,19 @@
 //! The divergence monitor: detects divergence of a trajectory, and the step at which it occurs.
 //!
-//! After every step the activity, the kinetic energy at the step's last evaluation of the forces, is compared with a
-//! threshold (in every 32nd step, under an inverse-square field alone). Where it is above, or NaN, the state is diagnosed:
-//! a quantity that is not finite is a divergence, and so is a rise of the energy balance by more than `max_energy_growth`
-//! times the scale, the largest energy so far. The threshold then becomes twice the scale, or twice the activity if that is
-//! larger, so the budget is computed only when the activity has doubled.
+//! After every step the activity is compared with a threshold; under an inverse-square field alone, after every 32nd step.
+//! The activity is the kinetic energy at the step's last evaluation of the forces. A state whose activity is above the
+//! threshold, or NaN, is diagnosed. A quantity that is not finite is a divergence. So is a rise of the energy balance by more
+//! than `max_energy_growth` times the scale, the largest energy so far. The threshold then becomes twice the scale, or twice
+//! the activity if that is larger. The budget is therefore computed only when the activity has doubled.
 //!
-//! Of a system without an energy the activity is its largest |value|, of which the same is asked: that it stays below
-//! `max_energy_growth` times the largest so far, as far as the steps resolved its growth.
+//! Without an energy, the activity of a system is its largest |value|. It may rise by at most `max_energy_growth` times its
+//! largest value so far, as far as the steps resolved its growth.
 //!
 //! A rise has to persist for one more step, so that the onset of a force is no divergence.
 //!
-//! The result is a function of the trajectory alone: steps run in batches, and where a step of a batch is to be diagnosed,
-//! the batch is rolled back and repeated up to that step. To limit repetition, batches are no longer than the time since
-//! the last diagnosis. A failed step does not enter the scale.
+//! The result is a function of the trajectory alone. Steps run in batches. If a step of a batch has to be diagnosed, the
+//! batch is rolled back and repeated up to that step. To limit repetition, batches are no longer than the time since the last
+//! diagnosis. A failed step does not enter the scale.
 
 use super::{Simulation, Vigilance};
 use crate::error::{Divergence, Error, Result};
@@ -22,11 +22,11 @@ use crate::parallel::SERIAL;
 use crate::stability::Horizon;
 use crate::systems::{Element, Fault, Record};
 
-/// The shortest batch after a diagnosis.
+/// Shortest batch after a diagnosis.
 const SHORTEST: u64 = 8;
-/// Steps in which an amplitude may double and is still resolved by them.
+/// Number of steps in which an amplitude may double and its growth is still resolved.
 const RESOLVED: u64 = 32;
-/// The activity [J] above which other energies may overflow.
+/// Activity [J] above which other energies may overflow.
 const LARGEST: f64 = 1e300;
 
 /// The step sizes of a batch.
@@ -54,24 +54,24 @@ impl Finding {
     }
 }
 
-/// The state of the monitor.
+/// State of the monitor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Monitor {
-    /// Largest rise of the balance in units of the scale; infinite where only quantities that are not finite count.
+    /// Largest rise of the balance in units of the scale; infinite if only quantities that are not finite count.
     pub max_energy_growth: f64,
-    /// The states that are diagnosed.
+    /// States that are diagnosed.
     pub vigilance: Vigilance,
-    /// The scale: the largest energy so far [J].
+    /// Scale: the largest energy so far [J].
     pub scale: f64,
-    /// The smallest potential energy so far, or a lower bound of it [J].
+    /// Smallest potential energy so far, or a lower bound of it [J].
     pub lowest: f64,
-    /// The balance at the start [J].
+    /// Energy balance at the start [J].
     pub balance: f64,
-    /// The threshold of the activity for a diagnosis [J].
+    /// Threshold of the activity for a diagnosis [J].
     pub threshold: f64,
-    /// The largest |value| so far of systems without an energy that was reached by a resolved growth; 0 before there was any.
+    /// Largest |value| reached by a resolved growth so far, of systems without an energy; 0 before there was any.
     pub amplitude: f64,
-    /// The step of the last diagnosis of that.
+    /// Step of the last diagnosis of the amplitude.
     pub followed: u64,
     /// Steps since the last diagnosis, which only set the length of batches.
     pub quiet: u64,
@@ -84,15 +84,16 @@ impl Monitor {
         Self { max_energy_growth, vigilance, scale, lowest, balance: 0.0, threshold: 0.0, amplitude: 0.0, followed: 0, quiet: 0 }
     }
 
-    /// Initializes the monitor at a state with this energy, and a lower bound of the potential energy if one is known.
+    /// Initializes the monitor at a state with this energy. `lowest` is a lower bound of the potential energy, if one is
+    /// known.
     pub fn begin(&mut self, energy: &Ledger, lowest: Option<f64>, epsilon: f64) {
         self.lowest = lowest.unwrap_or(f64::INFINITY);
         self.balance = energy.balance();
         self.observe(energy, 0.0, epsilon);
     }
 
-    /// Updates the scale and the threshold by the energy and the activity [J] of a state; returns the rise of the balance
-    /// if it exceeds the threshold.
+    /// Updates the scale and the threshold by the energy and the activity [J] of a state. Returns the rise of the balance if
+    /// it exceeds the threshold.
     pub fn observe(&mut self, energy: &Ledger, activity: f64, epsilon: f64) -> Option<f64> {
         let kinetic = energy.sum(Class::Kinetic);
         let activity = activity.max(kinetic);
@@ -104,15 +105,15 @@ impl Monitor {
         let (dissipated, work) = (energy.sum(Class::Dissipated), energy.sum(Class::Work));
         let shown = kinetic + (potential - self.lowest) + dissipated + work.abs() - rise;
         self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
-        // Above the second bound the rise is a divergence: the kinetic energy at a step's evaluation is up to five times
-        // that at its end, at the limit of stability, and the latter is at most scale + rise.
+        // Above the second bound the rise is a divergence. At the limit of stability the kinetic energy at a step's
+        // evaluation is up to five times that at its end, which is at most scale + rise.
         let most = (1.0 + self.max_energy_growth).max(8.0) * self.scale;
         self.threshold = (2.0 * self.scale.max(activity)).min(most).min(f64::MAX);
         (rise > self.max_energy_growth * self.scale).then_some(rise)
     }
 
-    /// Updates the amplitude and the threshold by that of a state after some steps; returns its ratio to the largest so far if
-    /// it exceeds the threshold. A growth that doubles in fewer than [`RESOLVED`] steps does not enter.
+    /// Updates the amplitude and the threshold by a state after `steps` steps. Returns the ratio of its amplitude to the
+    /// largest so far, if that exceeds the threshold. A growth that doubles in fewer than [`RESOLVED`] steps does not enter.
     pub fn follow(&mut self, amplitude: f64, steps: u64) -> Option<f64> {
         let resolved = steps >= self.followed + RESOLVED || self.amplitude == 0.0;
         if resolved && amplitude > self.amplitude {
@@ -134,20 +135,20 @@ impl Monitor {
         (self.amplitude, self.followed) = (amplitude, followed as u64);
     }
 
-    /// Takes over the amplitude of a state that is given.
+    /// Adopts the amplitude of a given state.
     pub fn expect_amplitude(&mut self, amplitude: Option<f64>) {
         self.amplitude = self.amplitude.max(amplitude.unwrap_or_default());
         self.threshold = self.threshold.max(2.0 * self.amplitude);
     }
 
-    /// Adds an energy that a step cannot resolve to the scale.
+    /// Raises the scale to an energy that a step cannot resolve.
     pub fn expect(&mut self, energy: f64) {
         self.scale = if energy.is_finite() { self.scale.max(energy) } else { self.scale };
     }
 }
 
 impl Simulation {
-    /// Takes up to `most` steps, adaptive or equal, all accepted by the monitor, and returns their number.
+    /// Takes up to `most` steps, adaptive or equal, all accepted by the monitor. Returns their number.
     pub(super) fn batch(&mut self, most: u64, rule: Steps, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         let (record, threshold) = self.attention(rule);
         let steps = match (self.monitor.vigilance, record) {
@@ -179,7 +180,7 @@ impl Simulation {
         self.examine(first as u64 + 1, steps, interrupted)
     }
 
-    /// Diagnoses step number `step` of the last batch of `steps`, and returns it if the monitor accepts it. Else the
+    /// Diagnoses step number `step` of the last batch of `steps`, and returns it if the monitor accepts it. Otherwise the
     /// simulation stands at the step before.
     fn examine(&mut self, step: u64, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         if step < steps {
@@ -204,8 +205,8 @@ impl Simulation {
         Err(Error::Diverged(Box::new(Divergence { step: number, time, ..divergence })))
     }
 
-    /// Whether a rise of the balance in the next step is the onset of a force, and does not persist in the one after that.
-    /// At an onset the first step tallies none of the work, and a system at rest has no kinetic energy for comparison.
+    /// Whether a rise of the balance in the next step is the onset of a force, and does not persist in the following step. At
+    /// an onset the first step tallies none of the work, and a system at rest has no kinetic energy for comparison.
     fn is_onset(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool> {
         match self.advance(2, Record::LastStep, interrupted) {
             Err(error) if stops_a_step(&error) => return Ok(false),
@@ -230,7 +231,7 @@ impl Simulation {
         finding
     }
 
-    /// The activities to record, and the threshold for a diagnosis.
+    /// Activities to record, and threshold for a diagnosis.
     fn attention(&self, rule: Steps) -> (Record, f64) {
         // In steps that never double the energy only overflow needs a diagnosis.
         let certified = || self.limit(Horizon::Certified, &SERIAL);
@@ -245,7 +246,7 @@ impl Simulation {
         }
     }
 
-    /// The fault of the present state, if there is one; updates the scale.
+    /// Diagnoses the present state; updates the scale.
     fn diagnose(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Finding> {
         if let Some(Fault { element, quantity }) = self.system.fault() {
             return Ok(Finding::OutOfRange(divergence(element, quantity, "is not finite".to_owned())));
@@ -277,8 +278,8 @@ impl Simulation {
         }))
     }
 
-    /// Adds the energy that steps of `dt` seconds cannot resolve to the scale, before the very first one: the kinetic
-    /// energy of the first kick from rest. Later the scale is known, and a kick may belong to a failed step.
+    /// Adds the energy that steps of `dt` seconds cannot resolve to the scale: the kinetic energy of the first kick from
+    /// rest. Only before the very first step: later the scale is known, and a kick may belong to a failed step.
     pub(super) fn expect(&mut self, dt: f64) {
         if self.steps > 0 {
             return;
@@ -287,24 +288,24 @@ impl Simulation {
         self.monitor.expect(energy);
     }
 
-    /// The divergence of a state whose neighbors cannot be searched.
+    /// Divergence of a state whose neighbors cannot be searched.
     fn beyond_search(&self) -> Divergence {
         divergence(self.system.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
     }
 
-    /// The error of a step, `steps` from here, in which neighbors could not be searched.
+    /// Error of a step, `steps` from here, in which neighbors could not be searched.
     fn step_beyond_search(&self, steps: u64) -> Error {
         let time = self.time() + steps as f64 * self.segment.dt;
         Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.beyond_search() }))
     }
 
-    /// The error of the next step, in which a method's equations had no solution.
+    /// Error of the next step, in which a method's equations had no solution.
     fn in_next_step(&self, divergence: Divergence) -> Error {
         let time = self.time() + self.segment.dt;
         Error::Diverged(Box::new(Divergence { step: self.steps + 1, time, ..divergence }))
     }
 
-    /// The divergence of the present state, if it is what an error is about.
+    /// Replaces an error by the divergence of the present state, if that is its cause.
     pub(super) fn or_divergence(&self, error: Error) -> Error {
         if !is_beyond_search(&error) {
             return error;
@@ -317,7 +318,7 @@ impl Simulation {
     pub(super) fn with_hint(&mut self, error: Error, interrupted: &dyn Fn() -> bool) -> Error {
         match error {
             Error::Diverged(divergence) => {
-                // A user-defined function may fail where its stiffness is estimated.
+                // A user-defined function may fail during the estimate of its stiffness.
                 let hint = self.hint(interrupted).unwrap_or_else(|_| format!("try dt = {:.3e} s", 0.25 * self.segment.dt));
                 Error::Diverged(Box::new(Divergence { hint, ..*divergence }))
             }
@@ -325,12 +326,12 @@ impl Simulation {
         }
     }
 
-    /// The name of the first system's method.
+    /// Name of the first system's method.
     pub(super) fn method(&self) -> &'static str {
         self.system.stages().first().map_or("", |stages| stages.method)
     }
 
-    /// The hint of a divergence, computed at the last good state.
+    /// Hint of a divergence, computed at the last good state.
     fn hint(&mut self, interrupted: &dyn Fn() -> bool) -> Result<String> {
         let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Sharp, time, executor))?;
         let dt = self.segment.dt;
@@ -349,22 +350,22 @@ impl Simulation {
     }
 }
 
-/// A divergence at an element, without the step and the hint.
+/// Divergence at an element, without the step and the hint.
 fn divergence(Element { name, index }: Element, quantity: &'static str, cause: String) -> Divergence {
     Divergence { step: 0, time: 0.0, element: name, index, quantity, cause, hint: String::new() }
 }
 
-/// Whether an activity is above a threshold; NaN is.
+/// Whether an activity is above a threshold, or NaN.
 fn is_above(activity: f64, threshold: f64) -> bool {
     activity.is_nan() || activity > threshold
 }
 
-/// Whether the error belongs to a single step, independent of those before.
+/// Whether the error belongs to a single step, independent of the steps before.
 fn stops_a_step(error: &Error) -> bool {
     is_beyond_search(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. } | Error::Diverged(_))
 }
 
-/// Whether a step failed because positions are too large for a neighbor search: they diverge before they overflow.
+/// Whether a step failed because positions are too large for a neighbor search. Positions diverge before they overflow.
 fn is_beyond_search(error: &Error) -> bool {
     matches!(error, Error::Parameter { path, .. } if path == "positions")
 }

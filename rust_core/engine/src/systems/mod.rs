@@ -1,6 +1,6 @@
-//! The systems of a scene.
+//! Systems of a scene.
 //!
-//! To add one: give it a folder, here or in the crate of fields on grids, and its line in [`build`]. A
+//! To add a system, create its folder, here or in the crate of fields on grids, and its line in [`build`]. A
 //! [simulation](crate::simulation) is a clock, a divergence monitor and a ledger over a system, independent of particles.
 
 pub mod matter;
@@ -17,8 +17,9 @@ pub use physcore_base::systems::*;
 use physcore_fields::{reaction_diffusion, schrodinger, wave};
 use several::{Part, Several};
 
-/// The system of a scene, or its systems as one, in `f32` or `f64`: matter, advanced by the method of that name, where there are
-/// bodies, and those that items declare, by the same one or by that which `methods` has under their names.
+/// Builds the systems of a scene as one, in `f32` or `f64`. If there are bodies, they form a system of matter, advanced by
+/// `method`. Further systems are those that items declare. The map `methods` gives their methods by name; the default is
+/// `method`.
 ///
 /// # Errors
 /// If the scene or the numerics are invalid or do not fit into memory, or on an interrupt.
@@ -51,14 +52,14 @@ pub fn build(
     })
 }
 
-/// The registry: the system that an item declares, with the items that are advanced with it, by a method.
+/// Builds the system that an item declares, with the items that are advanced with it, by a method. Registry of systems.
 fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executor) -> Result<Part> {
     let item = items[0];
     let system = match item.kind.as_str() {
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
         "ReactionDiffusion" => reaction_diffusion::build(item, method, precision),
         "Schrodinger" => schrodinger::build(item, method, precision),
-        // It names its sets itself.
+        // The system names its sets itself.
         "Tracers" | "PointVortices" => {
             return Ok(Part { name: String::new(), system: tracers::build(items, method, precision)? });
         }
@@ -67,7 +68,7 @@ fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executo
     Ok(Part { name: item.name.clone().unwrap_or_else(|| item.path.clone()), system: system? })
 }
 
-/// The error that there is no such integrator.
+/// Error for an unknown integrator.
 fn unknown_integrator(method: &Item) -> Error {
     Error::parameter("integrator", "the name of an integrator", &method.kind)
 }

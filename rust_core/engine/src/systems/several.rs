@@ -1,7 +1,7 @@
 //! Several systems in one scene, with one clock, one budget and one divergence monitor.
 //!
-//! Each takes its own steps of one length, batch by batch; they are independent of each other. Fields of other systems than
-//! the first are named after their items.
+//! Each system takes its own steps of one length, batch by batch. Systems are independent of each other. Fields of other
+//! systems than the first are named after their items.
 
 use glam::DVec3;
 
@@ -14,23 +14,23 @@ use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
 use crate::systems::Mach;
 
-/// A system, and the name of the item of the scene that it belongs to; empty for matter, and for a system of several items.
+/// A system, and the name of its item in the scene; empty for matter, and for a system of several items.
 pub struct Part {
-    /// The name.
+    /// Name of the item.
     pub name: String,
     /// The system.
     pub system: Box<dyn System>,
 }
 
-/// The systems of a scene, at least one.
+/// Systems of a scene, at least one.
 pub struct Several {
     parts: Vec<Part>,
-    /// Sums of their activities [J].
+    /// Sums of the systems' activities [J].
     activity: Vec<f64>,
 }
 
 impl Several {
-    /// Several systems as one.
+    /// Combines several systems into one.
     pub fn new(parts: Vec<Part>) -> Self {
         Self { parts, activity: Vec::new() }
     }
@@ -39,7 +39,7 @@ impl Several {
         self.parts.iter().map(|part| &*part.system)
     }
 
-    /// The element with its part's name.
+    /// Adds the part's name to an element.
     fn named(part: &Part, element: Element) -> Element {
         let name = if part.name.is_empty() { element.name } else { format!("{} of {}", element.name, part.name) };
         Element { name, ..element }
@@ -49,7 +49,7 @@ impl Several {
         if part.name.is_empty() { field.to_owned() } else { format!("{}.{field}", part.name) }
     }
 
-    /// The part and the field of an index into all fields.
+    /// Part and field of an index into all fields.
     fn locate(&self, mut field: usize) -> Option<(&Part, usize)> {
         for part in &self.parts {
             let count = part.system.fields().len();
@@ -61,7 +61,7 @@ impl Several {
         None
     }
 
-    /// Sums the activities over all systems, if each recorded the same number; else those after the last step.
+    /// Sums the activities over all systems, if each recorded the same number; otherwise those after the last step.
     fn add_up(&mut self) {
         let Self { parts, activity } = self;
         let recorded = |part: &Part| part.system.activity().len();
@@ -152,7 +152,7 @@ impl System for Several {
         self.systems().any(System::gains_energy)
     }
 
-    /// The smallest of each kind over all systems.
+    /// Smallest limit of each kind over all systems.
     fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
         let limits = self.systems().map(|system| system.limit(horizon, time, executor)).collect::<Result<Vec<_>>>()?;
         let binding = limits.iter().min_by(|one, other| one.dt().total_cmp(&other.dt())).copied().unwrap_or(Limit::NONE);
@@ -170,7 +170,7 @@ impl System for Several {
         self.systems().any(|system| system.limit_varies(horizon, time))
     }
 
-    /// None if a system has no estimate.
+    /// Largest error and lowest order over all systems; None if a system has no estimate.
     fn error(&self, h: f64) -> Option<(f64, u32)> {
         let errors: Option<Vec<_>> = self.systems().map(|system| system.error(h)).collect();
         errors?.into_iter().reduce(|(one, order), (other, lower)| (one.max(other), order.min(lower)))
@@ -207,7 +207,7 @@ impl System for Several {
             .find_map(|part| part.system.fault().map(|fault| Fault { element: Self::named(part, fault.element), ..fault }))
     }
 
-    /// That of the system with the most kinetic energy.
+    /// Fastest element of the system with the most kinetic energy.
     fn fastest(&self) -> Element {
         let kinetic = |part: &&Part| part.system.activity().last().copied().unwrap_or_default();
         let fastest = self.parts.iter().max_by(|one, other| kinetic(one).total_cmp(&kinetic(other)));
@@ -284,7 +284,7 @@ impl System for Several {
         Ok(())
     }
 
-    /// That of matter, which comes first.
+    /// Samples the fields of matter, which is the first system.
     fn sample(&self, sample: &Sample<'_>, executor: &Executor) -> Result<Vec<f64>> {
         self.parts[0].system.sample(sample, executor)
     }

@@ -68,7 +68,7 @@ fn steps_allocate_nothing() {
     }
 }
 
-/// Water that falls over in a box, and is shifted: its lists are made anew now and then, in memory that is there.
+/// Water that falls over in a box, with shifted particles. Its lists are rebuilt now and then, in existing memory.
 #[test]
 fn steps_of_a_shifted_fluid_allocate_nothing() {
     let spacing = 0.05;
@@ -121,7 +121,7 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
     let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
     world.step(200, 5e-4, &|| false).unwrap();
     let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 5e-4, &|| false).unwrap()));
-    // As above.
+    // As above, for the audit.
     assert!(allocated.count_total <= 10, "{allocated:?}");
 }
 

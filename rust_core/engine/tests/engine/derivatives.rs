@@ -1,22 +1,21 @@
-//! Derivatives of forces, which implicit methods take, against differences of the forces themselves.
+//! Derivatives of forces for implicit methods, compared with differences of the forces themselves.
 
 use glam::{DVec2, DVec3};
 use physcore_engine::forces::derivatives::{Block, Motion, Push};
-use physcore_engine::forces::{self, Rates, StateView};
-use physcore_engine::math::Vector;
+use physcore_engine::forces::{self, Rates, Space, StateView};
 use physcore_engine::matter::{Columns, Power, Properties, SINKS, View};
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Array, Body, Item, Scene, Value};
 use physcore_engine::simd::{LANES, padded};
 
-/// The step of differences: with forces of about 1 their errors are δ² and ε/δ, 1e-11 and 4e-11.
+/// Step of differences: with forces of about 1 their errors are δ² and ε/δ, 1e-11 and 4e-11.
 const STEP: f64 = 5e-6;
 
 fn numbers(values: &[(&'static str, f64)]) -> Vec<(&'static str, Value)> {
     values.iter().map(|&(name, value)| (name, Value::Number(value))).collect()
 }
 
-/// Numbers in (−1, 1), the same in every run.
+/// Pseudorandom number in (−1, 1), the same in every run.
 fn random(seed: &mut u64) -> f64 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / 2f64.powi(52) - 1.0
@@ -27,7 +26,7 @@ fn vectors(seed: &mut u64, count: usize, dimension: usize, size: f64) -> Vec<DVe
     (0..count).map(|_| DVec3::from_array([0, 1, 2].map(&mut component))).collect()
 }
 
-/// A dented sheet of 4 × 3 particles of radius 0.6 m, a meter apart, with six faces.
+/// Dented sheet of 4 × 3 particles of radius 0.6 m, a meter apart, with six faces.
 fn scene(dimension: usize, force: Item) -> Scene {
     let shifts = vectors(&mut 7, 12, dimension, 0.15);
     let positions: Vec<DVec3> = shifts
@@ -50,21 +49,21 @@ fn scene(dimension: usize, force: Item) -> Scene {
     Scene { dimension, bodies: vec![body], forces: vec![force], ..Scene::default() }
 }
 
-/// A force of a scene in one dimension, with a state.
-struct Laboratory<V: Vector> {
+/// Force of a scene in one dimension, with a state.
+struct Laboratory<V: Space> {
     force: Box<dyn forces::Force<V>>,
     properties: Properties<V>,
     position: Vec<DVec3>,
     velocity: Vec<DVec3>,
 }
 
-impl<V: Vector<Scalar = f64>> Laboratory<V> {
+impl<V: Space<Scalar = f64>> Laboratory<V> {
     fn new(force: Item, speed: f64) -> Self {
         let scene = scene(V::DIMENSION, force);
         let mut properties = Properties::<V>::new(vec![1.0; 12]);
         properties.radius = vec![0.6; 12];
         properties.origin = DVec3::new(0.5, -0.3, 0.0);
-        let built = forces::build(&scene, &scene.forces[0], &properties, &SERIAL).unwrap();
+        let built = V::forces(&scene, &scene.forces[0], &properties, &SERIAL).unwrap();
         let force = built.into_iter().next_back().unwrap();
         let position = scene.bodies[0].positions.iter().map(|&x| x - properties.origin).collect();
         Self { force, properties, position, velocity: vectors(&mut 11, 12, V::DIMENSION, speed) }
@@ -75,7 +74,7 @@ impl<V: Vector<Scalar = f64>> Laboratory<V> {
         [add(&self.position, displacement), add(&self.velocity, change)]
     }
 
-    /// The forces, where the state is another by these changes.
+    /// Forces at the state changed by these displacements and velocities.
     fn forces(&mut self, displacement: &[DVec3], change: &[DVec3]) -> Vec<DVec3> {
         let [position, velocity] = self.at(displacement, change);
         let at = Motion { position: &position, velocity: &velocity, origin: self.properties.origin };
@@ -86,7 +85,7 @@ impl<V: Vector<Scalar = f64>> Laboratory<V> {
         sum
     }
 
-    /// The product of s K + r C with displacements, and the least value of uᵀ B u of its definite part for random u.
+    /// Product of s K + r C with displacements; checks that uᵀ B u of its definite part is not negative for random u.
     fn product(&mut self, weights: [f64; 2], u: &[DVec3]) -> Vec<DVec3> {
         let at = Motion { position: &self.position, velocity: &self.velocity, origin: self.properties.origin };
         let derivatives = self.force.derivatives().expect("derivatives");
@@ -108,7 +107,7 @@ impl<V: Vector<Scalar = f64>> Laboratory<V> {
         exact
     }
 
-    /// The forces by which explicit methods move.
+    /// Forces of explicit methods.
     fn accumulated(&mut self) -> Vec<DVec3> {
         let columns = |values: &[DVec3]| Columns::<V>::from_fn(12, |index| V::narrow(values[index]));
         let (position, velocity) = (columns(&self.position), columns(&self.velocity));
@@ -127,8 +126,9 @@ impl<V: Vector<Scalar = f64>> Laboratory<V> {
     }
 }
 
-/// A force is that of explicit methods, K its derivative by positions at rest, and C that by velocities in motion.
-fn check<V: Vector<Scalar = f64>>(force: &Item, in_motion: bool) {
+/// Compares a force with that of explicit methods. Compares K with differences by positions, at rest unless `in_motion`, and
+/// C with differences by velocities in motion.
+fn check<V: Space<Scalar = f64>>(force: &Item, in_motion: bool) {
     let still = vec![DVec3::ZERO; 12];
     for seed in 0..5 {
         for (speed, weights) in [(0.0, [1.0, 0.0]), (0.7, [0.0, 1.0])] {
@@ -147,7 +147,7 @@ fn check<V: Vector<Scalar = f64>>(force: &Item, in_motion: bool) {
             for index in 0..12 {
                 let difference = (backward[index] - forward[index]) / (2.0 * STEP);
                 let error = (product[index] - difference).length();
-                // Truncation is of the square of the step over the slowest slip, a few hundredths [m/s].
+                // Truncation error: the square of the step over the slowest slip, a few hundredths [m/s].
                 assert!(error < 2e-7 * size, "{force:?} {weights:?}: {} instead of {difference}", product[index]);
             }
         }
@@ -165,7 +165,7 @@ fn repulsion(damping: f64, friction: f64, tangential: f64, exponent: f64) -> Ite
     Item::new("Repulsion", numbers(&values))
 }
 
-/// Atoms near the inflection of their potential, where it is stiff along, and pulls across.
+/// Atoms near the inflection of their potential, where it is stiff along the bond, and pulls across.
 #[test]
 fn of_atoms() {
     for cutoff in [1.4, 2.5] {
@@ -175,7 +175,7 @@ fn of_atoms() {
     }
 }
 
-/// With friction that holds; and that slides, on contacts without damping of their normal motion.
+/// Friction that sticks, and friction that slides, on contacts without damping of their normal motion.
 #[test]
 fn of_soft_spheres() {
     for exponent in [1.0, 1.5] {
@@ -199,7 +199,7 @@ fn of_central_forces() {
     }
 }
 
-/// With its pole, and softened.
+/// Gravitation with its pole, and softened.
 #[test]
 fn of_gravitation() {
     for softening in [0.0, 0.3] {
@@ -219,7 +219,7 @@ fn of_drag() {
     check::<DVec3>(&force, true);
 }
 
-/// Bent far from rest, so that all second derivatives of the angles count.
+/// Hinges bent far from rest, so that all second derivatives of the angles count.
 #[test]
 fn of_hinges() {
     let rows = |entries: Vec<u32>| Value::Indices(Array { shape: vec![entries.len() / 4, 4], entries });
@@ -233,7 +233,7 @@ fn of_hinges() {
     check::<DVec3>(&Item::new("Dihedral", values), false);
 }
 
-/// By velocities alone: what changes with the position is left out.
+/// Wind: derivatives by velocities alone; those by positions are left out.
 #[test]
 fn of_wind_by_velocity() {
     let mut values = numbers(&[("density", 1.2), ("normal", 1.1), ("tangential", 0.3)]);

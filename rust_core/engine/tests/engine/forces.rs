@@ -1,10 +1,10 @@
-//! What forces make of their parameters and of the space that they act in.
+//! Forces: the use of their parameters and of the space that they act in.
 
 use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 use physcore_engine::error::Error;
-use physcore_engine::forces::{self, StateView, Validity};
+use physcore_engine::forces::{Space, StateView, Validity};
 use physcore_engine::matter::{Columns, Properties, View};
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Item, Scene, Value};
@@ -15,7 +15,7 @@ fn item(kind: &str, values: &[(&'static str, Value)]) -> Item {
     Item { path: "forces[0]".into(), ..Item::new(kind, values.to_vec()) }
 }
 
-/// Unit masses of radius 0.06 m in two dimensions.
+/// Scene of unit masses of radius 0.06 m in two dimensions.
 fn scene(positions: &[DVec3], force: Item) -> Scene {
     let count = positions.len();
     let body = Body {
@@ -42,7 +42,7 @@ fn simulation(scene: &Scene) -> Result<Simulation, Error> {
     Simulation::new(scene, &numerics, &SERIAL)
 }
 
-/// ω² = k/m wherever the particle is in a well; in any other central field the limit changes with the distance.
+/// In a well ω² = k/m at every position of the particle; in any other central field the limit changes with the distance.
 #[test]
 fn the_limit_of_a_well_alone_is_the_same_everywhere() {
     let (columns, properties) = (Columns::<DVec2>::from_fn(1, |_| DVec2::X), Properties::new(vec![1.0]));
@@ -58,13 +58,13 @@ fn the_limit_of_a_well_alone_is_the_same_everywhere() {
         let values =
             [("center", Value::Vector(DVec3::ZERO)), ("strength", Value::Number(2.0)), ("softening", Value::Number(0.1))];
         let field = item("CentralForce", &[&values[..], &[("exponent", Value::Number(exponent))]].concat());
-        let built = forces::build::<DVec2>(&scene(&[DVec3::X], field.clone()), &field, &properties, &SERIAL).unwrap();
+        let built = DVec2::forces(&scene(&[DVec3::X], field.clone()), &field, &properties, &SERIAL).unwrap();
         let expected = if exponent == 1.0 { Validity::Always } else { Validity::Now };
         assert_eq!(built[0].validity(&at, Horizon::Present), expected, "exponent {exponent}");
     }
 }
 
-/// Atoms without a size or without a well are none, and nor are those that end where they begin.
+/// Atoms whose size, well or cutoff is not above 0 are refused.
 #[test]
 fn the_parameters_of_atoms_are_above_zero() {
     let atoms = |epsilon: f64, sigma: f64, cutoff: f64| {
@@ -81,8 +81,8 @@ fn the_parameters_of_atoms_are_above_zero() {
     }
 }
 
-/// Two balls that touch across the ends of a square have the energy k δ²/2. The third components of its corners, 0 or
-/// infinite, change neither that nor how far the lists of neighbors reach.
+/// Two balls that touch across the ends of a square have the energy k δ²/2. The third components of the corners, 0 or
+/// infinite, change neither the energy nor the range of the neighbor lists.
 #[test]
 fn the_third_axis_of_a_plane_is_not_periodic() {
     let numbers = [("stiffness", 100.0), ("damping", 0.0), ("friction", 0.0), ("tangential_damping", 0.0), ("exponent", 1.0)];

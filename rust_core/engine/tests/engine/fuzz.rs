@@ -1,4 +1,4 @@
-//! Scenes of any size and shape: no panic, and either an error or a finite state. `PROPTEST_CASES` says how many.
+//! Scenes of any size and shape: no panic, and either an error or a finite state. `PROPTEST_CASES` is their number.
 
 use std::collections::BTreeMap;
 
@@ -27,19 +27,19 @@ const INTEGRATORS: [&str; 10] = [
 
 const FORCES: [&str; 5] = ["Gravity", "Drag", "CentralForce", "LennardJones", "Repulsion"];
 
-/// A number ≥ 0, within six decades of 1 more often than not.
+/// Number ≥ 0, mostly within six decades of 1.
 fn amount() -> impl Strategy<Value = f64> {
     let within =
         |decades: i32| (1.0..10.0_f64, -decades..decades).prop_map(|(mantissa, exponent)| mantissa * 10.0_f64.powi(exponent));
     prop_oneof![20 => within(6), 2 => within(300), 2 => Just(0.0), 1 => select(vec![5e-324, 1e-308, f64::MAX])]
 }
 
-/// A number > 0.
+/// Number > 0.
 fn positive() -> impl Strategy<Value = f64> {
     amount().prop_map(|number| if number > 0.0 { number } else { 1.0 })
 }
 
-/// A number of either sign.
+/// Number of either sign.
 fn number() -> impl Strategy<Value = f64> {
     (amount(), any::<bool>()).prop_map(|(number, negative)| if negative { -number } else { number })
 }
@@ -103,7 +103,7 @@ fn fluid() -> impl Strategy<Value = Item> {
     })
 }
 
-/// A force with any parameters that Python lets pass.
+/// Force with any parameters that Python accepts.
 fn force() -> impl Strategy<Value = Item> {
     (select(&FORCES[..]), vector(), number(), amount(), amount(), positive()).prop_map(
         |(kind, vector, signed, first, second, positive)| {
@@ -136,7 +136,7 @@ fn force() -> impl Strategy<Value = Item> {
     )
 }
 
-/// A plane or a sphere around everything.
+/// Plane or sphere around everything.
 fn boundary() -> impl Strategy<Value = Item> {
     (any::<bool>(), vector(), positive(), 0.0..=1.0_f64, amount()).prop_map(|(plane, vector, size, restitution, friction)| {
         let material =
@@ -170,7 +170,7 @@ fn scene() -> impl Strategy<Value = Scene> {
     })
 }
 
-/// Puts everything into the plane z = 0.
+/// Projects everything onto the plane z = 0.
 fn flatten(scene: &mut Scene) {
     for vector in scene.bodies.iter_mut().flat_map(|body| &mut body.velocities) {
         vector.z = 0.0;

@@ -5,7 +5,7 @@ use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Item, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
-/// A simulation of a system alone.
+/// Simulation of a system alone.
 pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize) -> Result<Simulation> {
     let dimension = match &item.values["edges"] {
         Value::Texts(edges) => edges.len() / 2,
@@ -22,14 +22,14 @@ pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize
     Simulation::new(&Scene { dimension, systems: vec![item.clone()], ..Scene::default() }, &numerics, &SERIAL)
 }
 
-/// That in double precision on one thread, after `steps` of `dt` seconds.
+/// Simulation in double precision on one thread, after `steps` of `dt` seconds.
 pub fn after(item: &Item, integrator: &str, steps: u64, dt: f64) -> Simulation {
     let mut simulation = simulation(item, integrator, "f64", 1).unwrap();
     simulation.step(steps, dt, &|| false).unwrap();
     simulation
 }
 
-/// The largest |a − b|.
+/// Largest |a − b|.
 pub fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
 }

@@ -1,4 +1,4 @@
-//! What an item of a scene must say, and how it is told that it does not.
+//! Required values of the items of a scene, and the errors if they are missing.
 
 use std::collections::BTreeMap;
 

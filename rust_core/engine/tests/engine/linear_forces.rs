@@ -1,10 +1,11 @@
-//! The fused law of independent particles is one law, whether asked block by block or particle by particle.
+//! The fused law of independent particles is the same for evaluation block by block and particle by particle.
 
 use glam::{DVec2, DVec3};
 use physcore_engine::forces::linear::{AxisLaw, Fusion, LinearForce};
 use physcore_engine::matter::Properties;
 
-/// a = a₀ + b v + c (x + origin): gravity and linear drag alike for all, which is kept once, and a well for a part of them.
+/// a = a₀ + b v + c (x + origin). Gravity and linear drag are the same for all particles and stored once; a well acts on a
+/// part of them.
 #[test]
 fn acceleration_is_the_sum_of_gravity_drag_and_wells() {
     let (block, count, origin) = (32, 96, DVec3::new(0.5, -0.25, 0.0));
@@ -20,7 +21,7 @@ fn acceleration_is_the_sum_of_gravity_drag_and_wells() {
             let c = if index < count / 2 { 0.0 } else { well };
             for (axis, a0) in [0.0, -8.0].into_iter().enumerate() {
                 let (x, v) = (1.0 + index as f64, 4.0);
-                // Halves and eighths: every sum is exact.
+                // Halves and eighths make every sum exact.
                 let expected = a0 - 0.5 * v + c * (x + origin[axis]);
                 assert_eq!(linear.acceleration(axis, index, x, v), expected, "particle {index}, axis {axis}");
             }

@@ -1,7 +1,7 @@
-//! The bound on the time step is never above the truth, and not far below it.
+//! The bound on the time step is never above the exact limit, and not far below it.
 //!
-//! The truth is dense linear algebra: the largest eigenvalue of M⁻¹K by Jacobi's rotations, and the spectral radius of a
-//! whole network's step, as the integrator's own code makes it.
+//! The exact limit is computed by dense linear algebra. The largest eigenvalue of M⁻¹K is found by Jacobi rotations. The
+//! spectral radius is that of a whole network's step, as the integrator's own code makes it.
 
 use glam::DVec3;
 use physcore_engine::integrators::{
@@ -17,7 +17,7 @@ type Matrix = Vec<Vec<f64>>;
 struct Particle {
     position: [f64; 3],
     mass: f64,
-    /// An isotropic well [N/m].
+    /// Stiffness of an isotropic well [N/m].
     well: f64,
     /// Linear drag [N·s/m].
     drag: f64,
@@ -28,7 +28,7 @@ struct Spring {
     ends: (usize, usize),
     stiffness: f64,
     damping: f64,
-    /// The rest length over the length.
+    /// Ratio of the rest length to the length.
     rest: f64,
 }
 
@@ -57,7 +57,7 @@ impl Network {
         bound
     }
 
-    /// M⁻½ K M⁻½ and M⁻½ C M⁻½ at the particles' positions.
+    /// M⁻½ K M⁻½ and M⁻½ C M⁻½ at the positions of the particles.
     fn matrices(&self) -> (Matrix, Matrix) {
         let size = self.particles.len() * self.dimension;
         let (mut stiffness, mut damping) = (vec![vec![0.0; size]; size], vec![vec![0.0; size]; size]);
@@ -89,7 +89,7 @@ impl Network {
     }
 }
 
-/// Unit masses in squares or cubes of 1 m, with springs of 1 N/m at rest along all sides and diagonals.
+/// Network of unit masses in squares or cubes of 1 m, with springs of 1 N/m at rest along all sides and diagonals.
 fn lattice(dimension: usize, sides: [usize; 3]) -> Network {
     let cells: Vec<[usize; 3]> =
         (0..sides.iter().product()).map(|i| [i % sides[0], i / sides[0] % sides[1], i / (sides[0] * sides[1])]).collect();
@@ -103,7 +103,7 @@ fn lattice(dimension: usize, sides: [usize; 3]) -> Network {
     network
 }
 
-/// The largest eigenvalue of a symmetric matrix, by Jacobi's rotations.
+/// Largest eigenvalue of a symmetric matrix, by Jacobi rotations.
 fn largest_eigenvalue(mut matrix: Matrix) -> f64 {
     let size = matrix.len();
     for _ in 0..30 {
@@ -127,8 +127,8 @@ fn largest_eigenvalue(mut matrix: Matrix) -> f64 {
     (0..size).map(|row| matrix[row][row]).fold(0.0, f64::max)
 }
 
-/// One step of all coordinates, as a matrix that acts on positions, velocities and what the integrator carries; velocities
-/// in units of 1/h and accelerations in 1/h², so that its entries are numbers.
+/// One step of all coordinates, as a matrix on positions, velocities and the integrator's persistent registers. Velocities
+/// are in units of 1/h and accelerations in 1/h², so that the entries are numbers.
 fn amplification<I: Integrator>(stiffness: &Matrix, damping: &Matrix, h: f64) -> Matrix {
     let size = stiffness.len();
     let total = size * (2 + I::PERSISTENT);
@@ -153,12 +153,12 @@ fn amplification<I: Integrator>(stiffness: &Matrix, damping: &Matrix, h: f64) ->
             (0..2 + I::PERSISTENT).for_each(|kind| column[kind * size + row] = image[kind]);
         }
     }
-    // By columns: the transpose, which has the same eigenvalues.
+    // By columns: this is the transpose, which has the same eigenvalues.
     columns
 }
 
-/// The spectral radius, by Gelfand's formula |Aⁿ|^(1/n) with n = 2³⁰: too large by at most log(n)/n = 2e-8 for a free drift,
-/// whose power grows like n, and by the square root of rounding for its double eigenvalue.
+/// Spectral radius, by Gelfand's formula |Aⁿ|^(1/n) with n = 2³⁰. For a free drift, whose power grows like n, it is too large
+/// by at most log(n)/n = 2e-8. For its double eigenvalue it is too large by the square root of rounding.
 fn spectral_radius(mut matrix: Matrix) -> f64 {
     let size = matrix.len();
     let (mut logarithm, mut power) = (0.0, 1.0);
@@ -187,12 +187,12 @@ fn particle() -> impl Strategy<Value = Particle> {
     })
 }
 
-/// A power of ten, or 0 in two cases of three.
+/// Power of ten, or 0 in two cases of three.
 fn rarely(exponent: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![2 => Just(0.0), 1 => exponent.prop_map(|exponent| 10.0_f64.powf(exponent))]
 }
 
-/// A random network whose springs have at most `rest` times their lengths as rest length.
+/// Random network whose springs have rest lengths of at most `rest` times their lengths.
 fn network(rest: f64) -> impl Strategy<Value = Network> {
     (2_usize..=3, proptest::collection::vec(particle(), 2..6)).prop_flat_map(move |(dimension, particles)| {
         let count = particles.len();
@@ -222,7 +222,7 @@ fn network(rest: f64) -> impl Strategy<Value = Network> {
     })
 }
 
-/// The largest ω² that a bound admits: undamped, Verlet's limit is 2/ω.
+/// Largest ω² that a bound admits: undamped, Verlet's limit is 2/ω.
 fn admitted(network: &Network) -> f64 {
     let mut undamped = network.clone();
     undamped.springs.iter_mut().for_each(|spring| spring.damping = 0.0);
@@ -247,7 +247,7 @@ fn assert_unstable<I: Integrator>(network: &Network) {
     if limit.endured.is_finite() {
         let (stiffness, damping) = network.matrices();
         let radius = spectral_radius(amplification::<I>(&stiffness, &damping, 1.01 * limit.endured));
-        // Where ends are in one place the matrices are not numbers.
+        // If both ends of a spring coincide, the matrices are NaN.
         assert!(radius.is_nan() || radius > 1.0 + 1e-7, "{}: {radius} at {limit:?}", I::NAME);
     }
 }
@@ -259,12 +259,12 @@ fn assert_number<I: Integrator>(network: &Network) {
     }
 }
 
-/// Any positive number, subnormal ones too.
+/// Any number ≥ 0, subnormal numbers included.
 fn extreme() -> impl Strategy<Value = f64> {
     prop_oneof![(-323.0..308.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)), Just(f64::MAX), Just(0.0)]
 }
 
-/// A network of everything between the smallest number and the largest.
+/// Network with values of any size between the smallest number and the largest.
 fn extreme_network() -> impl Strategy<Value = Network> {
     let mass = prop_oneof![3 => (-307.0..308.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)), 1 => Just(f64::INFINITY)];
     let particle = ([extreme(), extreme(), extreme()], mass, extreme(), extreme());
@@ -289,7 +289,7 @@ fn extreme_network() -> impl Strategy<Value = Network> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
-    /// A step a hundredth above the one that nobody endures grows, whatever couples the modes.
+    /// A step 1 % above `endured`, beyond which some mode is certain to grow, is unstable, whatever couples the modes.
     #[test]
     fn no_integrator_is_stable_beyond_what_some_mode_endures(network in network(1.0)) {
         assert_unstable::<SemiImplicitEuler>(&network);
@@ -308,11 +308,11 @@ proptest! {
     #[test]
     fn no_mode_is_faster_than_the_bound(network in network(2.0)) {
         let (stiffness, _) = network.matrices();
-        // Jacobi's rotations are exact to rounding of the largest entries.
+        // Jacobi rotations are exact to rounding of the largest entries.
         prop_assert!(largest_eigenvalue(stiffness) <= admitted(&network) * (1.0 + 1e-12));
     }
 
-    /// With springs at rest or stretched, since a compressed one buckles, which grows in truth as well.
+    /// Springs are at rest or stretched: a compressed spring buckles, and then the exact solution grows as well.
     #[test]
     fn every_integrator_is_stable_within_its_bound(network in network(1.0)) {
         assert_stable::<SemiImplicitEuler>(&network);
@@ -326,7 +326,7 @@ proptest! {
         assert_stable::<DormandPrince5>(&network);
     }
 
-    /// Whatever leaves the range of numbers on the way: a limit is a number that is not negative, or infinite.
+    /// A limit is a number ≥ 0, or infinite, even if intermediate values leave the range of numbers.
     #[test]
     fn extreme_numbers_have_limits(network in extreme_network()) {
         assert_number::<ExplicitEuler>(&network);
@@ -336,8 +336,8 @@ proptest! {
         assert_number::<Pefrl>(&network);
     }
 
-    /// For one oscillator whose damping is at most that of a box, the bound is the least limit in the box: none within is
-    /// lower, and the least on a fine grid is hardly higher.
+    /// For one oscillator with damping up to that of a box, the bound is the smallest limit in the box. No limit within is
+    /// lower, and the smallest on a fine grid is hardly higher.
     #[test]
     fn the_bound_is_the_least_limit_in_the_box_of_modes(frequency in 0.1..10.0_f64, ratio in prop_oneof![0.0..0.7_f64, 0.5..20.0_f64]) {
         let stiffness = frequency * frequency;
@@ -352,19 +352,19 @@ proptest! {
             let least = (0..=100).flat_map(edge).map(|(slower, less)| largest(less * ratio / slower) / (slower * frequency));
             let least = least.fold(f64::INFINITY, f64::min);
             prop_assert!(bound.dt() <= least * (1.0 + 1e-9), "{name}: {} above {least}", bound.dt());
-            // The bound's search is finer. The grid may miss the tip where PEFRL's limit jumps, while ξ ≤ 0.5, by the
-            // slope |dL/dξ| < 4 there times the spacing 0.5/100, over L = 2.9.
+            // The bound's search is finer. The grid may miss the tip where PEFRL's limit jumps, while ξ ≤ 0.5. It misses it
+            // by the slope |dL/dξ| < 4 there times the spacing 0.5/100, over L = 2.9.
             prop_assert!(bound.dt() >= least * (1.0 - 7e-3), "{name}: {} far below {least}", bound.dt());
         }
     }
 }
 
-/// A spring along x at its rest length.
+/// Spring along x at its rest length.
 fn link(stiffness: f64, damping: f64) -> Link {
     Link { offset: DVec3::X, rest_length: 1.0, stiffness, damping }
 }
 
-/// One particle of 1 kg on a spring from a fixed one.
+/// One particle of 1 kg on a spring from a fixed particle.
 fn oscillator(stiffness: f64, damping: f64) -> SpectralBound {
     let mut bound = SpectralBound::new(&[1.0, f64::INFINITY], &[0, 0], Horizon::Certified);
     bound.spring(0, 1, &link(stiffness, damping));
@@ -381,8 +381,8 @@ fn the_bound_of_a_chain_is_tight() {
     assert!((0.999..=1.0).contains(&ratio), "{ratio}");
 }
 
-/// What is lost is the margin of 2 % in ω², and the residual, which was 4 % at most in 1000 random networks. Wells of κ add κ/m
-/// to every eigenvalue.
+/// The sharpened bound differs from the exact limit by the margin of 2 % in ω², and the residual. The residual was 4 % at
+/// most in 1000 random networks. Wells of κ add κ/m to every eigenvalue.
 #[test]
 fn the_sharpened_bound_of_a_lattice_is_the_truth_and_its_margin() {
     for (dimension, sides) in [(2, [4, 4, 1]), (2, [12, 3, 1]), (3, [4, 3, 2])] {
@@ -398,7 +398,7 @@ fn the_sharpened_bound_of_a_lattice_is_the_truth_and_its_margin() {
     }
 }
 
-/// Its mode is local, and the start of the search is hardly along it.
+/// The mode of the stiff spring is local, and the start of the search is hardly along it.
 #[test]
 fn one_stiff_spring_among_many_is_found() {
     let mut network = lattice(2, [12, 12, 1]);
@@ -408,7 +408,7 @@ fn one_stiff_spring_among_many_is_found() {
     assert!((1.06_f64.sqrt().recip()..=1.0).contains(&sharpened), "{sharpened}");
 }
 
-/// In a lattice the springs at a vertex pull in different directions, which the bound does not see.
+/// In a lattice the springs at a vertex pull in different directions, which the bound does not account for.
 #[test]
 fn the_bound_of_a_lattice_is_of_the_right_size() {
     let network = lattice(2, [10, 10, 1]);
@@ -416,7 +416,7 @@ fn the_bound_of_a_lattice_is_of_the_right_size() {
     assert!((0.56..=0.98).contains(&ratio), "{ratio}");
 }
 
-/// Across a spring the stiffness is k (1 − l₀/l): three times k, and negative, where it is pressed to a quarter of its length.
+/// Across a spring the stiffness is k (1 − l₀/l). For a spring pressed to a quarter of its length this is −3 k.
 #[test]
 fn a_spring_shorter_than_half_is_bounded_across() {
     for (length, stiffest) in [(1.0, 5.0), (0.5, 5.0), (0.25, 15.0)] {
@@ -461,14 +461,14 @@ fn assert_sharp<I: Integrator>() {
     for (ratio, frequency) in [(0.0, 3.0), (0.1, 0.2), (0.3, 5.0), (0.5, 1.0), (0.9, 7.0), (1.0, 1.0), (2.5, 1.0), (40.0, 0.1)] {
         let (mass, stiffness, damping) = (2.0, 2.0 * frequency * frequency, 2.0 * 2.0 * ratio * frequency);
         let mut bound = SpectralBound::new(&[mass, mass, f64::INFINITY], &[0, 0, 0], Horizon::Sharp);
-        // The other one swings half as fast at the same damping ratio.
+        // The other particle swings half as fast at the same damping ratio.
         for (i, slower) in [(0, 1.0), (1, 0.5)] {
             bound.point(i, "central", stiffness * slower * slower, 0.0);
             bound.point(i, "drag", 0.0, damping * slower);
             bound.steady(i, stiffness * slower * slower, damping * slower);
         }
         let (limit, expected) = (bound.sharp_limit(&Facts::of::<I>()), I::limit(ratio) / frequency);
-        // The ray turns ξ by rounding, and PEFRL's limit has slopes up to 100 in it, and 1e-7 more where they are roots.
+        // The ray changes ξ by rounding. PEFRL's limit has slopes up to 100 in ξ, and 1e-7 more where they are roots.
         assert!((limit.stability - expected).abs() <= 1e-6 * expected, "{} at ξ = {ratio}: {limit:?}", I::NAME);
         assert_eq!(limit.stability, limit.certified);
         assert!(
@@ -479,7 +479,7 @@ fn assert_sharp<I: Integrator>() {
     }
 }
 
-/// Particles in wells and under drag are oscillators, and their limit is that of the integrator, not of a box around them.
+/// Particles in wells and under drag are oscillators. Their limit is that of the integrator, not of a box around them.
 #[test]
 fn the_bound_of_independent_oscillators_is_the_limit_of_the_integrator() {
     assert_sharp::<ExplicitEuler>();
@@ -494,7 +494,7 @@ fn the_bound_of_independent_oscillators_is_the_limit_of_the_integrator() {
     assert_sharp::<DormandPrince5>();
 }
 
-/// Of many different oscillators each has a limit of its own, up to a number of them; beyond it one box holds all.
+/// Up to a number of different oscillators, each has a limit of its own; beyond that number one box holds all.
 #[test]
 fn different_oscillators_are_looked_at_one_by_one() {
     let limit = |count: u32| {
@@ -514,18 +514,18 @@ fn different_oscillators_are_looked_at_one_by_one() {
     assert!(many <= each * (1.0 + 1e-9), "{many} for {each}");
 }
 
-/// What holds a fixed particle may be stiffer than any number: it does not move.
+/// Springs on a fixed particle may be stiffer than any number: the particle does not move.
 #[test]
 fn a_fixed_particle_may_be_held_by_any_stiffness() {
     let mut bound = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0; 3], Horizon::Certified);
     bound.spring(0, 1, &link(1e308, 1e308));
     bound.spring(1, 2, &link(1e308, 1e308));
     let limit = bound.sharp_limit(&Facts::of::<VelocityVerlet>());
-    // h²ω² + 4hγ ≤ 4, where γ is so large that ω does not count.
+    // h²ω² + 4hγ ≤ 4, where γ is so large that ω does not matter.
     assert!((limit.certified / 1e-308 - 1.0).abs() < 1e-9, "{limit:?}");
 }
 
-/// Two particles in equal wells: ω² = 2k/m + p/m, the row's two sources added, not their worst cases.
+/// Two particles in equal wells: ω² = 2k/m + p/m. The two sources of a row are added, not their worst cases.
 #[test]
 fn the_sources_of_a_row_are_summed() {
     let mut bound = SpectralBound::new(&[2.0, 2.0], &[0, 0], Horizon::Certified);
@@ -535,7 +535,7 @@ fn the_sources_of_a_row_are_summed() {
     assert!((bound.limit(&Facts::of::<VelocityVerlet>()).dt() / (2.0 / 35.0_f64.sqrt()) - 1.0).abs() < 1e-12);
 }
 
-/// A stiff body without drag and a soft one with much: neither makes the other's step smaller.
+/// A stiff body without drag and a soft body with strong drag: neither reduces the other's step.
 #[test]
 fn bodies_are_bounded_apart() {
     let mut both = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0, 0, 1], Horizon::Certified);

@@ -1,4 +1,4 @@
-//! The fields of the species, in double precision, and the estimate of their errors.
+//! Fields of the species, in double precision, and the estimate of their errors.
 
 use super::ReactionDiffusion;
 use super::kinetics::with_law;
@@ -9,31 +9,31 @@ use crate::math::Real;
 use crate::systems::FieldInfo;
 
 impl<T: Real> ReactionDiffusion<T> {
-    /// A row of a species in a field.
+    /// Row of a species in a field.
     pub(super) fn species_row<'a>(&self, species: usize, row: usize, field: &'a [T]) -> &'a [T] {
         let (length, fields) = (self.law.grid.row_length(), self.law.species.len());
         Window { fields, field: species, ..Window::new(field, length) }.row(row)
     }
 
-    /// The values of a species in a field, cell by cell.
+    /// Values of a species in a field, cell by cell.
     pub(super) fn species_rows<'a>(&'a self, species: usize, field: &'a [T]) -> impl Iterator<Item = &'a T> {
         (0..self.law.grid.rows()).flat_map(move |row| self.species_row(species, row, field))
     }
 
-    /// The fields, of the shape of the grid.
+    /// Descriptions of the fields, with the shape of the grid.
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
         let shape = self.law.grid.shape();
         let info = |&name: &&str| FieldInfo { name: name.to_owned(), unit: "1", shape: shape.clone(), rate: None, state: true };
         self.law.species.iter().map(info).collect()
     }
 
-    /// The amount of a species, in units of that in a cell of 1: row by row.
+    /// Amount of a species, summed row by row, in units of a cell with value 1.
     pub(super) fn amount(&self, species: usize) -> f64 {
         let row = |row: usize| self.species_row(species, row, &self.state.field).iter().map(|value| value.to_f64()).sum::<f64>();
         (0..self.law.grid.rows()).map(row).sum()
     }
 
-    /// The sum of one tally of a species over all rows.
+    /// Sum of one tally of a species over all rows.
     pub(super) fn tallied(&self, species: usize, of: fn(&Tally) -> f64) -> f64 {
         self.state.tallies.iter().skip(species).step_by(self.law.species.len()).map(of).sum()
     }
@@ -61,7 +61,7 @@ impl<T: Real> ReactionDiffusion<T> {
         Ok(())
     }
 
-    /// The largest estimated error of the last step, of h seconds: with the slope at its end, which is that of the present state.
+    /// Largest estimated error of the last step of `h` seconds. The slope at its end is evaluated from the present state.
     pub(super) fn estimate(&self, h: f64) -> Option<(f64, u32)> {
         let estimate = self.method.estimate.as_ref()?;
         let Ok(given) = self.given(&self.state.field) else { return Some((f64::INFINITY, estimate.order)) };
@@ -87,7 +87,7 @@ impl<T: Real> ReactionDiffusion<T> {
         Some((if largest.is_nan() { f64::INFINITY } else { largest }, estimate.order))
     }
 
-    /// Adds the rates of the reactions in a row of the present state to those of diffusion.
+    /// Adds the reaction rates in a row of the present state to those of diffusion.
     fn react(&self, row: usize, given: Option<&[T]>, slope: &mut [T]) {
         let (length, width) = (self.law.grid.row_length(), self.law.width());
         with_law!(

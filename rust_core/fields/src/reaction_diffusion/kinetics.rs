@@ -1,4 +1,4 @@
-//! Kinetics: the rates of reactions in a cell.
+//! Kinetics: reaction rates in a cell.
 
 use std::sync::Arc;
 
@@ -6,16 +6,16 @@ use crate::error::{Error, Result};
 use crate::math::Real;
 use crate::scene::{self, Argument, Callback, Item, Value};
 
-/// The law of a reaction between two species, in one cell.
+/// Reaction kinetics of two species in one cell.
 pub trait Law<T>: Copy + Send + Sync {
-    /// The rates R(u, v).
+    /// Reaction rates R(u, v).
     fn rates(self, values: [T; 2]) -> [T; 2];
 
-    /// Their derivatives, `∂R_u/∂u`, `∂R_u/∂v`, `∂R_v/∂u` and `∂R_v/∂v`.
+    /// Derivatives of the rates, `∂R_u/∂u`, `∂R_u/∂v`, `∂R_v/∂u` and `∂R_v/∂v`.
     fn derivatives(self, values: [T; 2]) -> [T; 4];
 }
 
-/// Gray and Scott: `R_u` = −u v² + F (1 − u), `R_v` = u v² − (F + k) v.
+/// Gray–Scott kinetics: `R_u` = −u v² + F (1 − u), `R_v` = u v² − (F + k) v.
 #[derive(Debug, Clone, Copy)]
 pub struct GrayScott<T> {
     feed: T,
@@ -36,7 +36,7 @@ impl<T: Real> Law<T> for GrayScott<T> {
     }
 }
 
-/// The kinetics of `FitzHugh` and Nagumo: `R_u` = u − u³/3 − v + I, `R_v` = ε (u + β − γ v).
+/// `FitzHugh`–Nagumo kinetics: `R_u` = u − u³/3 − v + I, `R_v` = ε (u + β − γ v).
 #[derive(Debug, Clone, Copy)]
 pub struct FitzHughNagumo<T> {
     epsilon: T,
@@ -58,7 +58,7 @@ impl<T: Real> Law<T> for FitzHughNagumo<T> {
     }
 }
 
-/// Prigogine and Lefever: `R_u` = a − (b + 1) u + u² v, `R_v` = b u − u² v.
+/// Prigogine–Lefever kinetics (Brusselator): `R_u` = a − (b + 1) u + u² v, `R_v` = b u − u² v.
 #[derive(Debug, Clone, Copy)]
 pub struct Brusselator<T> {
     a: T,
@@ -79,7 +79,7 @@ impl<T: Real> Law<T> for Brusselator<T> {
     }
 }
 
-/// Schnakenberg: `R_u` = a − u + u² v, `R_v` = b − u² v.
+/// Schnakenberg kinetics: `R_u` = a − u + u² v, `R_v` = b − u² v.
 #[derive(Debug, Clone, Copy)]
 pub struct Schnakenberg<T> {
     a: T,
@@ -100,7 +100,7 @@ impl<T: Real> Law<T> for Schnakenberg<T> {
     }
 }
 
-/// A function of the user's, at that path.
+/// User-defined function, with its path.
 #[derive(Clone)]
 pub struct Function {
     function: Arc<dyn Callback>,
@@ -108,10 +108,10 @@ pub struct Function {
 }
 
 impl Function {
-    /// The rates of all species from their values in all cells, both one field after the other.
+    /// Evaluates the rates of all species from their values in all cells. Both are stored one field after the other.
     ///
     /// # Errors
-    /// If the function fails, or gives a number that is not finite where the values are.
+    /// If the function fails, or returns a number that is not finite although the values are.
     pub fn rates(&self, values: &[f64], shape: &[usize]) -> Result<Vec<f64>> {
         let count = shape.iter().product::<usize>();
         let arguments: Vec<_> = values.chunks_exact(count).map(|numbers| Argument::Array { numbers, shape }).collect();
@@ -129,18 +129,18 @@ impl Function {
     }
 }
 
-/// The registry of kinetics.
+/// Registry of kinetics.
 #[derive(Clone)]
 pub enum Kinetics<T> {
     GrayScott(GrayScott<T>),
     FitzHughNagumo(FitzHughNagumo<T>),
     Brusselator(Brusselator<T>),
     Schnakenberg(Schnakenberg<T>),
-    /// Of any number of species.
+    /// User-defined function of any number of species.
     Function(Function),
 }
 
-/// Evaluates `$body` with the law of built-in kinetics as `$law`, or `$otherwise` with the user's function.
+/// Evaluates `$body` with built-in kinetics as `$law`, or `$otherwise` with the user-defined function.
 macro_rules! with_law {
     ($kinetics:expr, $law:ident => $body:expr, $function:ident => $otherwise:expr) => {
         match $kinetics {
@@ -155,7 +155,7 @@ macro_rules! with_law {
 pub(super) use with_law;
 
 impl<T: Real> Kinetics<T> {
-    /// The kinetics that an item declares, and the names of its species.
+    /// Reads the kinetics that an item declares, and the names of its species.
     ///
     /// # Errors
     /// If a value is missing or out of range.
@@ -187,7 +187,7 @@ impl<T: Real> Kinetics<T> {
         Ok((kinetics, vec!["u".to_owned(), "v".to_owned()]))
     }
 
-    /// Whether it is a function of the user's.
+    /// Whether the kinetics is a user-defined function.
     pub fn calls_back(&self) -> bool {
         matches!(self, Self::Function(_))
     }

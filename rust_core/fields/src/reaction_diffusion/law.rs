@@ -1,4 +1,4 @@
-//! The law of motion: u' = D ∇²u + R(u, v, …), stage by stage over rows of cells.
+//! Equation of motion: u' = D ∇²u + R(u, v, …), stage by stage over rows of cells.
 
 use std::ops::Range;
 
@@ -7,15 +7,15 @@ use super::stage::{self, Cells, Given, Inside, Stage, Sums};
 use crate::grid::{Block, Edge, Grid, Laplacian, Sweep, Window};
 use crate::math::Real;
 
-/// Memory of the rates of diffusion that are computed at a time: they stay in the first-level cache [bytes].
+/// Memory of the diffusion rates computed at a time, which stay in the first-level cache [bytes].
 const SEGMENT: usize = 1 << 13;
 
-/// Time integrals of what came into one row of one species, and of what left it, in units of a cell.
+/// Time integrals of gains and losses of one species in one row, in units of a cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tally {
-    /// Gain of reactions.
+    /// Gain by reactions.
     pub gain: f64,
-    /// Loss of reactions.
+    /// Loss by reactions.
     pub loss: f64,
     /// Loss through fixed edges.
     pub edges: f64,
@@ -23,37 +23,37 @@ pub struct Tally {
     pub set: f64,
 }
 
-/// The law, without the state.
+/// Equation of motion, without the state.
 pub struct Law<T> {
     pub grid: Grid,
     pub kinetics: Kinetics<T>,
-    /// The names of the species.
+    /// Names of the species.
     pub species: Vec<&'static str>,
-    /// D ∇² of each.
+    /// Operator D ∇² of each species.
     pub diffusion: Vec<Laplacian<T>>,
 }
 
 /// Stages of a batch, as many as one pass over memory takes.
 pub struct Pass<'a, T> {
     pub law: &'a Law<T>,
-    /// The stages of a step.
+    /// Stages of a step.
     pub stages: &'a [Stage<T>],
-    /// The number of the first stage in the batch, and of the last one of the batch.
+    /// Index in the batch of the first stage of the pass, and of the last stage of the batch.
     pub first: usize,
     pub last: usize,
-    /// The state at the start of the batch.
+    /// State at the start of the batch.
     pub start: &'a [T],
-    /// The rates of reactions, where they come from a function of the user's.
+    /// Reaction rates, if they come from a user-defined function.
     pub given: &'a [T],
 }
 
 impl<T: Real> Law<T> {
-    /// The number of values in a row of all species.
+    /// Number of values in a row of all species.
     pub fn width(&self) -> usize {
         self.species.len() * self.grid.row_length()
     }
 
-    /// The rate at which a row of a species loses through fixed edges: Σ κ u.
+    /// Loss rate of a row of a species through fixed edges: Σ κ u.
     fn loss(&self, species: usize, row: usize, values: &[T]) -> f64 {
         let diffusion = &self.diffusion[species];
         if !diffusion.edges.any(Edge::Fixed) {
@@ -71,7 +71,7 @@ impl<T: Real> Law<T> {
     }
 }
 
-/// Some cells of `N` species in a row of a block, from one of the species on.
+/// Returns cells of `N` species in a row of a block, from species `first` on.
 fn cells<'a, T: Copy, const N: usize>(
     block: &'a mut Block<'_, T, Tally>,
     index: usize,

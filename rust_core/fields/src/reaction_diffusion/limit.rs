@@ -1,8 +1,8 @@
-//! The rates that a function of the user's gives, and the limit of the step.
+//! Rates from user-defined functions, and the limit of the time step.
 //!
-//! Diffusion limits the step by the largest eigenvalue λ of −D ∇², which is known exactly. To it are added the rates ρ of the
-//! reaction, a bound of the eigenvalues of the Jacobian J of R in the present state, the largest of all cells: with both an
-//! explicit method is stable on the real axis up to h (λ + ρ) = its interval.
+//! Diffusion limits the step by the largest eigenvalue λ of −D ∇², which is known exactly. The rates ρ of the reaction are added
+//! to it. They bound the eigenvalues of the Jacobian J of R in the present state, over all cells. An explicit method is then
+//! stable on the real axis up to the step h at which h (λ + ρ) is its stable interval.
 
 use super::ReactionDiffusion;
 use super::kinetics::{Law, with_law};
@@ -12,10 +12,10 @@ use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::stability::{Kind, Limit};
 
-/// The difference over which derivatives of a user's function are taken, as a fraction of the largest value of a species.
+/// Difference for numerical derivatives of a user-defined function, as a fraction of the largest value of a species.
 const DIFFERENCE: f64 = 1e-6;
 
-/// The largest ρ of the cells of a row. The norms ‖J‖₁ and ‖J‖∞ bound eigenvalues; the smaller one is taken.
+/// Largest ρ of the cells of a row. The norms ‖J‖₁ and ‖J‖∞ bound eigenvalues; the smaller one is used.
 struct Fastest<'a, T, L> {
     law: L,
     values: [&'a [T]; 2],
@@ -39,7 +39,7 @@ impl<T: Real, L: Law<T>> Kernel for Fastest<'_, T, L> {
 }
 
 impl<T: Real> ReactionDiffusion<T> {
-    /// The rates of all species in a layout as that of the field, from a user's function; None without one.
+    /// Evaluates a user-defined function: rates of all species, in the layout of the field; None for built-in kinetics.
     pub(super) fn given(&self, field: &[T]) -> Result<Option<Vec<T>>> {
         with_law!(&self.law.kinetics, _law => Ok(None), function => {
             let rates = function.rates(&self.apart(field), &self.law.grid.shape())?;
@@ -52,12 +52,12 @@ impl<T: Real> ReactionDiffusion<T> {
         })
     }
 
-    /// The values of all cells of one species after those of the other.
+    /// Values of all species, the cells of one species after those of another.
     fn apart(&self, field: &[T]) -> Vec<f64> {
         (0..self.law.species.len()).flat_map(|species| self.species_rows(species, field)).map(|value| value.to_f64()).collect()
     }
 
-    /// The limit of the step.
+    /// Limit of the time step.
     pub(super) fn bound(&self, executor: &Executor) -> Result<Limit> {
         let (reaction, (diffusion, _)) = (self.reaction(executor)?, self.fastest);
         let step = self.method.limit(diffusion, reaction);
@@ -69,13 +69,13 @@ impl<T: Real> ReactionDiffusion<T> {
         } else {
             "reaction"
         };
-        // The fastest mode decays by λ − ρ at least.
+        // The fastest mode decays at least at the rate λ − ρ.
         let known = !self.method.is_stabilized() && diffusion > reaction;
         let endured = if known { self.method.limit(diffusion - reaction, 0.0) } else { f64::INFINITY };
         Ok(Limit { stability: step, accuracy: f64::INFINITY, term, kind: Kind::Stability, certified: step, endured })
     }
 
-    /// ρ: the largest rate of the reaction in the present state [1/s].
+    /// Largest rate ρ of the reaction in the present state [1/s].
     fn reaction(&self, executor: &Executor) -> Result<f64> {
         with_law!(
             &self.law.kinetics,
@@ -94,7 +94,7 @@ impl<T: Real> ReactionDiffusion<T> {
                 let (values, shape, count) = (self.apart(&self.state.field), self.law.grid.shape(), self.law.grid.count());
                 let here = function.rates(&values, &shape)?;
                 let species = self.law.species.len();
-                // The sums of columns and of rows of |J|, cell by cell.
+                // Sums of columns and of rows of |J|, cell by cell.
                 let (mut columns, mut rows) = (vec![0.0; values.len()], vec![0.0; values.len()]);
                 for other in 0..species {
                     let own = other * count..(other + 1) * count;

@@ -1,5 +1,5 @@
-//! Reactions and diffusion: u' = D ∇²u + R(u, v, …) for some species on a uniform grid, advanced by an explicit method of first
-//! order in time derivatives.
+//! Reaction–diffusion systems: u' = D ∇²u + R(u, v, …) for several species on a uniform grid. They are advanced by an explicit
+//! method of first order in time derivatives.
 
 mod fields;
 mod kinetics;
@@ -23,7 +23,7 @@ use kinetics::Kinetics;
 use law::{Law, Tally};
 use stage::Stage;
 
-/// Compiles reactions and diffusion for a method.
+/// Compiles a reaction–diffusion system for a method.
 ///
 /// # Errors
 /// If a parameter is missing or out of range, the method is not of first order, or memory does not suffice.
@@ -37,42 +37,43 @@ pub fn build(item: &Item, method: &Item, precision: &str) -> Result<Box<dyn Syst
     }
 }
 
-/// The values of all species, row by row: a row of the first species, the same row of the next, …; and what came and went.
+/// State: values of all species row by row (a row of the first species, the same row of the next, …), and tallies of gains and
+/// losses.
 #[derive(Debug, Clone)]
 struct State<T> {
     field: Vec<T>,
     tallies: Vec<Tally>,
 }
 
-/// What stages need besides the state.
+/// Buffers of the stages.
 struct Workspace<T> {
-    /// The field at the stage before, which neighbors still read.
+    /// Field at the previous stage, which neighbors still read.
     before: Vec<T>,
-    /// y₀ and the slopes that are kept.
+    /// Initial state y₀ and the stored slopes.
     columns: Vec<Vec<T>>,
-    /// The rates of reactions that a function of the user's gave.
+    /// Reaction rates from a user-defined function.
     given: Vec<T>,
-    /// The largest |value| of each row at each stage of a pass.
+    /// Largest |value| of each row at each stage of a pass.
     activity: Vec<f64>,
-    /// The stages of steps of the last step size [s].
+    /// Latest step size [s], with the stages of its steps.
     stages: (f64, Vec<Stage<T>>),
 }
 
-/// Reacting and diffusing species with their law of motion.
+/// Reacting and diffusing species with their equation of motion.
 struct ReactionDiffusion<T> {
     law: Law<T>,
     method: FirstOrder,
-    /// The largest rate of diffusion of any species [1/s], and its index.
+    /// Largest diffusion rate of any species [1/s], and the index of the species.
     fastest: (f64, usize),
-    /// What limits the step by that: `diffusion of u`.
+    /// Name of the limit by this rate: `diffusion of u`.
     term: &'static str,
     state: State<T>,
-    /// The state at the start of the last batch.
+    /// State at the start of the last batch.
     saved: State<T>,
     workspace: Workspace<T>,
-    /// The number of stages in one pass over memory.
+    /// Number of stages in one pass over memory.
     depth: usize,
-    /// The largest |value| after each step of the last batch.
+    /// Largest |value| after each step of the last batch.
     activity: Vec<f64>,
 }
 
@@ -133,7 +134,7 @@ impl<T: Real> ReactionDiffusion<T> {
     }
 }
 
-/// A name that lasts as long as the program: those of species, of which a program has few.
+/// Interns a name for the lifetime of the program. Only names of species are interned, and a program has few of these.
 fn interned(name: String) -> &'static str {
     static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! One stage of a step, cell by cell: the rates of reactions beside those of diffusion, and the next state.
+//! One stage of a step, cell by cell: reaction rates, diffusion rates and the next state.
 
 use super::kinetics::Law;
 use crate::grid::{COLUMNS, load};
@@ -6,25 +6,25 @@ use crate::integrators::first_order::{Base, Combination, SLOPES};
 use crate::math::Real;
 use crate::simd::{Isa, Kernel, LANES, dispatch};
 
-/// A stage of a step of h seconds, in the precision of the state.
+/// Stage of a step of h seconds, in the precision of the state.
 #[derive(Debug, Clone, Copy)]
 pub struct Stage<T> {
     base: Base,
-    /// μ and ν.
+    /// Coefficients μ and ν.
     own: T,
     other: T,
-    /// h wⱼ of the slopes that were kept, the first so many.
+    /// Weights h wⱼ of the first `count` stored slopes.
     slopes: [T; SLOPES],
     count: usize,
-    /// h w.
+    /// Weight h w.
     slope: T,
     keep: Option<usize>,
-    /// h b.
+    /// Weight h b.
     pub weight: f64,
 }
 
 impl<T: Real> Stage<T> {
-    /// A stage of a step of `h` seconds.
+    /// Returns a stage of a step of `h` seconds.
     pub fn new(combination: &Combination, h: f64) -> Self {
         let scaled = |weight: f64| T::from_f64(h * weight);
         let (own, other) = match combination.base {
@@ -45,26 +45,26 @@ impl<T: Real> Stage<T> {
     }
 }
 
-/// Neighboring cells of a species.
+/// Adjacent cells of a species.
 #[derive(Debug)]
 pub struct Cells<'a, T> {
-    /// The state at the stage, Y.
+    /// State Y at the stage.
     pub value: &'a [T],
-    /// The rate of diffusion there.
+    /// Rate of diffusion at Y.
     pub diffusion: &'a [T],
-    /// The next state; at first that of the stage before Y.
+    /// Next state; before the stage, the state at the stage before Y.
     pub next: &'a mut [T],
-    /// y₀, and the slopes that are kept.
+    /// Initial state y₀ and the stored slopes.
     pub columns: [&'a mut [T]; COLUMNS],
 }
 
-/// The rates of the reactions of `N` species.
+/// Reaction rates of `N` species.
 pub trait Rates<T, const N: usize>: Copy {
-    /// Those in `W` cells from `at` on.
+    /// Rates in `W` cells from `at` on.
     fn rates<const W: usize>(self, at: usize, values: &[[T; W]; N]) -> [[T; W]; N];
 }
 
-/// Those of a law.
+/// Rates computed by built-in kinetics.
 #[derive(Clone, Copy)]
 pub struct Inside<L>(pub L);
 
@@ -81,7 +81,7 @@ impl<T: Real, L: Law<T>> Rates<T, 2> for Inside<L> {
     }
 }
 
-/// Those that were given.
+/// Rates given as numbers.
 #[derive(Clone, Copy)]
 pub struct Given<'a, T>(pub &'a [T]);
 
@@ -95,15 +95,15 @@ impl<T: Real> Rates<T, 1> for Given<'_, T> {
 /// Sums over the cells of a species.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sums {
-    /// Σ max(R, 0).
+    /// Sum Σ max(R, 0).
     pub gain: f64,
-    /// Σ R.
+    /// Sum Σ R.
     pub net: f64,
-    /// The largest |value| of the next state; not finite where Y was not.
+    /// Largest |value| of the next state; not finite if Y was not.
     pub largest: f64,
 }
 
-/// Runs a stage of some cells.
+/// Runs a stage for some cells.
 pub fn run<T: Real, R: Rates<T, N>, const N: usize>(stage: &Stage<T>, rates: R, cells: &mut [Cells<'_, T>; N]) -> [Sums; N] {
     dispatch(Update { stage, rates, cells })
 }
@@ -119,12 +119,12 @@ fn store<T: Real, const W: usize>(column: &mut [T], at: usize, lanes: &[T; W]) {
     column[at..at + W].copy_from_slice(lanes);
 }
 
-/// Sums lane by lane: cell i adds to lane i mod 16, whether it is computed in a group or alone.
+/// Sums by lane: cell i adds to lane i mod 16, whether it is computed in a group or alone.
 #[derive(Clone, Copy)]
 struct LaneSums<T, const W: usize = LANES> {
     gain: [T; W],
     net: [T; W],
-    /// The largest |value|.
+    /// Largest |value|.
     most: [T; W],
 }
 
@@ -139,7 +139,7 @@ impl<T: Real, const W: usize> LaneSums<T, W> {
 }
 
 impl<T: Real> LaneSums<T> {
-    /// Adds those of a single cell.
+    /// Adds the sums of a single cell.
     fn add(&mut self, lane: usize, cell: &LaneSums<T, 1>) {
         self.gain[lane] += cell.gain[0];
         self.net[lane] += cell.net[0];
@@ -147,7 +147,7 @@ impl<T: Real> LaneSums<T> {
     }
 }
 
-/// Folds lanes, a power of two, by halves.
+/// Folds the lanes, whose number is a power of two, by halves.
 fn fold<T: Real, const W: usize>(lanes: &[T; W], with: impl Fn(f64, f64) -> f64) -> f64 {
     let mut numbers = lanes.map(Real::to_f64);
     let mut width = W;
@@ -181,7 +181,7 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
         for at in (0..whole).step_by(LANES) {
             self.group::<PLAIN, LANES>(at, &mut sums);
         }
-        // A copy, of which lanes have numbers: sums above stay in registers.
+        // A copy whose lanes are indexed at run time: the sums above stay in registers.
         let mut all = sums;
         for at in whole..count {
             let mut cell = [LaneSums::ZERO; N];
@@ -191,7 +191,7 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
         all.map(|sums| sums.sums())
     }
 
-    /// One species or two: their numbers are constants, so that sums stay in registers.
+    /// Updates a group of cells of one or two species. The number of species is constant, so sums stay in registers.
     #[inline(always)]
     fn group<const PLAIN: bool, const W: usize>(&mut self, at: usize, sums: &mut [LaneSums<T, W>; N]) {
         let mut values = [[T::ZERO; W]; N];
@@ -231,12 +231,12 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
 }
 
 impl<T: Real> Stage<T> {
-    /// Whether the next state depends on Y and its slope alone, as in Euler's steps.
+    /// Whether the next state depends only on Y and its slope, as in Euler's method.
     fn is_plain(&self) -> bool {
         matches!(self.base, Base::Here { keep: false }) && self.count == 0 && self.keep.is_none()
     }
 
-    /// The next state then.
+    /// Next state of a plain stage.
     #[inline(always)]
     fn plain<const W: usize>(&self, y: &[T; W], slope: &[T; W]) -> [T; W] {
         let mut next = *y;
@@ -244,7 +244,7 @@ impl<T: Real> Stage<T> {
         next
     }
 
-    /// The next state from Y, its slope and what else is kept.
+    /// Next state from Y, its slope and the stored columns.
     #[inline(always)]
     fn next<const W: usize>(&self, cells: &mut Cells<'_, T>, at: usize, y: &[T; W], slope: &[T; W]) -> [T; W] {
         let mut next = *y;

@@ -1,4 +1,4 @@
-//! The steps of a batch: stages in passes over memory.
+//! Steps of a batch: stages in passes over memory.
 
 use super::law::{Pass, Tally};
 use super::stage::Stage;
@@ -9,7 +9,7 @@ use crate::math::Real;
 use crate::parallel::Executor;
 use crate::systems::Interval;
 
-/// All rows of a state, as stages write them.
+/// Block of all rows of a state, for writing by stages.
 fn block<'a, T>(
     state: &'a mut State<T>,
     before: &'a mut Vec<T>,
@@ -42,7 +42,7 @@ impl<T: Real> ReactionDiffusion<T> {
         }
         let each = self.workspace.stages.1.len();
         let last = interval.steps as usize * each - 1;
-        // Passes of equal depth, as few as it takes.
+        // Passes have equal depth, and their number is minimal.
         let depth = (last + 1).div_ceil((last + 1).div_ceil(self.depth));
         for first in (0..=last).step_by(depth) {
             let count = depth.min(last + 1 - first);

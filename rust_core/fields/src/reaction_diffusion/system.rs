@@ -1,4 +1,4 @@
-//! Reacting and diffusing species as a system: history, plan, budgets and fields.
+//! Reaction–diffusion system: history, plan, budgets and fields.
 
 use super::ReactionDiffusion;
 use super::law::Tally;
@@ -15,15 +15,15 @@ use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
-/// The fewest and the most steps of a batch: the state at its start costs a sweep, and its activities memory.
+/// Minimum and maximum number of steps of a batch: the state at its start costs a sweep, and its activities cost memory.
 const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
 /// Estimated duration of a stage of a species in a cell [s].
 const COST: f64 = 6e-10;
-/// Numbers in a tally.
+/// Number of entries of a tally.
 const TALLIES: usize = 4;
-/// The units of amounts in one, two and three dimensions.
+/// Units of amounts in one, two and three dimensions.
 const UNITS: [&str; 3] = ["m", "m²", "m³"];
-/// The stages of which the plan says how far they reach.
+/// Numbers of stages for which the plan reports the limit.
 const EXAMPLES: [usize; 4] = [2, 5, 10, 20];
 
 impl<T: Real> ReactionDiffusion<T> {
@@ -31,7 +31,7 @@ impl<T: Real> ReactionDiffusion<T> {
         Element { name: self.law.grid.name(index), index }
     }
 
-    /// The cell and the species of a value of the field.
+    /// Cell and species of a value of the field.
     fn place(&self, index: usize) -> (usize, usize) {
         let (length, width) = (self.law.grid.row_length(), self.law.width());
         ((index / width) * length + index % length, index % width / length)
@@ -51,9 +51,9 @@ impl<T: Real> ReactionDiffusion<T> {
     }
 }
 
-/// The field alone: no slope is kept from one step to the next.
+/// Saves the field alone: no slope is kept from step to step.
 impl<T: Real> History for ReactionDiffusion<T> {
-    /// Steps read the saved state and write the other.
+    /// Swaps the states: steps read the saved state and write the other.
     fn save(&mut self) {
         std::mem::swap(&mut self.saved, &mut self.state);
     }
@@ -113,7 +113,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
         stages * (1e-7 + COST * self.state.field.len() as f64)
     }
 
-    /// A user's function is called once per stage and may take long, so that it takes one step at a time.
+    /// Maximum number of steps: one for a user-defined function, which is called once per stage and may take long.
     fn most_steps(&self) -> u64 {
         if self.law.kinetics.calls_back() { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
     }
@@ -188,7 +188,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
         Some(Fault { element: self.element(cell), quantity: self.law.species[species] })
     }
 
-    /// The cell of the largest value.
+    /// Cell with the largest value.
     fn fastest(&self) -> Element {
         let size = |index: &usize| self.state.field[*index].to_f64().abs();
         let largest = (0..self.state.field.len()).max_by(|one, other| size(one).total_cmp(&size(other)));

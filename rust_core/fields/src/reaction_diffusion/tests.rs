@@ -1,4 +1,4 @@
-//! Reactions and diffusion: passes of several stages. `engine/tests/` has the other tests.
+//! Tests of reaction–diffusion systems: passes of several stages. Other tests are in `engine/tests/`.
 
 use crate::history::{Archive, History};
 use crate::integrators::first_order::{FirstOrder, NAMES};
@@ -8,7 +8,7 @@ use crate::scene::Item;
 use crate::scenes::reaction_diffusion::*;
 use crate::systems::{Interval, Record, System};
 
-/// What a method makes of a dish in 21 steps, in passes of that many stages: the state, the tallies and the activity.
+/// Runs 21 steps of a method in passes of `depth` stages; returns the state with the tallies, and the activity.
 fn passes(item: &Item, method: &str, depth: Option<usize>, threads: usize) -> (Vec<f64>, Vec<f64>) {
     let mut system = ReactionDiffusion::<f64>::new(item, FirstOrder::named(method).unwrap()).unwrap();
     if let Some(depth) = depth {

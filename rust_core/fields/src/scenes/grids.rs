@@ -3,7 +3,7 @@
 use glam::DVec3;
 use physcore_base::scene::{Item, Value};
 
-/// A grid of up to three axes with its lower corner in the origin, periodic along the axes whose edges say so.
+/// Builds a grid of up to three axes with its lower corner at the origin, periodic along the axes with periodic edges.
 pub fn grid(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
     let vector = |of: &dyn Fn(usize) -> f64| {
         let mut entries = [0.0; 3];
@@ -21,7 +21,7 @@ pub fn grid(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
     )
 }
 
-/// The conditions on the edges of a system, two along each axis.
+/// Boundary conditions of a system, two per axis.
 pub fn on_edges(words: &[&str]) -> Value {
     Value::Texts(words.iter().map(|&word| word.to_owned()).collect())
 }

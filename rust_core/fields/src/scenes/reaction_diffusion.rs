@@ -1,4 +1,4 @@
-//! Species that react and diffuse as items.
+//! Reaction–diffusion systems as items.
 
 use std::sync::Arc;
 
@@ -7,32 +7,32 @@ use physcore_base::scene::{Argument, Array, Callback, Failure, Item, Value};
 
 use super::grids::{grid, on_edges};
 
-/// A value between 0 and 1 for each cell.
+/// Pseudorandom value between 0 and 1 for each cell.
 pub fn random(index: usize) -> f64 {
     0.5 + 0.5 * noise(index as u64).x
 }
 
-/// An item of numbers.
+/// Builds an item of numbers.
 pub fn numbers(kind: &str, values: &[(&'static str, f64)]) -> Item {
     Item::new(kind, values.iter().map(|&(name, number)| (name, Value::Number(number))))
 }
 
-/// Gray and Scott's kinetics.
+/// Gray–Scott kinetics.
 pub fn gray_scott() -> Item {
     numbers("GrayScott", &[("feed", 0.035), ("kill", 0.0625)])
 }
 
-/// Nothing reacts where there is no v.
+/// Kinetics without reactions where v = 0.
 pub fn inert() -> Item {
     numbers("GrayScott", &[("feed", 0.0), ("kill", 0.0)])
 }
 
-/// A field of that shape, as a function of the cell's index.
+/// Builds a field of this shape from a function of the cell's index.
 pub fn field(cells: &[usize], of: impl Fn(usize) -> f64) -> Value {
     Value::Numbers(Array { shape: cells.to_vec(), entries: (0..cells.iter().product()).map(of).collect() })
 }
 
-/// Species that react on a grid of spacing 1.
+/// Builds a reaction–diffusion system on a grid of spacing 1.
 pub fn dish(cells: &[usize], edges: &[&str], reaction: Item, species: [(&'static str, f64, Value); 2]) -> Item {
     let diffusion = numbers("", &species.each_ref().map(|(name, rate, _)| (*name, *rate)));
     let initial = Item::new("", species.map(|(name, _, value)| (name, value)));
@@ -43,13 +43,13 @@ pub fn dish(cells: &[usize], edges: &[&str], reaction: Item, species: [(&'static
     item
 }
 
-/// The same with random values, diffusivities of 0.2 and 0.1.
+/// Builds a reaction–diffusion system with random values and diffusivities of 0.2 and 0.1.
 pub fn noisy(cells: &[usize], edges: &[&str], reaction: Item) -> Item {
     let species = [("u", 0.2, field(cells, random)), ("v", 0.1, field(cells, |index| 0.5 * random(index + 1_000_000)))];
     dish(cells, edges, reaction, species)
 }
 
-/// A function of two species.
+/// Function of two species.
 pub struct Function(pub fn(f64, f64) -> [f64; 2]);
 
 impl Callback for Function {

@@ -5,10 +5,10 @@ use physcore_base::scene::{Array, Item, Value};
 
 use super::grids::{grid, on_edges};
 
-/// All edges of a plane.
+/// Fixed edges on all sides of a plane.
 pub const FIXED: [&str; 4] = ["fixed"; 4];
 
-/// A wave on a grid of up to three axes, with speed 1, density 1 and nothing else.
+/// Builds a wave on a grid of up to three axes, with speed 1, density 1, and no damping or displacement.
 pub fn wave(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
     let numbers = [("speed", 1.0), ("damping", 0.0), ("displacement", 0.0), ("rate", 0.0), ("density", 1.0), ("order", 2.0)];
     let mut item = Item::new("Wave", numbers.map(|(name, number)| (name, Value::Number(number))));
@@ -18,24 +18,24 @@ pub fn wave(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
     item
 }
 
-/// The same with another value.
+/// Replaces a value of an item.
 pub fn with(mut item: Item, name: &str, value: Value) -> Item {
     item.values.insert(name.to_owned(), value);
     item
 }
 
-/// A field of that shape, as a function of the indices.
+/// Builds a field of this shape from a function of the indices.
 pub fn field(cells: &[usize], of: impl Fn([usize; 3]) -> f64) -> Value {
     Value::Numbers(Array { shape: cells.to_vec(), entries: entries(cells, of) })
 }
 
-/// Walls where a function of the indices says so.
+/// Builds a mask of walls from a function of the indices.
 pub fn mask(cells: &[usize], of: impl Fn([usize; 3]) -> bool) -> Value {
     let entries = entries(cells, |at| f64::from(u8::from(of(at)))).into_iter().map(|flag| flag != 0.0).collect();
     Value::Flags(Array { shape: cells.to_vec(), entries })
 }
 
-/// The values of a function of the indices, cell by cell.
+/// Values of a function of the indices, cell by cell.
 pub fn entries(cells: &[usize], of: impl Fn([usize; 3]) -> f64) -> Vec<f64> {
     let at = |mut index: usize| {
         let mut indices = [0; 3];
@@ -48,12 +48,12 @@ pub fn entries(cells: &[usize], of: impl Fn([usize; 3]) -> f64) -> Vec<f64> {
     (0..cells.iter().product()).map(|index| of(at(index))).collect()
 }
 
-/// A value between −1 and 1 for each cell.
+/// Pseudorandom value between −1 and 1 for each cell.
 pub fn random([x, y, z]: [usize; 3]) -> f64 {
     noise((x + 1000 * y + 1_000_000 * z) as u64).x
 }
 
-/// A source, in a point or in cells.
+/// Builds a source at a point or in cells.
 pub fn source(place: Value, amplitude: f64, frequency: f64) -> Item {
     let numbers = [("amplitude", amplitude), ("frequency", frequency), ("phase", 0.0), ("start", 0.0), ("stop", f64::INFINITY)];
     let mut item = Item::new("Source", numbers.map(|(name, number)| (name, Value::Number(number))));
@@ -64,7 +64,7 @@ pub fn source(place: Value, amplitude: f64, frequency: f64) -> Item {
 pub const N: usize = 21;
 pub const PLANE: [usize; 2] = [N, N];
 
-/// A function that mirroring and exchanging the axes leaves as it is.
+/// Function that is invariant under mirroring and exchange of the axes.
 pub fn symmetric([i, j, _]: [usize; 3]) -> f64 {
     let [x, y] = [i, j].map(|index| index.min(N - 1 - index));
     random([x.min(y), x.max(y), 0])
@@ -74,7 +74,7 @@ pub fn speed([i, j, k]: [usize; 3]) -> f64 {
     1.0 + 0.5 * symmetric([i, j, k])
 }
 
-/// Waves with uniform and variable speed, with walls, of both orders.
+/// Waves with uniform and variable speed and with walls, of both orders.
 pub fn variants(cells: [usize; 2], edges: &[&str], displacement: impl Fn([usize; 3]) -> f64 + Copy) -> Vec<Item> {
     let plain = with(wave(&cells, 0.1, edges), "displacement", field(&cells, displacement));
     let varying = with(plain.clone(), "speed", field(&cells, speed));

@@ -1,8 +1,9 @@
-//! Absorbing edges: layers with an imaginary potential −iW, in which a wave function fades by exp(−Wt/ħ).
+//! Absorbing edges: layers with an imaginary potential −iW, in which a wave function decays by exp(−Wt/ħ).
 //!
-//! W grows with the cube of the depth. A weak one lets waves return from the outer end, a strong one reflects them itself: W is the one
-//! with the least reflection of waves of the wave number k, of k/√2 and of √2 k, which is computed from the stationary equation in
-//! the layer. k is that of the mean kinetic energy at the start, and the width by default three wavelengths.
+//! The potential W grows with the cube of the depth. A weak potential lets waves return from the outer end; a strong one reflects
+//! them itself. W is chosen for the least reflection of waves with the wave numbers k, k/√2 and √2 k. Reflection is computed from
+//! the stationary equation in the layer. k is the wave number of the mean kinetic energy at the start. The default width is three
+//! wavelengths.
 //!
 //! Source: D. Neuhauser, M. Baer, J. Chem. Phys. 90, 4351 (1989).
 
@@ -14,23 +15,23 @@ use crate::grid::{Edge, Edges, Padding};
 use crate::math::AXES;
 use crate::scene::{Item, Value};
 
-/// The width by default, in wavelengths, and its bounds [cells].
+/// Default width in wavelengths, and its bounds [cells].
 const WAVELENGTHS: f64 = 3.0;
 const WIDTHS: [f64; 2] = [20.0, 1000.0];
 
-/// A layer.
+/// Absorbing layer.
 #[derive(Debug, Clone, Copy)]
 pub struct Layer {
-    /// Its width [cells].
+    /// Width [cells].
     pub width: usize,
-    /// W at its outer end, in units of ħ²/2m h².
+    /// Potential W at the outer end, in units of ħ²/2m h².
     pub strength: f64,
-    /// The largest amplitude that comes back.
+    /// Largest reflected amplitude.
     pub reflection: f64,
 }
 
 impl Layer {
-    /// What an item says, where an edge absorbs waves of `k` per spacing.
+    /// Reads the layer that an item declares, if an edge absorbs, for waves of `k` per spacing.
     ///
     /// # Errors
     /// If a value is missing or out of range.
@@ -55,7 +56,7 @@ impl Layer {
                 .into_iter()
                 .fold(0.0, f64::max)
         };
-        // There and back, exp(−2 ∫W dx m/ħ²k) = exp(−a): none stronger than is wanted.
+        // The amplitude after two passes is exp(−2 ∫W dx m/ħ²k) = exp(−a). Stronger potentials than requested are not tried.
         let most = -libm::log(wanted);
         let tried = (1..=64).map(|part| {
             let strength = 4.0 * k * most * f64::from(part) / 64.0 / width as f64;
@@ -65,13 +66,13 @@ impl Layer {
         Ok(Some(Self { width, strength: best.0, reflection: best.1 }))
     }
 
-    /// The cells that are added at each edge.
+    /// Number of cells added at each edge.
     pub fn widths(layer: Option<Self>, edges: Edges) -> [[usize; 2]; AXES] {
         let width = layer.map_or(0, |layer| layer.width);
         edges.0.map(|pair| pair.map(|edge| if edge == Edge::Absorbing { width } else { 0 }))
     }
 
-    /// W of a cell of the outer grid, in units of ħ²/2m h².
+    /// Potential W of a cell of the outer grid, in units of ħ²/2m h².
     pub fn potential(&self, padding: &Padding, cell: usize) -> f64 {
         let length = padding.outer.row_length();
         let row = padding.outer.place(cell / length);
@@ -85,8 +86,8 @@ impl Layer {
     }
 }
 
-/// The amplitude that a layer reflects of waves of k per spacing: from ψ = 0 at its outer end inward by differences,
-/// ψ'' = (−ε − iW) ψ with ε = 2 − 2 cos k, so that the differences themselves reflect nothing.
+/// Amplitude that a layer reflects for waves of k per spacing. The equation ψ'' = (−ε − iW) ψ is solved by differences inward
+/// from ψ = 0 at the outer end. With ε = 2 − 2 cos k, the differences themselves reflect nothing.
 fn reflection(width: usize, strength: f64, k: f64) -> f64 {
     let complex = |re: f64, im: f64| Complex { re, im };
     let (mut outer, mut own) = (complex(-1.0, 0.0), complex(1.0, 0.0));
@@ -107,19 +108,19 @@ fn reflection(width: usize, strength: f64, k: f64) -> f64 {
     part(1.0) / part(-1.0)
 }
 
-/// The absorption in the layers.
+/// Absorption in the layers.
 #[derive(Debug)]
 pub struct Absorption<T> {
-    /// The cells outside of the user's grid.
+    /// Cells outside the user's grid.
     pub cells: Vec<usize>,
-    /// W/ħ of each of them [1/s].
+    /// Rates W/ħ of these cells [1/s].
     rates: Vec<f64>,
     h: f64,
     factors: Vec<T>,
 }
 
 impl<T: Number> Absorption<T> {
-    /// That of a layer, with ħ/2m h² [1/s].
+    /// Returns the absorption of a layer, with `rate` = ħ/2m h² [1/s].
     pub fn new(padding: &Padding, layer: Layer, rate: f64) -> Self {
         let mut inside = vec![false; padding.outer.count()];
         (0..padding.inner.count()).for_each(|cell| inside[padding.outward(cell)] = true);
@@ -128,12 +129,12 @@ impl<T: Number> Absorption<T> {
         Self { cells, rates, h: 0.0, factors: Vec::new() }
     }
 
-    /// Σ |ψ|² over the layers.
+    /// Sum Σ |ψ|² over the layers.
     pub fn outside(&self, values: &[Complex<T>]) -> f64 {
         self.cells.iter().map(|&cell| super::fourier::square(values[cell])).sum()
     }
 
-    /// Lets the wave function fade for a time of `h`.
+    /// Damps the wave function in the layers for a time of `h`.
     pub fn fade(&mut self, values: &mut [Complex<T>], h: f64) {
         if self.h != h {
             self.factors = self.rates.iter().map(|rate| T::from_f64(libm::exp(-rate * h))).collect();

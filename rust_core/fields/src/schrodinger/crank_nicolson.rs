@@ -1,11 +1,11 @@
-//! Crank and Nicolson's steps: (1 + iτH/2ħ) ψ' = (1 − iτH/2ħ) ψ, with differences of three points.
+//! Crank–Nicolson method: (1 + iτH/2ħ) ψ' = (1 − iτH/2ħ) ψ, with three-point differences.
 //!
-//! Along several axes H = Σ Hₐ, where V is shared equally, and a step is a product of Cayley forms, half steps along all axes but the
-//! first one around a whole one along that: unitary, order 2. With an interaction the step is repeated with the mean density of the
-//! step's start and its predicted end.
+//! Along several axes H = Σ Hₐ, where V is shared equally. A step is a product of Cayley forms: half steps along all axes but the
+//! first, around a whole step along the first. The method is unitary and of order 2. With an interaction, the step is repeated
+//! with the mean density of its start and its predicted end.
 //!
-//! Source: J. Crank, P. Nicolson, Proc. Camb. Phil. Soc. 43, 50 (1947); A. Goldberg, H. M. Schey, J. L. Schwartz, Am. J. Phys. 35, 177
-//! (1967).
+//! Source: J. Crank, P. Nicolson, Proc. Camb. Phil. Soc. 43, 50 (1947); A. Goldberg, H. M. Schey, J. L. Schwartz, Am. J. Phys.
+//! 35, 177 (1967).
 
 use super::fourier::{Complex, Number, product, square};
 use super::hamiltonian::Hamiltonian;
@@ -14,7 +14,7 @@ use crate::grid::Edge;
 use crate::math::Real;
 use crate::parallel::Executor;
 
-/// 1/z.
+/// Inverse 1/z.
 #[inline(always)]
 fn inverse<T: Real>(number: Complex<T>) -> Complex<T> {
     let size = number.re * number.re + number.im * number.im;
@@ -26,11 +26,11 @@ fn minus<T: Real>(one: Complex<T>, other: Complex<T>) -> Complex<T> {
     Complex { re: one.re - other.re, im: one.im - other.im }
 }
 
-/// A system of equations for a line: ones and an imaginary diagonal, and the same imaginary number beside it.
+/// Linear system of a line: tridiagonal, with a diagonal of 1 plus imaginary numbers, and a constant imaginary number beside it.
 struct Line<T> {
-    /// τ/2ħ times the hopping.
+    /// Coefficient τ/2ħ times the hopping.
     hopping: T,
-    /// Neighbors of the first and of the last cell within the line, and what its own ends add to 2.
+    /// Contributions of the boundary conditions at the ends of the line to the diagonal 2.
     ends: [T; 2],
     periodic: bool,
 }
@@ -47,15 +47,15 @@ impl<T: Real> Line<T> {
         Self { hopping: T::from_f64(hopping), ends: ends.map(own), periodic: ends[0] == Edge::Periodic && cells > 2 }
     }
 
-    /// Adds to ψ the solution of (1 + iA) δ = −2iAψ, where A has the diagonal `hopping` · 2 + `diagonal`: the increment is small, and
-    /// its rounding with it.
+    /// Adds to ψ the solution of (1 + iA) δ = −2iAψ, where A has the diagonal `hopping` · 2 + `diagonal`. The increment is small,
+    /// and so is its rounding error.
     fn advance(&self, line: &mut [Complex<T>], memory: &mut [Complex<T>], diagonal: impl Fn(usize) -> T) {
         let count = line.len();
         let (ratios, rest) = memory.split_at_mut(count);
         let (solution, around) = rest.split_at_mut(count);
         let two = T::ONE + T::ONE;
         let blank = Complex { re: T::ZERO, im: T::ZERO };
-        // On a ring of two cells each is the other's neighbor on both sides, on one of one cell nothing hops.
+        // On a ring of two cells, each is the neighbor of the other on both sides; on a ring of one cell, nothing hops.
         let ring = self.ends == [T::ZERO; 2] && !self.periodic;
         let weight = if ring && count == 2 { two } else { T::ONE };
         let beside = Complex { re: T::ZERO, im: -(weight * self.hopping) };
@@ -65,7 +65,7 @@ impl<T: Real> Line<T> {
             inner + lower + if cell + 1 == count { self.ends[1] } else { T::ZERO }
         };
         let own = |cell: usize| Complex { re: T::ONE, im: self.hopping * links(cell) + diagonal(cell) };
-        // −2iAψ by differences, which lose nothing where ψ is smooth.
+        // Evaluates −2iAψ by differences, which lose no accuracy where ψ is smooth.
         let right = |cell: usize| {
             let (here, mut rest, mut bend) = (line[cell], links(cell), blank);
             let lower = if cell > 0 { Some(cell - 1) } else { self.periodic.then_some(count - 1) };
@@ -77,7 +77,7 @@ impl<T: Real> Line<T> {
             let (hopping, factor) = (two * self.hopping, two * (self.hopping * rest + diagonal(cell)));
             Complex { re: hopping * bend.im + factor * here.im, im: -(hopping * bend.re + factor * here.re) }
         };
-        // Of a ring the corners are taken out: A = A' + u vᵀ with u = (γ, 0 …, b), v = (1, 0 …, b/γ) (Sherman, Morrison).
+        // The corners of a ring are removed: A = A' + u vᵀ with u = (γ, 0 …, b), v = (1, 0 …, b/γ) (Sherman–Morrison).
         let gamma = Complex { re: -own(0).re, im: -own(0).im };
         let corner = product(beside, product(beside, inverse(gamma)));
         let own = |cell: usize| match cell {
@@ -129,7 +129,7 @@ impl<T: Real> Line<T> {
     }
 }
 
-/// A step with a given potential.
+/// Takes a step with a given potential.
 fn cayley<T: Number>(hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, potential: &[T], h: f64, executor: &Executor) {
     let grid = &hamiltonian.padding.outer;
     let (first, last) = (grid.axes().start, grid.axes().end);

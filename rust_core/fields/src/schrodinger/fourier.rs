@@ -1,10 +1,10 @@
 //! Fourier, sine and cosine transforms of a line of cells.
 //!
-//! With values at the centers of cells, modes that fulfill the edges are exp(iqx) on a periodic line, cos qx between free ends, sin qx
-//! between fixed ones. Those of a free and a fixed end are the modes of a line of twice the length between two fixed ends that are
-//! symmetric about its middle.
+//! Values are at the centers of cells. The modes that satisfy the boundary conditions are exp(iqx) on a periodic line, cos qx
+//! between free ends, and sin qx between fixed ends. For a free and a fixed end, the line is doubled. Of its modes between two
+//! fixed ends, the ones symmetric about the middle are used.
 //!
-//! Cosines: with v the even cells and after them the odd ones backwards, V its Fourier transform and θ = πk/2N,
+//! Cosines: let v be the even cells followed by the odd ones in reverse order, V its Fourier transform and θ = πk/2N. Then
 //!
 //! ```text
 //!     X[k] = ½ (exp(−iθ) V[k] + exp(iθ) V[N−k]),    V[k] = exp(iθ) (X[k] − i X[N−k])
@@ -22,9 +22,9 @@ pub use physcore_fourier::Complex;
 use crate::grid::Edge;
 use crate::math::Real;
 
-/// A number that can be transformed.
+/// Number type with Fourier transforms.
 pub trait Number: Real {
-    /// The transform of `length` numbers, forward or, without the factor 1/length, backward.
+    /// Plans the transform of `length` numbers, forward, or backward without the factor 1/length.
     fn plan(length: usize, forward: bool) -> Box<dyn Transform<Self>>;
 }
 
@@ -40,25 +40,25 @@ impl Number for f64 {
     }
 }
 
-/// The product of two complex numbers.
+/// Product of two complex numbers.
 #[inline(always)]
 pub fn product<T: Real>(one: Complex<T>, other: Complex<T>) -> Complex<T> {
     Complex { re: one.re * other.re - one.im * other.im, im: one.re * other.im + one.im * other.re }
 }
 
-/// exp(iφ), times a number.
+/// Complex number exp(iφ), times a real number.
 pub fn polar<T: Real>(size: f64, phase: f64) -> Complex<T> {
     Complex { re: T::from_f64(size * libm::cos(phase)), im: T::from_f64(size * libm::sin(phase)) }
 }
 
-/// |z|².
+/// Squared modulus |z|².
 #[inline(always)]
 pub fn square<T: Real>(number: Complex<T>) -> f64 {
     let (re, im) = (number.re.to_f64(), number.im.to_f64());
     re * re + im * im
 }
 
-/// Σ |z|², of every eighth number in turn, so that additions need not wait for one another.
+/// Sum Σ |z|², as eight interleaved partial sums, so additions do not wait for one another.
 pub fn norm<T: Real>(numbers: &[Complex<T>]) -> f64 {
     let mut sums = [0.0; 8];
     for chunk in numbers.chunks(sums.len()) {
@@ -67,15 +67,15 @@ pub fn norm<T: Real>(numbers: &[Complex<T>]) -> f64 {
     sums.into_iter().sum()
 }
 
-/// The modes of a line of cells.
+/// Modes of a line of cells.
 pub struct Spectrum<T> {
     cells: usize,
-    /// The number of modes: twice that of the cells between a free and a fixed end.
+    /// Number of modes; between a free and a fixed end, twice the number of cells.
     pub length: usize,
     ends: [Edge; 2],
     forward: Box<dyn Transform<T>>,
     backward: Box<dyn Transform<T>>,
-    /// exp(−iθ) of each mode; empty where it is periodic.
+    /// Factor exp(−iθ) of each mode; empty for a periodic line.
     turns: Vec<Complex<T>>,
 }
 
@@ -86,7 +86,7 @@ impl<T> std::fmt::Debug for Spectrum<T> {
 }
 
 impl<T: Number> Spectrum<T> {
-    /// The modes of `cells` cells between ends; a layer that absorbs ends with a fixed one.
+    /// Returns the modes of `cells` cells between ends. An absorbing layer has a fixed end.
     pub fn new(cells: usize, ends: [Edge; 2]) -> Self {
         let ends = ends.map(|end| if end == Edge::Absorbing { Edge::Fixed } else { end });
         let length = if ends[0] == ends[1] { cells } else { 2 * cells };
@@ -95,7 +95,7 @@ impl<T: Number> Spectrum<T> {
         Self { cells, length, ends, forward: T::plan(length, true), backward: T::plan(length, false), turns }
     }
 
-    /// The length of the memory that a transform needs.
+    /// Length of the memory that a transform needs.
     pub fn scratch(&self) -> usize {
         self.length + self.forward.scratch().max(self.backward.scratch())
     }
@@ -108,7 +108,7 @@ impl<T: Number> Spectrum<T> {
         self.ends.contains(&Edge::Fixed)
     }
 
-    /// The wave numbers of the modes q, times the spacing.
+    /// Wave numbers q of the modes, times the spacing.
     pub fn wave_numbers(&self) -> Vec<f64> {
         let (length, count) = (self.length as f64, self.length);
         let half = |mode: usize| if self.is_odd() { count - mode } else { mode };
@@ -118,14 +118,15 @@ impl<T: Number> Spectrum<T> {
         (0..count).map(of).collect()
     }
 
-    /// The factors with which the squares of amplitudes of the modes add up to the sum of squares over the cells.
+    /// Weights with which the squared amplitudes of the modes add up to the sum of squares over the cells.
     pub fn weights(&self) -> Vec<f64> {
         let length = self.length as f64;
         let share = self.cells as f64 / (length * length);
         (0..self.length).map(|mode| if self.is_periodic() || mode == 0 { share } else { 2.0 * share }).collect()
     }
 
-    /// The cells of a line where the transform has them, with the signs of sines: the cells of the longer line, the even ones first.
+    /// Cell of the line at each place of the transform, and whether its sign changes for sines. The transform takes the cells of
+    /// the doubled line, even ones first.
     fn place(&self, mode: usize) -> (usize, bool) {
         let (length, evens) = (self.length, self.length.div_ceil(2));
         let at = if mode < evens { 2 * mode } else { 2 * (length - 1 - mode) + 1 };
@@ -137,7 +138,7 @@ impl<T: Number> Spectrum<T> {
         (cell, self.is_odd() && at % 2 == 1)
     }
 
-    /// The amplitudes of the modes of a line.
+    /// Computes the amplitudes of the modes of a line.
     pub fn analyze(&self, line: &[Complex<T>], memory: &mut [Complex<T>]) {
         let (modes, scratch) = memory.split_at_mut(self.length);
         if self.is_periodic() {
@@ -163,7 +164,7 @@ impl<T: Number> Spectrum<T> {
         }
     }
 
-    /// The line that has the amplitudes in `memory`, times the number of modes.
+    /// Computes the line with the amplitudes in `memory`, times the number of modes.
     pub fn synthesize(&self, line: &mut [Complex<T>], memory: &mut [Complex<T>]) {
         let (modes, scratch) = memory.split_at_mut(self.length);
         if self.is_periodic() {
@@ -187,7 +188,7 @@ impl<T: Number> Spectrum<T> {
         }
     }
 
-    /// Multiplies each mode of a line by a factor, in which 1/length is included.
+    /// Multiplies each mode of a line by a factor, which includes 1/length.
     pub fn multiply(&self, line: &mut [Complex<T>], factors: &[Complex<T>], memory: &mut [Complex<T>]) {
         let turn = |mode: &mut Complex<T>, factor: &Complex<T>| *mode = product(*mode, *factor);
         if self.is_periodic() {
@@ -210,7 +211,7 @@ mod tests {
 
     const LENGTHS: [usize; 7] = [1, 2, 3, 8, 15, 16, 37];
 
-    /// Pairs of ends, with the modes that fulfill them: their wave numbers and values, by index and place.
+    /// Pairs of ends with the modes that satisfy their boundary conditions: wave numbers, and values by wave number and position.
     type Mode = fn(f64, f64) -> (f64, f64);
     const ENDS: [([Edge; 2], f64, f64, Mode); 5] = [
         ([Edge::Periodic; 2], 2.0, 0.0, |q, x| (libm::cos(q * x), libm::sin(q * x))),
@@ -224,7 +225,7 @@ mod tests {
         one.iter().zip(other).map(|(one, other)| (one - other).norm()).fold(0.0, f64::max)
     }
 
-    /// The sums of up to 74 numbers of a size of 1, each rounded a few times: 1e-13 of the largest factor.
+    /// Tolerance: sums of up to 74 numbers of size 1, each rounded a few times, are accurate to 1e-13 of the largest factor.
     #[test]
     fn each_mode_is_multiplied_by_its_own_factor() {
         for (ends, turn, first, mode) in ENDS {

@@ -1,4 +1,4 @@
-//! The Hamiltonian H = −ħ²/2m ∇² + V + g |ψ|² on a grid, by differences of three points, and sums over cells.
+//! Hamiltonian H = −ħ²/2m ∇² + V + g |ψ|² on a grid, by three-point differences, and sums over cells.
 
 use std::ops::Range;
 
@@ -8,28 +8,28 @@ use crate::grid::{Edge, Edges, Padding};
 use crate::math::AXES;
 use crate::parallel::{BlockedSlice, Executor};
 
-/// The cells of a block.
+/// Number of cells in a block.
 const BLOCK: usize = 8192;
 
-/// The Hamiltonian.
+/// Hamiltonian of a wave function.
 #[derive(Debug)]
 pub struct Hamiltonian<T> {
-    /// The user's cells among all, those of absorbing layers included.
+    /// Position of the user's grid within all cells, which include absorbing layers.
     pub padding: Padding,
     pub edges: Edges,
-    /// V of each cell [J].
+    /// Potential V of each cell [J].
     pub potential: Vec<T>,
-    /// g [J·m^D].
+    /// Interaction g [J·m^D].
     pub interaction: f64,
-    /// ħ [J·s].
+    /// Reduced Planck constant ħ [J·s].
     pub hbar: f64,
-    /// ħ²/2m h² [J].
+    /// Hopping energy ħ²/2m h² [J].
     pub hopping: f64,
-    /// The modes along each axis.
+    /// Modes along each axis.
     pub spectra: [Spectrum<T>; AXES],
 }
 
-/// The energies of a state, in J.
+/// Energies of a state [J].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
     pub kinetic: f64,
@@ -48,22 +48,22 @@ impl Energies {
 }
 
 impl<T: Number> Hamiltonian<T> {
-    /// The edges of an axis, at which layers end with fixed ones.
+    /// Boundary conditions of an axis; absorbing layers have fixed ends.
     pub fn ends(&self, axis: usize) -> [Edge; 2] {
         self.edges.0[axis].map(|edge| if edge == Edge::Absorbing { Edge::Fixed } else { edge })
     }
 
-    /// The kinetic energies of the modes along an axis [J].
+    /// Kinetic energies of the modes along an axis [J].
     pub fn mode_energies(&self, axis: usize) -> Vec<f64> {
         self.spectra[axis].wave_numbers().iter().map(|q| self.hopping * q * q).collect()
     }
 
-    /// The largest kinetic energy of a mode [J].
+    /// Largest kinetic energy of a mode [J].
     pub fn largest_mode(&self) -> f64 {
         self.padding.outer.axes().map(|axis| self.mode_energies(axis).into_iter().fold(0.0, f64::max)).sum()
     }
 
-    /// The sum of a cell's neighbors along all axes, and of the numbers with which the cell itself counts in −h²∇².
+    /// Sum of the neighbors of a cell along all axes, and the weight of the cell itself in −h²∇².
     #[inline(always)]
     fn neighbors(&self, values: &[T], row: usize, rows: &[[Option<usize>; 2]; 2], column: usize) -> (T, T) {
         let (grid, length) = (&self.padding.outer, self.padding.outer.row_length());
@@ -91,7 +91,7 @@ impl<T: Number> Hamiltonian<T> {
         (sum, own)
     }
 
-    /// Adds to `target` the factor times H, without interaction, of one component of ψ.
+    /// Adds `factor` times H, without interaction, of one component of ψ to `target`.
     pub fn apply(&self, source: &[T], target: &mut [T], factor: f64, executor: &Executor) {
         let (grid, length) = (&self.padding.outer, self.padding.outer.row_length());
         let (hopping, factor) = (T::from_f64(factor * self.hopping), T::from_f64(factor));
@@ -106,7 +106,7 @@ impl<T: Number> Hamiltonian<T> {
         });
     }
 
-    /// The energies of a state; the kinetic one of its modes where it is `spectral`, else by differences.
+    /// Energies of a state. If `spectral`, the kinetic energy is that of the modes, else it is computed by differences.
     pub fn energies(&self, field: &mut Field<'_, T>, spectral: bool, executor: &Executor) -> Energies {
         let content = self.padding.outer.content();
         let values = field.values.as_slice();
@@ -137,7 +137,7 @@ impl<T: Number> Hamiltonian<T> {
         self.padding.outer.axes().map(along).sum()
     }
 
-    /// The kinetic energy by differences, but for the factor h^D [J/m^D].
+    /// Kinetic energy by differences, without the factor h^D [J/m^D].
     pub fn difference_energy(&self, values: &[Complex<T>], executor: &Executor) -> f64 {
         let (grid, length) = (&self.padding.outer, self.padding.outer.row_length());
         let parts: [fn(&Complex<T>) -> T; 2] = [|value| value.re, |value| value.im];
@@ -161,7 +161,7 @@ impl<T: Number> Hamiltonian<T> {
     }
 }
 
-/// Sums over so many cells or rows, in blocks side by side; those of blocks are added in order.
+/// Sums over `count` cells or rows, in blocks computed in parallel; the sums of blocks are added in order.
 fn sum<const SUMS: usize>(
     [count, size]: [usize; 2],
     executor: &Executor,

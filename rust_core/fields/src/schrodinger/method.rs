@@ -1,4 +1,4 @@
-//! How a step is taken, and its limit.
+//! Time-stepping methods for wave functions, and their limits.
 
 use super::fourier::{Complex, Number, norm};
 use super::hamiltonian::Hamiltonian;
@@ -10,7 +10,7 @@ use crate::parallel::{Executor, SERIAL};
 use crate::scene::Item;
 use crate::stability::{Kind, Limit};
 
-/// A method.
+/// Time-stepping method.
 #[derive(Debug)]
 pub enum Method<T> {
     SplitStep { order: u32, steps: SplitStep<T> },
@@ -19,10 +19,10 @@ pub enum Method<T> {
 }
 
 impl<T: Number> Method<T> {
-    /// The method that an item declares.
+    /// Reads the method that an item declares.
     ///
     /// # Errors
-    /// If it is none for wave functions, or not for this one.
+    /// If the method is none for wave functions, or not applicable to this one.
     pub fn declared(item: &Item, hamiltonian: &Hamiltonian<T>) -> Result<Self> {
         match item.kind.as_str() {
             "SplitStep" => {
@@ -47,7 +47,7 @@ impl<T: Number> Method<T> {
         matches!(self, Self::SplitStep { .. })
     }
 
-    /// The name of the class in Python.
+    /// Name of the class in Python.
     pub fn name(&self) -> &'static str {
         match self {
             Self::SplitStep { .. } => "SplitStep",
@@ -56,12 +56,12 @@ impl<T: Number> Method<T> {
         }
     }
 
-    /// The order of convergence.
+    /// Order of convergence.
     pub fn order(&self) -> u32 {
         if let Self::SplitStep { order, .. } = self { *order } else { 2 }
     }
 
-    /// Evaluations of the kinetic energy per step.
+    /// Number of evaluations of the kinetic energy per step.
     pub fn evaluations(&self, hamiltonian: &Hamiltonian<T>) -> usize {
         match self {
             Self::SplitStep { order, .. } => Coefficients::of(*order).evaluations(),
@@ -70,7 +70,7 @@ impl<T: Number> Method<T> {
         }
     }
 
-    /// Takes a step of `h`; gives Σ |ψ|² at its end.
+    /// Takes a step of `h`; returns Σ |ψ|² at its end.
     pub fn step(&mut self, hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) -> f64 {
         match self {
             Self::SplitStep { steps, .. } => return steps.step(hamiltonian, field, h, executor),
@@ -80,8 +80,8 @@ impl<T: Number> Method<T> {
         norm(field.values)
     }
 
-    /// The limit of the time step, from an initial state. Split steps resonate where the phase of a mode turns once in a step, that of
-    /// Crank and Nicolson's steps is exact while that of H is small, and Visscher's oscillate while |E| dt < 2ħ.
+    /// Limit of the time step, from an initial state. Split steps resonate if the phase of a mode makes a full turn in a step.
+    /// Crank–Nicolson steps have an accurate phase while that of H is small. Visscher's steps oscillate while |E| dt < 2ħ.
     pub fn limit(&self, hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> Limit {
         let potential = || hamiltonian.potential.iter().map(|value| value.to_f64());
         let (least, most) = potential().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -109,7 +109,7 @@ impl<T: Number> Method<T> {
     }
 }
 
-/// ⟨H²⟩ without interaction [J²].
+/// Mean square ⟨H²⟩ without interaction [J²].
 fn mean_square<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
     let mut sum = 0.0;
     for part in [|value: &Complex<T>| value.re, |value: &Complex<T>| value.im] {

@@ -37,21 +37,21 @@ pub fn build(item: &Item, method: &Item, precision: &str) -> Result<Box<dyn Syst
     }
 }
 
-/// A wave function with its law of motion.
+/// Wave function with its equation of motion.
 struct Schrodinger<T> {
     hamiltonian: Hamiltonian<T>,
     method: Method<T>,
     layer: Option<Layer>,
     absorption: Option<Absorption<T>>,
     state: State<T>,
-    /// The state at the start of the last batch.
+    /// State at the start of the last batch.
     saved: State<T>,
-    /// The other copy of ψ, and the memory of transforms.
+    /// Second copy of ψ, and the memory of transforms.
     other: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
-    /// The energy of a probability of 1 in the measure of activity [J].
+    /// Energy of a unit probability in the measure of activity [J].
     reference: f64,
-    /// The activity after each step of the last batch [J].
+    /// Activity after each step of the last batch [J].
     activity: Vec<f64>,
     limit: Limit,
 }
@@ -96,14 +96,14 @@ impl<T: Number> Schrodinger<T> {
         })
     }
 
-    /// The energies of the present state.
+    /// Energies of the present state.
     fn energies(&self, executor: &crate::parallel::Executor) -> Energies {
         let (mut values, mut other, mut scratch) = (self.state.values.clone(), self.state.values.clone(), Vec::new());
         let mut field = Field::new(self.hamiltonian.padding.outer.cells, &mut values, &mut other, &mut scratch);
         self.hamiltonian.energies(&mut field, self.method.is_spectral(), executor)
     }
 
-    /// The probability to be in the user's grid.
+    /// Probability within the user's grid.
     fn probability(&self) -> f64 {
         let padding = &self.hamiltonian.padding;
         let sum: f64 = state::rows(padding).map(|cells| fourier::norm(&self.state.values[cells])).sum();
@@ -111,7 +111,7 @@ impl<T: Number> Schrodinger<T> {
     }
 }
 
-/// ψ at the start: real and imaginary parts along a last axis.
+/// Reads the initial ψ, with real and imaginary parts along a last axis.
 fn initial<T: Number>(item: &Item, grid: &Grid) -> Result<Vec<Complex<T>>> {
     let given = item.values.get("wave_function");
     let shape: Vec<usize> = grid.shape().into_iter().chain([2]).collect();
@@ -121,7 +121,7 @@ fn initial<T: Number>(item: &Item, grid: &Grid) -> Result<Vec<Complex<T>>> {
     state::narrow(&array.entries, grid, &format!("{}.wave_function", item.path))
 }
 
-/// The Hamiltonian of an item on its grid with layers.
+/// Reads the Hamiltonian that an item declares, on its grid with layers.
 fn declared<T: Number>(item: &Item, padding: Padding, edges: Edges) -> Result<Hamiltonian<T>> {
     let positive = |name: &str| match item.number(name)? {
         number if number > 0.0 => Ok(number),
@@ -152,7 +152,7 @@ fn declared<T: Number>(item: &Item, padding: Padding, edges: Edges) -> Result<Ha
     })
 }
 
-/// The wave number of the mean kinetic energy, per spacing.
+/// Wave number of the mean kinetic energy, per spacing.
 fn wave_number<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
     let norm = fourier::norm(values);
     let kinetic = hamiltonian.difference_energy(values, &SERIAL);

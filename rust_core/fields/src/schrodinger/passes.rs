@@ -1,18 +1,18 @@
 //! Passes over lines of cells along one axis after the other.
 //!
-//! A pass gathers lines along an axis from one copy of the field into another, in which they are contiguous, and works on them there. The
-//! axis is then the last one of the layout; after passes along all axes in order, the layout is the first one again.
+//! A pass gathers lines along an axis from one copy of the field into another, in which they are contiguous, and processes them
+//! there. The axis is then the last one of the layout. After passes along all axes in order, the layout is the initial one again.
 
 use super::fourier::{Complex, product};
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
 
-/// The number of lines in a block: their cells are side by side, and as many are read in order for each cell of the axis.
+/// Number of lines in a block. Their cells are adjacent, and as many are read in order for each cell of the axis.
 const LINES: usize = 64;
-/// The cells of each line that are gathered at a time.
+/// Number of cells of each line that are gathered at a time.
 const CELLS: usize = 16;
 
-/// A field with a second copy, and the order of its axes in memory.
+/// Field with a second copy, and the order of its axes in memory.
 #[derive(Debug)]
 pub struct Field<'a, T> {
     cells: [usize; AXES],
@@ -25,10 +25,10 @@ pub struct Field<'a, T> {
 /// Factors of the cells.
 type Factors<'a, T> = Option<&'a [Complex<T>]>;
 
-/// Neighboring lines, their scratch memory, and a number for each line.
+/// Adjacent lines, their scratch memory, and a number for each line.
 type Block<'a, T> = ((BlockedSlice<'a, Complex<T>>, BlockedSlice<'a, Complex<T>>), BlockedSlice<'a, f64>);
 
-/// Where lines lie in the first layout: the index of the first cell of each, and the distance between neighbors.
+/// Positions of lines in the initial layout: index of the first cell of each, and distance between neighbors.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
     counts: [usize; 2],
@@ -37,14 +37,14 @@ pub struct Place {
 }
 
 impl Place {
-    /// The index of the first cell of a line.
+    /// Index of the first cell of a line.
     pub fn start(&self, line: usize) -> usize {
         line / self.counts[1] * self.strides[0] + line % self.counts[1] * self.strides[1]
     }
 }
 
 impl<'a, T: Real> Field<'a, T> {
-    /// A field with the memory of its passes.
+    /// Returns a field with the memory of its passes.
     pub fn new(
         cells: [usize; AXES],
         values: &'a mut Vec<Complex<T>>,
@@ -54,14 +54,15 @@ impl<'a, T: Real> Field<'a, T> {
         Self { cells, layout: [0, 1, 2], values, other, scratch }
     }
 
-    /// Where lines along an axis lie after a pass along it.
+    /// Positions of lines along an axis after a pass along it.
     fn place(&self, rest: [usize; 2], axis: usize) -> Place {
         let stride = |axis: usize| self.cells[axis + 1..].iter().product();
         Place { counts: rest.map(|axis| self.cells[axis]), strides: rest.map(stride), stride: stride(axis) }
     }
 
-    /// Gathers lines along an axis, times factors of the cells if the layout is the first one, works on each with scratch memory
-    /// of a length, and multiplies by other factors if the layout is then the first one. Returns the sum over all lines.
+    /// Gathers the lines along an axis and calls `work` on each, with scratch memory of this length. Cells are multiplied by the
+    /// first factors if the layout is the initial one. Results are multiplied by the second factors if the layout is then the
+    /// initial one. Returns the sum over all lines.
     pub fn pass(
         &mut self,
         axis: usize,
@@ -103,8 +104,8 @@ impl<'a, T: Real> Field<'a, T> {
     }
 }
 
-/// Copies lines of `count` cells, the cells of each `post` apart and the lines side by side, one after the other; times factors. Tile by
-/// tile, because whole lines are often a power of two apart and would share the same few lines of the cache.
+/// Copies lines of `count` cells one after the other, times factors. The cells of each line are `post` apart, and the lines are
+/// adjacent. The copy runs tile by tile: whole lines are often a power of two apart and would share few cache lines.
 fn gather<T: Real>(
     from: &[Complex<T>],
     factors: Factors<'_, T>,

@@ -1,10 +1,12 @@
-//! Split steps: phases of the potential between phases of the modes.
+//! Split-step method: phases of the potential between phases of the modes.
 //!
-//! The kinetic energy is a sum over axes, so that its phases are a product: lines along each axis in turn are transformed, multiplied and
-//! transformed back while they are in the cache.
+//! The kinetic energy is a sum over axes, so its phases are a product. Lines along each axis in turn are transformed, multiplied
+//! and transformed back while they are in the cache.
 //!
-//! Order 2 after G. Strang, SIAM J. Numer. Anal. 5, 506 (1968); order 4 after S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313,
-//! whose splitting holds here as it does for x'' = a(x), because [V, [V, [V, T]]] = 0.
+//! Sources: order 2, G. Strang, SIAM J. Numer. Anal. 5, 506 (1968); order 4, S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142
+//! (2002) 313.
+//!
+//! The splitting of order 4 holds here as it does for x'' = a(x), because [V, [V, [V, T]]] = 0.
 
 use super::fourier::{Complex, Number, norm, polar, product, square};
 use super::hamiltonian::Hamiltonian;
@@ -13,7 +15,7 @@ use crate::integrators::{BlanesMoan4, Splitting};
 use crate::math::AXES;
 use crate::parallel::{BlockedSlice, Executor};
 
-/// The drifts and kicks of a step, in units of h: a kick before each drift, and one after the last.
+/// Drifts and kicks of a step, in units of h: a kick before each drift, and one after the last.
 #[derive(Debug, Clone, Copy)]
 pub struct Coefficients {
     drifts: &'static [f64],
@@ -21,7 +23,7 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    /// Those of order 2 or 4.
+    /// Coefficients of order 2 or 4.
     pub fn of(order: u32) -> Self {
         if order == 2 {
             Self { drifts: &[1.0], kicks: &[0.5, 0.5] }
@@ -30,25 +32,25 @@ impl Coefficients {
         }
     }
 
-    /// The number of drifts.
+    /// Number of drifts.
     pub fn evaluations(&self) -> usize {
         self.drifts.len()
     }
 }
 
-/// The phases of all substeps for a step of `h`.
+/// Phases of all substeps of a step of `h`.
 #[derive(Debug)]
 pub struct SplitStep<T> {
     coefficients: Coefficients,
     h: f64,
-    /// Of the modes along each axis in each drift, with the factor of the transform.
+    /// Phases of the modes along each axis in each drift, including the factor of the transform.
     modes: Vec<[Vec<Complex<T>>; AXES]>,
-    /// Of the cells in each kick; none where there is no potential.
+    /// Phases of the cells in each kick; None without a potential.
     cells: Vec<Option<Vec<Complex<T>>>>,
 }
 
 impl<T: Number> SplitStep<T> {
-    /// Substeps with these coefficients.
+    /// Returns substeps with these coefficients.
     pub fn new(coefficients: Coefficients) -> Self {
         Self { coefficients, h: 0.0, modes: Vec::new(), cells: Vec::new() }
     }
@@ -69,7 +71,7 @@ impl<T: Number> SplitStep<T> {
         self.h = h;
     }
 
-    /// A kick that depends on the density, which it does not change.
+    /// Kick by the interaction, which depends on the density and leaves it unchanged.
     fn kick(hamiltonian: &Hamiltonian<T>, values: &mut [Complex<T>], time: f64, executor: &Executor) {
         if hamiltonian.interaction == 0.0 {
             return;
@@ -82,7 +84,7 @@ impl<T: Number> SplitStep<T> {
         });
     }
 
-    /// Takes a step of `h`; gives Σ |ψ|² at its end.
+    /// Takes a step of `h`; returns Σ |ψ|² at its end.
     pub fn step(&mut self, hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) -> f64 {
         self.prepare(hamiltonian, h);
         let Coefficients { drifts, kicks } = self.coefficients;

@@ -1,6 +1,7 @@
-//! Visscher's steps: the imaginary part at the middle of steps between the real parts at their ends, R' = H I/ħ, I' = −H R/ħ.
+//! Visscher's staggered method, R' = H I/ħ, I' = −H R/ħ: the imaginary part is known at the middle of steps, the real part at
+//! their ends.
 //!
-//! A state has both at its time, so that a step begins and ends with half a step of the imaginary part.
+//! A state has both parts at its time, so a step begins and ends with half a step of the imaginary part.
 //!
 //! Source: P. B. Visscher, Computers in Physics 5, 596 (1991).
 

@@ -1,4 +1,4 @@
-//! The state of a wave function.
+//! State of a wave function.
 
 use std::ops::Range;
 
@@ -7,22 +7,22 @@ use crate::error::{Error, Result};
 use crate::grid::{Grid, Padding};
 use crate::math::Real;
 
-/// 0.
+/// Complex zero.
 pub fn zero<T: Real>() -> Complex<T> {
     Complex { re: T::ZERO, im: T::ZERO }
 }
 
-/// ψ of all cells, and what has been exchanged since the start.
+/// Values of ψ in all cells, and amounts exchanged since the start.
 #[derive(Debug, Clone)]
 pub struct State<T> {
     pub values: Vec<Complex<T>>,
-    /// The probability that has left through edges.
+    /// Probability that has left through edges.
     pub removed: f64,
-    /// The energy that layers have absorbed [J].
+    /// Energy that layers have absorbed [J].
     pub dissipated: f64,
-    /// The probability that was added from outside.
+    /// Probability supplied from outside.
     pub supplied: f64,
-    /// The energy that was [J].
+    /// Energy supplied from outside [J].
     pub work: f64,
 }
 
@@ -38,7 +38,7 @@ impl<T: Real> State<T> {
         size_of_val(self.values.as_slice())
     }
 
-    /// The tallies.
+    /// Tallies of the exchanged amounts.
     pub fn tallies(&self) -> [f64; 4] {
         [self.removed, self.dissipated, self.supplied, self.work]
     }
@@ -49,7 +49,7 @@ impl<T: Real> State<T> {
     }
 }
 
-/// Where the rows of the user's grid are among all cells.
+/// Ranges of the rows of the user's grid within all cells.
 pub fn rows(padding: &Padding) -> impl Iterator<Item = Range<usize>> {
     let length = padding.inner.row_length();
     (0..padding.inner.rows()).map(move |row| {
@@ -58,10 +58,10 @@ pub fn rows(padding: &Padding) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// ψ from pairs of numbers.
+/// Converts pairs of numbers to ψ.
 ///
 /// # Errors
-/// If one is not finite in this precision, or all are 0.
+/// If a number is not finite in this precision, or all are 0.
 pub fn narrow<T: Number>(pairs: &[f64], grid: &Grid, path: &str) -> Result<Vec<Complex<T>>> {
     let values: Vec<Complex<T>> =
         pairs.as_chunks::<2>().0.iter().map(|pair| Complex { re: T::from_f64(pair[0]), im: T::from_f64(pair[1]) }).collect();

@@ -1,4 +1,4 @@
-//! A wave function as a system: its steps, its history, its plan, its budgets and its fields.
+//! Wave function as a system: steps, history, plan, budgets and fields.
 
 use super::absorbing::Layer;
 use super::fourier::{Number, norm, square};
@@ -14,7 +14,7 @@ use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
-/// The most steps of a batch.
+/// Maximum number of steps of a batch.
 const STEPS: u64 = 1023;
 /// Estimated duration of an evaluation of a cell [s].
 const COST: f64 = 2e-8;
@@ -30,7 +30,7 @@ impl<T: Number> Schrodinger<T> {
         }
     }
 
-    /// A step; what its layers absorb of the probability and the energy is metered at its end.
+    /// Takes a step. The probability and the energy that layers absorb are measured at its end.
     fn step(&mut self, h: f64, executor: &Executor) {
         let Self { hamiltonian, method, absorption, state, other, scratch, .. } = self;
         let content = hamiltonian.padding.outer.content();
@@ -92,7 +92,7 @@ impl<T: Number> System for Schrodinger<T> {
             dimension: hamiltonian.padding.outer.dimension,
             precision: T::NAME,
             method: self.method.name(),
-            // Absorption is a factor at the end of each step.
+            // Absorption is a factor at the end of each step: order 1.
             order: if open { 1 } else { self.method.order() },
             evaluations: self.method.evaluations(hamiltonian),
             pairs: 0,
@@ -192,7 +192,7 @@ impl<T: Number> System for Schrodinger<T> {
         self.element(densest.unwrap_or(0))
     }
 
-    /// The density, and of the wave function real and imaginary parts along a last axis.
+    /// Descriptions of the density, and of the wave function with real and imaginary parts along a last axis.
     fn fields(&self) -> Vec<FieldInfo> {
         let shape = self.hamiltonian.padding.inner.shape();
         let pairs = shape.iter().copied().chain([2]).collect();
@@ -208,7 +208,7 @@ impl<T: Number> System for Schrodinger<T> {
         cells.flat_map(|value| [value.re.to_f64(), value.im.to_f64()]).collect()
     }
 
-    /// Replaces the wave function; that in layers stays.
+    /// Replaces the wave function, except in layers.
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         let before = (self.audit(time, executor)?.total(), self.probability());
         let previous = self.state.clone();

@@ -1,17 +1,16 @@
-//! Absorbing edges: a convolutional perfectly matched layer.
+//! Absorbing edges: a convolutional perfectly matched layer (CPML).
 //!
-//! In a layer normal to the axis a, ∂ₐ is divided by 1 + ζ/s in Laplace space: with memory variables p at faces and q at
-//! centers,
+//! In a layer normal to the axis a, ∂ₐ is divided by 1 + ζ/s in Laplace space. With memory variables p at faces and q at centers,
 //!
 //! ```text
 //!     u'' = Σₐ [∂ₐ (c² (∂ₐ u + p)) + q],   p' = −ζ (p + ∂ₐ u),   q' = −ζ (q + ∂ₐ (c² (∂ₐ u + p)))
 //! ```
 //!
-//! Nothing is reflected at any angle, but for the differences and for what returns from the free outer end, which is damped to
-//! R = exp(−2 ∫ζ dx / c) at normal incidence; ζ grows with the square of the depth.
+//! Nothing is reflected at any angle, apart from discretization errors and waves that return from the free outer end. These are
+//! damped to R = exp(−2 ∫ζ dx / c) at normal incidence; ζ grows with the square of the depth.
 //!
-//! A kick advances p and q with their means over it (as Crank and Nicolson): p follows from u, q from p, so that this takes no
-//! solution of equations, and steps up to the limit without a layer stay stable. Runge–Kutta methods take them as they are.
+//! A kick advances p and q with their means over it, as in the Crank–Nicolson method. Since p follows from u, and q from p, no
+//! equations have to be solved. Steps up to the limit without a layer stay stable. Runge–Kutta methods use p and q at the stage.
 //!
 //! Source: D. Komatitsch, R. Martin, Geophysics 72 (2007) SM155; R. Martin, D. Komatitsch, S. D. Gedney, CMES 37 (2008) 274.
 
@@ -28,10 +27,10 @@ use crate::integrators::{Component, Facts};
 use crate::math::{AXES, Real};
 use crate::scene::{Item, Value};
 
-/// The width of a layer by default [cells].
+/// Default width of a layer [cells].
 const WIDTH: usize = 20;
 
-/// The width [cells] and the reflection of the layers that an item wants.
+/// Requested width [cells] and reflection of the layers.
 #[derive(Debug, Clone, Copy)]
 pub struct Absorption {
     pub width: usize,
@@ -39,7 +38,7 @@ pub struct Absorption {
 }
 
 impl Absorption {
-    /// What an item says, where an edge absorbs.
+    /// Reads the absorption that an item declares, if an edge absorbs.
     ///
     /// # Errors
     /// If a value is missing or out of range, or the integrator runs backwards in some of its substeps.
@@ -71,28 +70,28 @@ fn runs_backwards(method: &Facts) -> bool {
     method.drift_kick.is_some() && method.refuses_fields.is_some()
 }
 
-/// The cells that are added at each edge.
+/// Number of cells added at each edge.
 pub fn layers(edges: Edges, absorption: Option<Absorption>) -> [[usize; 2]; AXES] {
     let width = absorption.map_or(0, |absorption| absorption.width);
     edges.0.map(|pair| pair.map(|edge| if edge == Edge::Absorbing { width } else { 0 }))
 }
 
-/// A cell in a layer of one axis, with the face toward the inside.
+/// Cell in a layer of one axis, with its inner face.
 #[derive(Debug, Clone, Copy)]
 struct Site<T> {
     cell: u32,
-    /// The next cell toward the inside.
+    /// Next cell inward.
     inner: u32,
-    /// The site of the next cell toward the outside; its own where there is none.
+    /// Site of the next cell outward; the site itself if there is none.
     outward: u32,
-    /// w at the face toward the inside [1/s²].
+    /// Coefficient w at the inner face [1/s²].
     weight: T,
-    /// ζ at that face and at the center [1/s].
+    /// Damping ζ at the inner face and at the center [1/s].
     face: T,
     center: T,
 }
 
-/// A face between the user's grid and a layer: the cell inside, that outside, and the mass times w [kg/s²].
+/// Face between the user's grid and a layer: inner cell, outer cell, and mass times w [kg/s²].
 #[derive(Debug, Clone, Copy)]
 struct Meter {
     inside: u32,
@@ -100,30 +99,30 @@ struct Meter {
     weight: f64,
 }
 
-/// All layers, with their memory variables: p of all sites, and then q.
+/// All layers, with their memory variables: p of all sites, then q.
 #[derive(Debug)]
 pub struct Layers<T> {
     sites: Vec<Site<T>>,
-    /// Where the sites of each row begin.
+    /// Index at which the sites of each row begin.
     rows: Vec<usize>,
     meters: Vec<Meter>,
-    /// Where the meters of each row begin.
+    /// Index at which the meters of each row begin.
     metered: Vec<usize>,
     memory: Memory<T>,
     saved: Memory<T>,
-    /// The registers that do not persist, the rates p' and q', and the means over a kick.
+    /// Registers that do not persist, rates p' and q', and means over a kick.
     registers: Vec<Vec<T>>,
     rates: Vec<T>,
     means: Vec<T>,
-    /// What they add to the accelerations of their cells.
+    /// Contributions of the sites to the accelerations of their cells.
     forces: Vec<T>,
-    /// As the displacements of p and q, which they have not.
+    /// Placeholder for displacements, which p and q do not have.
     blank: Vec<T>,
-    /// The largest ζ [1/s].
+    /// Largest ζ [1/s].
     pub steepest: f64,
 }
 
-/// p and q with the persistent registers of the integrator.
+/// Memory variables p and q with the persistent registers of the integrator.
 #[derive(Debug, Clone)]
 struct Memory<T> {
     values: Vec<T>,
@@ -131,7 +130,7 @@ struct Memory<T> {
 }
 
 impl<T: Real> Layers<T> {
-    /// The layers around a grid in a medium.
+    /// Builds the layers around a grid in a medium.
     pub fn new(
         padding: &Padding,
         medium: &Medium<T>,
@@ -215,12 +214,12 @@ impl<T: Real> Layers<T> {
         }
     }
 
-    /// Whether energy is metered in a row.
+    /// Whether energy is measured in a row.
     pub fn meters(&self, row: usize) -> bool {
         self.metered[row] < self.metered[row + 1]
     }
 
-    /// Evaluates p', q' and the forces at a stage, from the displacement there.
+    /// Evaluates p', q' and the forces at a stage, from the displacement at the stage.
     pub fn evaluate(&mut self, u: &[T], action: Action, h: f64, method: &Facts) {
         let Self { sites, memory, registers, rates, means, forces, .. } = self;
         let (before, half) = match action {
@@ -258,7 +257,7 @@ impl<T: Real> Layers<T> {
         }
     }
 
-    /// Adds the forces to the accelerations of the cells of a row; those of one cell are summed before.
+    /// Adds the forces to the accelerations of the cells of a row. The forces on one cell are summed first.
     pub fn push(&self, row: usize, first: usize, out: &mut [T]) {
         let range = self.rows[row]..self.rows[row + 1];
         let mut pairs = self.sites[range.clone()].iter().zip(&self.forces[range]).peekable();
@@ -274,7 +273,7 @@ impl<T: Real> Layers<T> {
         }
     }
 
-    /// The power that passes from some cells of a row into layers [W], with their velocities.
+    /// Power from some cells of a row into layers, from their velocities [W].
     pub fn power(&self, row: usize, cells: Range<usize>, velocity: impl Fn(usize) -> f64, u: impl Fn(usize) -> T) -> f64 {
         let mut power = 0.0;
         for meter in &self.meters[self.metered[row]..self.metered[row + 1]] {
@@ -287,7 +286,7 @@ impl<T: Real> Layers<T> {
         power
     }
 
-    /// Takes the stage that was [evaluated](Self::evaluate).
+    /// Advances p and q by the stage that was [evaluated](Self::evaluate).
     pub fn advance(&mut self, action: Action, h: f64, method: &Facts, kernel: BufferedStage<T>) {
         let Self { memory, saved, registers, rates, blank, .. } = self;
         let mut columns = memory.persistent.iter_mut().chain(registers).map(Vec::as_mut_slice);
@@ -298,7 +297,7 @@ impl<T: Real> Layers<T> {
         };
         let mut persistent: [&[T]; REGISTERS] = [&[]; REGISTERS];
         persistent.iter_mut().zip(&saved.persistent).for_each(|(slot, column)| *slot = column);
-        // Displacements that nothing reads.
+        // The kernel requires displacements, but nothing reads them.
         let input = Input { displacement: rates, rate: &saved.values, persistent, acceleration: rates.as_slice(), damping: None };
         kernel(method, cells, input, h, action);
     }
@@ -308,7 +307,7 @@ impl<T: Real> Layers<T> {
         self.saved.clone_from(&self.memory);
     }
 
-    /// Returns to what was saved.
+    /// Restores the saved p and q.
     pub fn rollback(&mut self) {
         self.memory.clone_from(&self.saved);
     }
@@ -335,12 +334,12 @@ impl<T: Real> Layers<T> {
     }
 }
 
-/// The register that holds a velocity before the kick of a stage (None: the velocity itself), and the part of h over which the
-/// acceleration leads from there to the middle of the kick; 0 where the stage is none.
+/// Register of the velocity before the kick of a stage (None: the velocity itself), and the time from there to the middle of the
+/// kick. The time is 0 if the stage is no kick.
 fn center(method: &Facts, stage: usize, h: f64) -> (Option<usize>, f64) {
     let Some(drift_kick) = method.drift_kick else { return (None, 0.0) };
     let Some(register) = method.drifts_by_register() else { return (None, 0.5 * h) };
-    // Where the stage asks for forces that depend on velocity, as it does on an acceleration of 1.
+    // The velocity at which the stage evaluates velocity-dependent forces, for an acceleration of 1.
     let mut probe = Component::new(0.0, 0.0, 1.0);
     (method.stage_state)(stage, &mut probe, h);
     debug_assert_eq!(register, drift_kick.velocity);

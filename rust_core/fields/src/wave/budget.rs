@@ -1,4 +1,4 @@
-//! The energy of a wave, and other sums over its cells, in double precision.
+//! Energy of a wave, and other sums over its cells, in double precision.
 
 use super::fourth::{self, Line};
 use super::state::State;
@@ -8,16 +8,16 @@ use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, LANES, dispatch};
 
-/// Sums over a row, without the factor of the mass.
+/// Energies of a row, divided by the mass of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RowEnergy {
-    /// ½ Σ v².
+    /// Kinetic part ½ Σ v².
     pub kinetic: f64,
-    /// ½ [Σ w (Δu)² + Σ κ u²], and of order 4 the term of the second differences.
+    /// Potential part ½ [Σ w (Δu)² + Σ κ u²]; for order 4, with the term of the second differences.
     pub potential: f64,
 }
 
-/// Σ f (a − b)² over the cells of a row.
+/// Sum Σ f (a − b)² over the cells of a row.
 struct Differences<'a, T> {
     factors: &'a [T],
     one: &'a [T],
@@ -48,7 +48,7 @@ impl<T: Real> Kernel for Differences<'_, T> {
 }
 
 impl<T: Real> Dynamics<T> {
-    /// The energies of all rows [J / kg].
+    /// Energies of all rows [J / kg].
     pub fn energies(&self, state: &State<T>, executor: &Executor) -> Vec<RowEnergy> {
         let grid = &self.medium.laplacian.grid;
         let mut energies = vec![RowEnergy::default(); grid.rows()];
@@ -64,7 +64,7 @@ impl<T: Real> Dynamics<T> {
         energies
     }
 
-    /// Σ (|L u| + |s|)² over all cells [m²/s⁴], with the sources at their largest.
+    /// Sum Σ (|L u| + |s|)² over all cells [m²/s⁴], with the sources at their largest.
     pub fn squared_accelerations(&self, state: &State<T>) -> f64 {
         let grid = &self.medium.laplacian.grid;
         let length = grid.row_length();
@@ -91,7 +91,7 @@ impl<T: Real> Dynamics<T> {
         let rows = Window::new(&state.displacement, length);
         let of = |row: usize| &state.displacement[row * length..][..length];
         let (center, rate) = (of(row), &state.rate[row * length..][..length]);
-        // Of the faces those between two cells inside.
+        // Only faces between two inner cells count.
         let inside = self.padding.inside(2);
         let (from, last) = (inside.start, inside.end - 1);
         let sum = |factors: &[T], one: &[T], other: &[T]| {

@@ -1,4 +1,4 @@
-//! The fields of a wave, in double precision.
+//! Fields of a wave, in double precision.
 
 use std::ops::Range;
 
@@ -11,10 +11,10 @@ use crate::math::Real;
 use crate::parallel::Executor;
 use crate::systems::{FieldInfo, System};
 
-/// Names and units.
+/// Names and units of the fields.
 const FIELDS: [(&str, &str); 2] = [("displacement", "m"), ("rate", "m/s")];
 
-/// The rows of the user's grid: their numbers, and where their cells are among all.
+/// Rows of the user's grid: their indices, and the ranges of their cells within all cells.
 pub fn rows(padding: &Padding) -> impl Iterator<Item = (usize, Range<usize>)> {
     let length = padding.inner.row_length();
     (0..padding.inner.rows()).map(move |row| {
@@ -31,7 +31,7 @@ pub fn clear_walls<T: Real>(values: &mut [T], walls: Option<&[bool]>) {
 }
 
 impl<T: Real> Wave<T> {
-    /// The fields, of the shape of the grid.
+    /// Descriptions of the fields, with the shape of the grid.
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
         let shape = self.dynamics.padding.inner.shape();
         let info = |&(name, unit): &(&str, &'static str)| FieldInfo {
@@ -44,13 +44,13 @@ impl<T: Real> Wave<T> {
         FIELDS.iter().map(info).collect()
     }
 
-    /// The values of a field.
+    /// Values of a field.
     pub(super) fn values(&self, field: usize) -> Vec<f64> {
         let column = if field == 0 { &self.state.displacement } else { &self.state.rate };
         rows(&self.dynamics.padding).flat_map(|(_, cells)| &column[cells]).map(|number| number.to_f64()).collect()
     }
 
-    /// Replaces displacement or rate or both; in walls they stay 0.
+    /// Replaces the displacement, the rate or both; in walls they remain 0.
     pub(super) fn replace(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         let before = self.audit(time, executor)?.total();
         let mut previous = Archive::default();

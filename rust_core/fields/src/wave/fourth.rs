@@ -1,10 +1,10 @@
-//! The accelerations of a row by differences of order 4: Σₐ Lₐ (1 − Lₐ h²/(12c²)) u, with Lₐ of order 2 along axis a.
+//! Accelerations of a row by differences of order 4: Σₐ Lₐ (1 − Lₐ h²/(12c²)) u, with Lₐ of order 2 along axis a.
 
 use super::medium::{Fourth, Medium};
 use crate::grid::Window;
 use crate::math::Real;
 
-/// Numbers of scratch memory for a row.
+/// Number of rows of scratch memory.
 pub const SCRATCH: usize = 4;
 
 /// Computes the accelerations of a whole row; `scratch` holds [`SCRATCH`] rows.
@@ -34,7 +34,7 @@ pub fn accelerate<T: Real>(
     }
 }
 
-/// The operators Lₐ.
+/// Operators Lₐ.
 #[derive(Clone, Copy)]
 pub struct Line<'a, T> {
     pub medium: &'a Medium<T>,
@@ -42,14 +42,14 @@ pub struct Line<'a, T> {
 }
 
 impl<T: Real> Line<'_, T> {
-    /// Lₐ of a row, from the rows below and above it along a; for the last axis these do not count.
+    /// Computes Lₐ of a row, from the rows below and above it along a; for the last axis these are not used.
     fn apply(&self, axis: usize, row: usize, [below, center, above]: [&[T]; 3], out: &mut [T]) {
         let anchor = self.fourth.anchors[axis].row(row);
         let faces = &self.medium.laplacian.faces[axis];
         let upper = faces.row(row);
         if axis < 2 {
             let lower = faces.row(self.medium.laplacian.grid.beside(row, axis, false).unwrap_or(row));
-            // At a lower edge the row below is the row itself.
+            // At a lower edge, the row below is the row itself.
             for cell in 0..out.len() {
                 let here = center[cell];
                 out[cell] = lower[cell] * (below[cell] - here) + upper[cell] * (above[cell] - here) - anchor[cell] * here;
@@ -64,7 +64,7 @@ impl<T: Real> Line<'_, T> {
         }
     }
 
-    /// Lₐ u of a row.
+    /// Computes Lₐ u of a row.
     pub fn of(&self, axis: usize, rows: Window<'_, T>, row: usize, out: &mut [T]) {
         let beside =
             [false, true].map(|upward| if axis < 2 { self.medium.laplacian.grid.beside(row, axis, upward) } else { None });
@@ -72,7 +72,7 @@ impl<T: Real> Line<'_, T> {
         self.apply(axis, row, [below, rows.row(row), above], out);
     }
 
-    /// (1 − Lₐ h²/(12c²)) u of a row.
+    /// Computes (1 − Lₐ h²/(12c²)) u of a row.
     fn corrected(&self, axis: usize, rows: Window<'_, T>, row: usize, out: &mut [T]) {
         self.of(axis, rows, row, out);
         let (center, slowness) = (rows.row(row), self.fourth.slowness.row(row));

@@ -1,4 +1,4 @@
-//! The limit of the time step: the largest frequency of the discrete operator.
+//! Limit of the time step: the largest frequency of the discrete operator.
 //!
 //! With differences of order 4 along each axis, an eigenvalue λₐ of that axis becomes λₐ + λₐ²/(12 w).
 
@@ -9,7 +9,7 @@ use crate::integrators::Facts;
 use crate::math::Real;
 use crate::stability::{Horizon, Limit, SpectralBound};
 
-/// The limit for an integrator.
+/// Limit for an integrator.
 pub fn limit<T: Real>(dynamics: &Dynamics<T>, method: &Facts) -> Limit {
     let medium = &dynamics.medium;
     let square = match &medium.fourth {
@@ -18,8 +18,8 @@ pub fn limit<T: Real>(dynamics: &Dynamics<T>, method: &Facts) -> Limit {
     };
     let rates = dynamics.damping.different().iter().map(|rate| rate.to_f64());
     let (least, most) = rates.fold((f64::INFINITY, 0.0_f64), |(least, most), rate| (least.min(rate), most.max(rate)));
-    // In a layer u = exp((iω − ζ) t): a Runge–Kutta method, a function of the Jacobian, meets an oscillator of ω² + ζ² and 2ζ. Drifts
-    // and kicks are bound by ω alone.
+    // In a layer u = exp((iω − ζ) t). A Runge–Kutta method, a function of the Jacobian, encounters an oscillator of ω² + ζ² and
+    // 2ζ. Drifts and kicks are limited by ω alone.
     let steepest = dynamics.layers.as_ref().map_or(0.0, |layers| if method.drift_kick.is_none() { layers.steepest } else { 0.0 });
     let (square, most) = (square + steepest * steepest, most.max(2.0 * steepest));
     let least: f64 = if steepest > 0.0 { 0.0 } else { least };
@@ -31,7 +31,7 @@ pub fn limit<T: Real>(dynamics: &Dynamics<T>, method: &Facts) -> Limit {
     Limit { endured: if known { limit.stability } else { f64::INFINITY }, ..limit }
 }
 
-/// The largest ω² of the operator of order 4 [1/s²]: exact where w is uniform, else a bound.
+/// Largest ω² of the operator of order 4 [1/s²]: exact if w is uniform, else an upper bound.
 fn of_fourth_order<T: Real>(laplacian: &Laplacian<T>, fourth: &Fourth<T>) -> f64 {
     let of = |axis: usize| {
         if let Some(weight) = laplacian.uniform {
@@ -39,7 +39,7 @@ fn of_fourth_order<T: Real>(laplacian: &Laplacian<T>, fourth: &Fourth<T>) -> f64
             4.0 * weight.to_f64() * square * (1.0 + square / 3.0)
         } else {
             let rows = |slowness| laplacian.largest_row(axis..axis + 1, &fourth.anchors[axis], slowness);
-            // Lₐ h²/(12c²) Lₐ has at most the product of the largest eigenvalues of Lₐ and of h²/(12c²) Lₐ.
+            // The eigenvalues of Lₐ h²/(12c²) Lₐ are at most the product of the largest ones of Lₐ and of h²/(12c²) Lₐ.
             rows(None) * (1.0 + rows(Some(&fourth.slowness)))
         }
     };

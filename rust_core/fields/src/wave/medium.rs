@@ -1,34 +1,34 @@
-//! The medium: the coefficients of the discrete wave operator, a [Laplacian] with w = c²/h² [1/s²]. With it
+//! Medium: coefficients of the discrete wave operator, a [Laplacian] with w = c²/h² [1/s²]. The energy is
 //!
 //! ```text
 //!     E = ½ ρ h^D [Σ w (uᵢ − uⱼ)² + Σ κ uᵢ²],    ρ h^D L u = −∂E/∂u
 //! ```
 //!
-//! Of order 4 along each axis a is Lₐ (1 − Lₐ / (12 w)): three points twice, so that edges and walls need no other rule, and
-//! the operator is symmetric again.
+//! The operator of order 4 along each axis a is Lₐ (1 − Lₐ / (12 w)). It applies three-point differences twice: edges and walls
+//! need no other rule, and the operator remains symmetric.
 
 use super::parameters::Parameters;
 use crate::grid::{Coefficients, Laplacian, RowTable};
 use crate::math::{AXES, Real};
 
-/// The operator, with what differences of order 4 need besides.
+/// Wave operator, with the additional coefficients of differences of order 4.
 #[derive(Debug)]
 pub struct Medium<T> {
     pub laplacian: Laplacian<T>,
     pub fourth: Option<Fourth<T>>,
 }
 
-/// Further coefficients of the operator of order 4.
+/// Additional coefficients of the operator of order 4.
 #[derive(Debug)]
 pub struct Fourth<T> {
-    /// κ along each axis [1/s²].
+    /// Coefficients κ along each axis [1/s²].
     pub anchors: [RowTable<T>; AXES],
-    /// h²/(12c²) [s²]; 0 where c is.
+    /// Coefficient h²/(12c²) [s²]; 0 where c is 0.
     pub slowness: RowTable<T>,
 }
 
 impl<T: Real> Medium<T> {
-    /// The coefficients for a wave with these parameters.
+    /// Returns the coefficients for a wave with these parameters.
     pub fn new(parameters: &Parameters) -> Self {
         let speed = &parameters.speed;
         let square = |row: usize, column: usize| (speed.row(row)[column] / parameters.grid.spacing).powi(2);

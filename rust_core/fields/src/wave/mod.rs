@@ -44,21 +44,21 @@ pub fn build<I: Integrator>(item: &Item, precision: &str) -> Result<Box<dyn Syst
     }
 }
 
-/// A wave with its law of motion.
+/// Wave with its equation of motion.
 struct Wave<T> {
     method: Facts,
     kernels: Kernels<T>,
     dynamics: Dynamics<T>,
-    /// Cells that are cut out.
+    /// Mask of wall cells, which are cut out.
     walls: Option<Vec<bool>>,
     absorption: Option<Absorption>,
     state: State<T>,
-    /// The state at the start of the last batch.
+    /// State at the start of the last batch.
     saved: State<T>,
     workspace: Workspace<T>,
-    /// The number of stages in one pass over memory.
+    /// Number of stages in one pass over memory.
     depth: usize,
-    /// The activity after each step of the last batch [J].
+    /// Activity after each step of the last batch [J].
     activity: Vec<f64>,
     limit: OnceLock<Limit>,
 }
@@ -129,7 +129,7 @@ impl<T: Real> Wave<T> {
         })
     }
 
-    /// Whether it is damped anywhere.
+    /// Whether the wave is damped anywhere.
     fn is_damped(&self) -> bool {
         self.dynamics.damping.different().iter().any(|&rate| rate != T::ZERO)
     }

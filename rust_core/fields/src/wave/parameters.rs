@@ -1,4 +1,4 @@
-//! The parameters of a wave, read from its item and checked.
+//! Parameters of a wave, read from its item and checked.
 
 use super::absorbing::{self, Absorption};
 use crate::error::Result;
@@ -6,12 +6,12 @@ use crate::grid::{Edges, Grid, Padding, RowTable};
 use crate::integrators::Facts;
 use crate::scene::{Item, Value};
 
-/// What the item of a wave says, but for its sources and its initial state.
+/// Parameters of a wave, without its sources and its initial state.
 #[derive(Debug)]
 pub struct Parameters {
-    /// All cells, those of layers included; all fields have a value for each.
+    /// Grid of all cells, including layers; all fields have a value for each.
     pub grid: Grid,
-    /// Where the user's cells are.
+    /// Position of the user's grid within all cells.
     pub padding: Padding,
     pub absorption: Option<Absorption>,
     pub edges: Edges,
@@ -21,14 +21,14 @@ pub struct Parameters {
     pub damping: RowTable<f64>,
     /// Density ρ [kg/m^D].
     pub density: f64,
-    /// Cells that are cut out.
+    /// Mask of wall cells, which are cut out.
     pub walls: Option<Vec<bool>>,
-    /// The order of the differences: 2 or 4.
+    /// Order of the differences: 2 or 4.
     pub order: u32,
 }
 
 impl Parameters {
-    /// The parameters that an item declares.
+    /// Reads the parameters that an item declares.
     ///
     /// # Errors
     /// If a value is missing or out of range.
@@ -64,7 +64,7 @@ impl Parameters {
     }
 }
 
-/// A field without negative values.
+/// Reads a field without negative values.
 fn non_negative(item: &Item, grid: &Grid, name: &str) -> Result<RowTable<f64>> {
     let table = grid.field(item, name)?;
     match table.different().iter().find(|&&value| value < 0.0) {

@@ -8,18 +8,18 @@ use crate::error::Result;
 use crate::grid::{Grid, Padding};
 use crate::scene::{Argument, Callback, Item, Value};
 
-/// The dependence of a source on time.
+/// Time dependence of a source.
 #[derive(Clone)]
 enum Signal {
-    /// sin(2πft + φ).
+    /// Sine sin(2πft + φ).
     Sine { frequency: f64, phase: f64 },
-    /// (1 − 2π²f²τ²) exp(−π²f²τ²), with τ = t − 1.5/f: it begins at 0 within 2e-8 of its peak.
+    /// Ricker wavelet (1 − 2π²f²τ²) exp(−π²f²τ²) with τ = t − 1.5/f; at the start it is 0 within 2e-8 of its peak.
     Ricker { frequency: f64 },
-    /// A function of the user's, at that path.
+    /// User-defined function, with its path.
     Function { function: Arc<dyn Callback>, path: String },
 }
 
-/// A source: amplitude · signal(t) for start ≤ t < stop.
+/// Source: amplitude · signal(t) for start ≤ t < stop.
 #[derive(Clone)]
 struct Source {
     amplitude: f64,
@@ -28,15 +28,15 @@ struct Source {
     signal: Signal,
 }
 
-/// The cells of a source in one row.
+/// Cells of a source in one row.
 #[derive(Debug, Clone)]
 pub struct Patch {
-    /// The source's index.
+    /// Index of the source.
     pub source: usize,
     row: usize,
-    /// The first of these cells in the row.
+    /// First of these cells in the row.
     pub first: usize,
-    /// What the amplitude is multiplied by to give s, cell by cell.
+    /// Factors from the amplitude to s, cell by cell.
     pub weights: Vec<f64>,
 }
 
@@ -44,14 +44,14 @@ pub struct Patch {
 #[derive(Default)]
 pub struct Sources {
     all: Vec<Source>,
-    /// The patches of all sources, row by row.
+    /// Patches of all sources, row by row.
     patches: Vec<Patch>,
-    /// Where those of each row are.
+    /// Range of the patches of each row.
     rows: Vec<Range<usize>>,
 }
 
 impl Sources {
-    /// The sources that an item has. None acts on walls.
+    /// Reads the sources that an item declares. None acts on walls.
     ///
     /// # Errors
     /// If a value is missing, of the wrong shape or out of range.
@@ -81,20 +81,20 @@ impl Sources {
         Ok(Self { all, patches, rows })
     }
 
-    /// Their number.
+    /// Number of sources.
     pub fn count(&self) -> usize {
         self.all.len()
     }
 
-    /// Whether one of them is a function of the user's.
+    /// Whether any source is a user-defined function.
     pub fn calls_back(&self) -> bool {
         self.all.iter().any(|source| matches!(source.signal, Signal::Function { .. }))
     }
 
-    /// Adds the amplitudes of all sources at a time to a list.
+    /// Appends the amplitudes of all sources at a time to a list.
     ///
     /// # Errors
-    /// If a function of the user's fails.
+    /// If a user-defined function fails.
     pub fn amplitudes(&self, time: f64, list: &mut Vec<f64>) -> Result<()> {
         for source in &self.all {
             list.push(source.at(time)?);
@@ -102,18 +102,18 @@ impl Sources {
         Ok(())
     }
 
-    /// Their largest amplitudes, as far as they are known.
+    /// Largest amplitudes of the sources, as far as they are known.
     pub fn largest(&self) -> impl Iterator<Item = f64> {
         self.all.iter().map(|source| source.amplitude.abs())
     }
 
-    /// The patches in a row.
+    /// Patches in a row.
     pub fn in_row(&self, row: usize) -> &[Patch] {
         self.rows.get(row).map_or(&[], |range| &self.patches[range.clone()])
     }
 
-    /// Calls `each` with those of some cells of a row that sources drive, counted from the first, and what they add to the
-    /// acceleration [m/s²].
+    /// Calls `each` for the cells of a range in a row that sources drive. The arguments are the index within the range and the
+    /// added acceleration [m/s²].
     #[inline(always)]
     pub fn for_each(&self, row: usize, range: Range<usize>, amplitudes: &[f64], mut each: impl FnMut(usize, f64)) {
         for patch in self.in_row(row) {
@@ -156,7 +156,7 @@ impl Source {
             return Ok(0.0);
         }
         let signal = match &self.signal {
-            // Whole periods are taken off before 2π comes in.
+            // Whole periods are removed before the multiplication by 2π.
             Signal::Sine { frequency, phase } => {
                 let periods = frequency * time;
                 libm::sin(TAU * (periods - libm::floor(periods)) + phase)
@@ -174,7 +174,7 @@ impl Source {
     }
 }
 
-/// The cells in which a source acts, with the factors that turn its amplitude into s.
+/// Cells in which a source acts, with the factors from its amplitude to s.
 fn cells(item: &Item, grid: &Grid) -> Result<Vec<(usize, f64)>> {
     match item.values.get("where") {
         Some(Value::Vector(point)) if point.is_finite() => {

@@ -7,34 +7,34 @@ use crate::integrators::{Component, ComponentGroup, Facts, Integrator, Swept};
 use crate::math::Real;
 use crate::simd::{Isa, Kernel, LANES, dispatch};
 
-/// The operation of a stage on the state.
+/// Operation of a stage on the state.
 #[derive(Debug, Clone, Copy)]
 pub enum Action {
     /// Fills the persistent registers at the start of a run.
     Begin,
     /// Computes the state of the first stage.
     Start,
-    /// Updates the state by the acceleration of a stage, then computes the state of the next one; after the last stage that
-    /// of the first, unless the batch ends.
+    /// Updates the state by the acceleration of a stage, then computes the state of the next stage. After the last stage, the
+    /// next one is the first, unless the batch ends.
     Update { stage: usize, ends: bool },
 }
 
-/// What a stage reads.
+/// Input of a stage.
 #[derive(Debug)]
 pub struct Input<'a, T, A> {
     /// Displacement u.
     pub displacement: &'a [T],
-    /// The rate and the persistent registers at the start of a batch; later they are in the cells.
+    /// Rate and persistent registers at the start of a batch; later they are in the cells.
     pub rate: &'a [T],
     pub persistent: [&'a [T]; REGISTERS],
-    /// The acceleration without damping.
+    /// Acceleration without damping.
     pub acceleration: A,
-    /// Damping γ; None where the stage need not know the rate.
+    /// Damping γ; None if the stage does not need the rate.
     pub damping: Option<&'a [T]>,
 }
 
 impl<'a, T> Input<'a, T, ()> {
-    /// The same with accelerations.
+    /// Adds accelerations to the input.
     pub fn with<A>(self, acceleration: A) -> Input<'a, T, A> {
         let Self { displacement, rate, persistent, damping, .. } = self;
         Input { displacement, rate, persistent, acceleration, damping }
@@ -44,27 +44,27 @@ impl<'a, T> Input<'a, T, ()> {
 /// Sums over the cells.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sums {
-    /// Σ v² at the end of a step; NaN where the batch ends and u is not finite.
+    /// Sum Σ v² at the end of a step; NaN if the batch ends and u is not finite.
     pub squares: f64,
-    /// Σ γ v² at the stage.
+    /// Sum Σ γ v² at the stage.
     pub damping: f64,
 }
 
-/// A stage of some cells with accelerations in a buffer.
+/// Stage function for cells whose accelerations are in a buffer.
 pub type BufferedStage<T> = fn(&Facts, Cells<'_, T>, Input<'_, T, &[T]>, f64, Action) -> Sums;
-/// A stage of some cells that computes their accelerations.
+/// Stage function that computes the accelerations of its cells.
 type FusedStage<T> = fn(&Facts, Cells<'_, T>, Input<'_, T, PlaneRow<'_, T>>, f64, Action) -> Sums;
 
-/// The kernels of an integrator.
+/// Kernels of an integrator.
 #[derive(Debug)]
 pub struct Kernels<T> {
     pub buffered: BufferedStage<T>,
-    /// Where it is the faster one: in double precision, with drifts by register.
+    /// Fused kernel, if it is faster: in double precision, with drifts by register.
     pub fused: Option<FusedStage<T>>,
 }
 
 impl<T: Real> Kernels<T> {
-    /// The kernels of an integrator.
+    /// Returns the kernels of an integrator.
     pub fn of<I: Integrator>() -> Self {
         let fused: Option<FusedStage<T>> = if const { size_of::<T>() == 8 && I::Swept::DRIFT_REGISTER.is_some() } {
             Some(|method, cells, input, h, action| run::<T, I::Swept, _>(method, cells, input, h, action))
@@ -75,7 +75,7 @@ impl<T: Real> Kernels<T> {
     }
 }
 
-/// Runs a stage of some cells.
+/// Runs a stage for some cells.
 fn run<T: Real, S: Swept, A: Groups<T>>(
     method: &Facts,
     cells: Cells<'_, T>,
@@ -86,7 +86,7 @@ fn run<T: Real, S: Swept, A: Groups<T>>(
     dispatch(Stage { cells, input, h: T::from_f64(h), action, stages: method.stages(), swept: S::of(method) })
 }
 
-/// The number of columns besides the displacement that stages hold without damping.
+/// Number of columns besides the displacement that stages hold without damping.
 pub fn columns(method: &Facts) -> usize {
     if method.drifts_by_register().is_some() { 1 } else { 1 + method.registers }
 }
@@ -104,7 +104,7 @@ struct Stage<'a, T, S, A> {
     input: Input<'a, T, A>,
     h: T,
     action: Action,
-    /// The number of stages of a step.
+    /// Number of stages of a step.
     stages: usize,
     swept: S,
 }
@@ -114,7 +114,7 @@ fn store<T: Real, const W: usize>(column: &mut [T], at: usize, lanes: &[T; W]) {
     column[at..at + W].copy_from_slice(lanes);
 }
 
-/// Sums lane by lane: cell i of a row adds to lane i mod 16, whether it is computed in a group or alone.
+/// Sums by lane: cell i of a row adds to lane i mod 16, whether it is computed in a group or alone.
 #[derive(Clone, Copy)]
 struct LaneSums<T, const W: usize = LANES> {
     squares: [T; W],
@@ -124,7 +124,7 @@ struct LaneSums<T, const W: usize = LANES> {
 impl<T: Real, const W: usize> LaneSums<T, W> {
     const ZERO: Self = Self { squares: [T::ZERO; W], damping: [T::ZERO; W] };
 
-    /// The sums over all lanes, in pairs; the second only where there is damping.
+    /// Sums over all lanes, in pairs; the second sum is 0 without damping.
     #[inline(always)]
     fn sums(self, damped: bool) -> Sums {
         let sum = |lanes: [T; W]| {
@@ -143,7 +143,7 @@ impl<T: Real, const W: usize> LaneSums<T, W> {
 }
 
 impl<T: Real> LaneSums<T> {
-    /// Adds those of a single cell.
+    /// Adds the sums of a single cell.
     fn add(&mut self, lane: usize, cell: LaneSums<T, 1>) {
         self.squares[lane] += cell.squares[0];
         self.damping[lane] += cell.damping[0];
@@ -216,11 +216,11 @@ impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
         keep::<T, S, W>(cells, &group, at, input.damping.is_some());
     }
 
-    /// Updates by a stage: the one that is compiled as `STAGE`, or any one of those with coefficients at run time.
+    /// Updates by a stage: the one compiled as `STAGE`, or any stage with coefficients at run time.
     #[inline(always)]
     fn update<const STAGE: usize>(&mut self, stage: usize, ends: bool) -> Sums {
         const { assert!(S::COMPILED <= 6, "more stages than are written out") };
-        // Conditions on constants in blocks, so that only stages that there are are compiled.
+        // Conditions on constants in blocks, so only existing stages are compiled.
         if const { STAGE >= S::COMPILED } {
             return Sums::default();
         }
@@ -239,7 +239,7 @@ impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
         let whole = count / LANES * LANES;
         for at in (0..whole).step_by(LANES) {
             let acceleration = &self.input.acceleration;
-            // Two calls: accelerations that wait for the choice cost double precision a tenth.
+            // Two calls: waiting for the choice of accelerations would cost a tenth in double precision.
             if acceleration.is_inner::<LANES>(at) {
                 self.update_group::<LAST, ENDS, LANES>(stage, at, acceleration.inner(at), &mut sums);
             } else {
@@ -294,7 +294,7 @@ impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
     }
 }
 
-/// a − γv, and Σ γ v² lane by lane.
+/// Computes a − γv, and Σ γ v² by lane.
 #[inline(always)]
 fn damp<T: Real, const W: usize>(a: &mut [T; W], gamma: &[T; W], v: &[T; W], sums: &mut [T; W]) {
     for lane in 0..W {
@@ -304,7 +304,7 @@ fn damp<T: Real, const W: usize>(a: &mut [T; W], gamma: &[T; W], v: &[T; W], sum
     }
 }
 
-/// Stores what the next stage needs.
+/// Stores the data that the next stage needs.
 #[inline(always)]
 fn keep<T: Real, S: Swept, const W: usize>(cells: &mut Cells<'_, T>, group: &ComponentGroup<T, W>, at: usize, damped: bool) {
     store(cells.displacement, at, &group.x);

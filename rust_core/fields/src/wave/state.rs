@@ -1,4 +1,4 @@
-//! The state of a wave, and the buffers of its steps.
+//! State of a wave, and the buffers of its steps.
 
 use std::ops::Range;
 
@@ -7,13 +7,13 @@ use crate::integrators::Facts;
 use crate::integrators::REGISTERS;
 use crate::math::Real;
 
-/// The number of sinks and sources of energy, and which they are.
+/// Number of sinks and sources of energy, and their indices.
 pub const SINKS: usize = 3;
 pub const DAMPING: usize = 0;
 pub const SOURCE: usize = 1;
 pub const EDGES: usize = 2;
 
-/// The energy through each sink in one row.
+/// Energy through each sink in one row.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tally {
     /// Time integral of the power [J].
@@ -32,12 +32,12 @@ pub struct State<T> {
 }
 
 impl<T: Real> State<T> {
-    /// The columns of numbers, in a fixed order.
+    /// Columns of numbers, in a fixed order.
     pub fn columns(&self) -> impl Iterator<Item = &Vec<T>> {
         [&self.displacement, &self.rate].into_iter().chain(&self.persistent)
     }
 
-    /// The same, to be changed.
+    /// Mutable columns of numbers, in the order of [`Self::columns`].
     pub fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<T>> {
         [&mut self.displacement, &mut self.rate].into_iter().chain(&mut self.persistent)
     }
@@ -48,21 +48,21 @@ impl<T: Real> State<T> {
     }
 }
 
-/// What stages need besides the state.
+/// Buffers of the stages.
 #[derive(Debug)]
 pub struct Workspace<T> {
-    /// The displacement at the stage before, which the neighbors still read.
+    /// Displacement at the previous stage, which neighbors still read.
     pub before: Vec<T>,
-    /// The registers that do not persist.
+    /// Registers that do not persist.
     pub registers: Vec<Vec<T>>,
     /// Kinetic energy of each row at each stage of a pass [J].
     pub kinetic: Vec<f64>,
-    /// The amplitudes of the sources at each stage of a batch.
+    /// Amplitudes of the sources at each stage of a batch.
     pub amplitudes: Vec<f64>,
 }
 
 impl<T: Real> Workspace<T> {
-    /// Buffers for an integrator.
+    /// Allocates buffers for an integrator.
     pub fn new(method: &Facts, cells: usize, rows: usize, stages: usize) -> Self {
         let registers = vec![vec![T::ZERO; cells]; method.registers - method.persistent];
         Self { before: vec![T::ZERO; cells], registers, kinetic: vec![0.0; rows * stages], amplitudes: Vec::new() }
@@ -75,7 +75,7 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-/// All rows of a state, as stages write them: the first column is the rate, after it come the registers.
+/// Block of all rows of a state, for writing by stages. The first column is the rate; the registers follow.
 pub fn block<'a, T>(
     state: &'a mut State<T>,
     workspace: &'a mut Workspace<T>,
@@ -98,7 +98,7 @@ pub fn block<'a, T>(
     }
 }
 
-/// Neighboring cells of a row, as a stage writes them.
+/// Adjacent cells of a row, for writing by a stage.
 #[derive(Debug)]
 pub struct Cells<'a, T> {
     pub displacement: &'a mut [T],
@@ -107,7 +107,7 @@ pub struct Cells<'a, T> {
 }
 
 impl<'a, T> Cells<'a, T> {
-    /// Some cells of the row `row` of a block.
+    /// Returns cells of the row `row` of a block.
     #[inline(always)]
     pub fn of(block: &'a mut Block<'_, T, Tally>, row: usize, range: Range<usize>) -> Self {
         let range = row * block.length + range.start..row * block.length + range.end;

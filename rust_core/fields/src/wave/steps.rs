@@ -1,4 +1,4 @@
-//! The steps of a batch: stages in passes over memory.
+//! Steps of a batch: stages in passes over memory.
 
 use super::Wave;
 use super::absorbing::Layers;
@@ -12,7 +12,7 @@ use crate::parallel::Executor;
 use crate::systems::Interval;
 
 impl<T: Real> Wave<T> {
-    /// Runs stages of all rows, as many as one pass over memory takes; the first of a batch from the saved state.
+    /// Runs stages of all rows, as many as one pass over memory takes. The first stage of a batch starts from the saved state.
     fn pass(&mut self, passes: &[Pass<'_>], executor: &Executor) {
         let Self { dynamics, method, kernels, state, saved, workspace, depth, .. } = self;
         let length = dynamics.medium.laplacian.grid.row_length();
@@ -28,7 +28,7 @@ impl<T: Real> Wave<T> {
         }
     }
 
-    /// A sweep over all rows.
+    /// Runs a sweep over all rows.
     pub(super) fn sweep(&mut self, pass: Pass<'_>, executor: &Executor) {
         let Self { dynamics, method, kernels, state, saved, workspace, .. } = self;
         let length = dynamics.medium.laplacian.grid.row_length();
@@ -41,7 +41,7 @@ impl<T: Real> Wave<T> {
         layers(dynamics, &|layers| layers.advance(pass.action, pass.h, method, kernels.buffered));
     }
 
-    /// The amplitudes of the sources at all stages of a batch.
+    /// Lists the amplitudes of the sources at all stages of a batch.
     fn list_amplitudes(&mut self, interval: Interval) -> Result<()> {
         let list = &mut self.workspace.amplitudes;
         list.clear();
@@ -74,7 +74,7 @@ impl<T: Real> Wave<T> {
             let first = index.saturating_sub(1) * sources;
             Pass { action: action(index), h: interval.h, amplitudes: &amplitudes[first..first + sources] }
         };
-        // Passes of equal depth, as few as it takes.
+        // Passes have equal depth, and their number is minimal.
         let depth = (last + 1).div_ceil((last + 1).div_ceil(self.depth));
         for first in (0..=last).step_by(depth) {
             let count = depth.min(last + 1 - first);

@@ -1,5 +1,5 @@
-//! A sweep: one stage of a step over all rows. It reads the displacement of the stage before from one column and writes that
-//! of the next to another, so that no block waits for another.
+//! Sweeps: one stage of a step over all rows. A sweep reads the displacement of the previous stage from one column and writes
+//! that of the next to another, so no block waits for another.
 
 use std::ops::Range;
 
@@ -14,42 +14,42 @@ use crate::integrators::Facts;
 use crate::integrators::REGISTERS;
 use crate::math::Real;
 
-/// Memory of the accelerations of cells that are computed at a time: they stay in the first-level cache [bytes].
+/// Memory of the accelerations computed at a time, which stay in the first-level cache [bytes].
 const SEGMENT: usize = 1 << 13;
 
-/// The law of motion: u'' = L u − γ u' + s.
+/// Equation of motion: u'' = L u − γ u' + s.
 pub struct Dynamics<T> {
     pub medium: Medium<T>,
     /// Damping γ [1/s].
     pub damping: RowTable<T>,
-    /// Whether each row is damped or holds a source, so that its stages must know the rate.
+    /// Whether each row is damped, contains a source or borders a layer, so its stages need the rate.
     pub exchanges: Vec<bool>,
     pub sources: Sources,
     pub layers: Option<Layers<T>>,
-    /// Where the user's cells are: energies are those of them alone.
+    /// Position of the user's grid within all cells; energies are sums over this grid alone.
     pub padding: Padding,
-    /// The mass of a cell ρ h^D [kg].
+    /// Mass of a cell ρ h^D [kg].
     pub mass: f64,
 }
 
-/// A stage of a sweep.
+/// Stage of a sweep.
 #[derive(Debug, Clone, Copy)]
 pub struct Pass<'a> {
     pub action: Action,
     /// Step size [s].
     pub h: f64,
-    /// The amplitudes of the sources.
+    /// Amplitudes of the sources.
     pub amplitudes: &'a [f64],
 }
 
 impl Pass<'_> {
-    /// Whether it is the first of a batch, which evaluates nothing.
+    /// Whether the stage is the first of a batch, which evaluates nothing.
     pub fn starts(&self) -> bool {
         matches!(self.action, Action::Start)
     }
 }
 
-/// Stages of an integrator, as many as one pass over memory takes; the first of a batch reads all that it needs from `saved`.
+/// Stages of an integrator, as many as one pass over memory takes. The first stage of a batch reads all its input from `saved`.
 pub struct Passes<'a, T> {
     pub dynamics: &'a Dynamics<T>,
     pub method: &'a Facts,
@@ -71,7 +71,7 @@ impl<T: Real> Sweep<T, Tally> for Passes<'_, T> {
 }
 
 impl<T: Real> Passes<'_, T> {
-    /// Runs a stage of a row of a block, of that index in it, as one of the stages of a pass.
+    /// Runs a stage of a pass for a row, given by its index in the block.
     fn stage_of_row(
         &self,
         pass: Pass<'_>,
@@ -106,7 +106,8 @@ impl<T: Real> Passes<'_, T> {
                     *register = &column[own.clone()];
                 }
             }
-            // Without a buffer of accelerations: with it steps in double precision are a tenth slower, and in single a fifth faster.
+            // No buffer of accelerations: with it, steps in double precision would be a tenth slower, and in single precision a
+            // fifth faster.
             let plain = evaluates && !dynamics.exchanges[row] && dynamics.layers.is_none() && dynamics.medium.fourth.is_none();
             let plane = || dynamics.medium.laplacian.plane_row(rows, row, range.start);
             let fused = kernels.fused.filter(|_| plain).and_then(|fused| Some((fused, plane()?)));
@@ -147,7 +148,7 @@ impl<T: Real> Passes<'_, T> {
 }
 
 impl<T: Real> Dynamics<T> {
-    /// The cells from `start` on that are computed at once: all inside, or all in layers.
+    /// Cells from `start` on that are computed at once: all inside, or all in layers.
     fn segment(&self, start: usize, inside: &Range<usize>) -> Range<usize> {
         let length = self.medium.laplacian.grid.row_length();
         if self.medium.fourth.is_some() {
@@ -157,7 +158,7 @@ impl<T: Real> Dynamics<T> {
         start..(start + SEGMENT / size_of::<T>()).min(next)
     }
 
-    /// L u of some cells of a row.
+    /// Computes L u of some cells of a row.
     pub fn accelerate(&self, rows: Window<'_, T>, row: usize, range: Range<usize>, out: &mut [T], scratch: &mut [T]) {
         match &self.medium.fourth {
             Some(fourth) => fourth::accelerate((&self.medium, fourth), rows, row, out, scratch),
@@ -170,7 +171,7 @@ impl<T: Real> Dynamics<T> {
         self.sources.for_each(row, range, amplitudes, |cell, driven| out[cell] += T::from_f64(driven));
     }
 
-    /// The power of the sources in some cells of a row [W].
+    /// Power of the sources in some cells of a row [W].
     fn supplied(&self, row: usize, range: Range<usize>, amplitudes: &[f64], velocity: impl Fn(usize) -> f64) -> f64 {
         let mut power = 0.0;
         self.sources.for_each(row, range, amplitudes, |cell, driven| power += driven * velocity(cell));
@@ -178,8 +179,8 @@ impl<T: Real> Dynamics<T> {
     }
 }
 
-/// The rate of one of some cells with which forces at a stage do work: at a stage that is a kick the mean of those before and
-/// after it, so that work is the change of energy that the kick makes; else the rate there.
+/// Rate of a cell with which forces do work at a stage. At a kick it is the mean of the rates before and after, so the work
+/// equals the change of energy by the kick. Otherwise it is the rate at the stage.
 #[inline(always)]
 fn mean_velocity<T: Real>(
     method: &Facts,
@@ -192,7 +193,7 @@ fn mean_velocity<T: Real>(
     let rate = cells.rate[cell].to_f64();
     match (pass.action, method.drifts_by_register()) {
         (Action::Update { stage, .. }, Some(velocity)) => {
-            // The kick that ends a step and the one that begins the next are one.
+            // The kick that ends a step and the one that begins the next form a single kick.
             let next = if stage + 1 == method.stages() { method.last_weight } else { 0.0 };
             let half = 0.5 * (method.weights[stage] + next) * pass.h;
             cells.registers[velocity][cell].to_f64() + half * (acceleration[cell].to_f64() - damping[cell].to_f64() * rate)

@@ -1,4 +1,4 @@
-//! A wave as a system: its history, its plan, its budget and its fields.
+//! Wave as a system: history, plan, budget and fields.
 
 use super::absorbing::{Absorption, Layers};
 use super::stage::Action;
@@ -16,7 +16,7 @@ use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
-/// The fewest and the most steps of a batch: the state at its start costs a sweep, and its activities memory.
+/// Minimum and maximum number of steps of a batch: the state at its start costs a sweep, and its activities cost memory.
 const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
 /// Estimated duration of a stage of a cell [s].
 const COST: f64 = 6e-10;
@@ -33,9 +33,9 @@ impl<T: Real> Wave<T> {
     }
 }
 
-/// Displacement, rate, and the persistent registers of the integrator.
+/// Saves displacement, rate, and the persistent registers of the integrator.
 impl<T: Real> History for Wave<T> {
-    /// Steps read the saved state and write the other.
+    /// Swaps the states: steps read the saved state and write the other.
     fn save(&mut self) {
         std::mem::swap(&mut self.saved, &mut self.state);
         self.dynamics.layers.iter_mut().for_each(Layers::save);
@@ -53,7 +53,7 @@ impl<T: Real> History for Wave<T> {
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
         let count = self.state.columns().map(Vec::len).sum();
-        // Read as a whole, so that an archive that is too short changes no state.
+        // Read as a whole: an archive that is too short then changes no state.
         let mut numbers = archive.read(count)?.iter();
         for column in self.state.columns_mut() {
             column.iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
@@ -110,7 +110,7 @@ impl<T: Real> System for Wave<T> {
         stages * (1e-7 + COST * self.dynamics.medium.laplacian.grid.count() as f64)
     }
 
-    /// A user-defined function is called in the order of time and once per evaluation, so it takes one step at a time.
+    /// Maximum number of steps: one for user-defined functions, which are called in the order of time and once per evaluation.
     fn most_steps(&self) -> u64 {
         if self.dynamics.sources.calls_back() { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
     }
@@ -192,7 +192,7 @@ impl<T: Real> System for Wave<T> {
         Err(error.with_hint("smaller displacements, rates, speeds or densities"))
     }
 
-    /// It is a sum of squares.
+    /// Zero, because the potential energy is a sum of squares.
     fn lowest_potential(&self) -> Option<f64> {
         Some(0.0)
     }

@@ -1,4 +1,4 @@
-//! Waves: passes of several stages, and the force as the gradient of the energy. `engine/tests/` has the other tests.
+//! Tests of waves: passes of several stages, and the force as the gradient of the energy. Other tests are in `engine/tests/`.
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use crate::scenes::wave::*;
 use crate::systems::{Interval, Record, System};
 use crate::wave::Wave;
 
-/// What an integrator makes of a wave in 21 steps, in passes of that many stages, on these threads: the state and the activity.
+/// Runs 21 steps of an integrator in passes of `depth` stages on `threads` threads; returns the state and the activity.
 fn passes<I: Integrator>(item: &Item, depth: Option<usize>, threads: usize) -> (Vec<f64>, Vec<f64>) {
     let mut wave = Wave::<f64>::new::<I>(item).unwrap();
     if let Some(depth) = depth {
@@ -28,7 +28,7 @@ fn passes<I: Integrator>(item: &Item, depth: Option<usize>, threads: usize) -> (
     (archive.into_numbers(), wave.activity().to_vec())
 }
 
-/// Passes of several stages over slabs, on one thread, and on several with seams between their bands.
+/// Covers passes of several stages over slabs, on one thread and on several with seams between their bands.
 #[test]
 fn passes_of_several_stages_change_no_bit() {
     let (flat, solid) = ([150, 9], [130, 4, 5]);
@@ -47,7 +47,7 @@ fn passes_of_several_stages_change_no_bit() {
     }
 }
 
-/// The energy is quadratic, so that E(u + d) − E(u − d) = 2 d·∇E exactly, and −∇E = ρ h^D L u.
+/// Energy gradient: E is quadratic, so E(u + d) − E(u − d) = 2 d·∇E exactly, and −∇E = ρ h^D L u.
 #[test]
 fn the_force_is_minus_the_gradient_of_the_energy() {
     let mut cases = Vec::new();

@@ -1,7 +1,8 @@
-//! The activity of a batch of steps: the kinetic energy [J] at the last evaluation of forces in each of them, or at its
-//! end, the input of the divergence monitor.
+//! Activity of a batch of steps, the input of the divergence monitor: the kinetic energy [J] in each step. In every step it
+//! is taken at the last evaluation of forces, or at the end.
 //!
-//! It has the same bits for any division of steps into batches, so its consequences are a function of the trajectory.
+//! The activity has the same bits for any division of steps into batches. Its consequences are therefore a function of the
+//! trajectory.
 
 use crate::parallel::BlockedSlice;
 
@@ -9,12 +10,12 @@ use crate::parallel::BlockedSlice;
 const MOST_STEPS: usize = 1 << 12;
 const MOST: usize = 1 << 19;
 
-/// The activity after each step of the last batch.
+/// Activity after each step of the last batch.
 #[derive(Debug, Default)]
 pub struct Activity {
-    /// The activity of every block after every step [J], block by block.
+    /// Activity of every block after every step [J], block by block.
     blocks: Vec<f64>,
-    /// The total activity after every step [J].
+    /// Total activity after every step [J].
     steps: Vec<f64>,
 }
 
@@ -34,7 +35,7 @@ impl Activity {
         self.steps.clear();
     }
 
-    /// A buffer for `steps` numbers of each of `blocks` blocks, to be written and then [summed](Activity::add_up).
+    /// Buffer for `steps` numbers of each of `blocks` blocks, to be written and then [summed](Activity::add_up).
     pub fn record(&mut self, blocks: usize, steps: usize) -> BlockedSlice<'_, f64> {
         self.blocks.clear();
         self.blocks.resize(blocks * steps, 0.0);
@@ -52,7 +53,7 @@ impl Activity {
         self.steps.push(activity);
     }
 
-    /// The activity after each recorded step [J]; after the last one alone if only that was recorded.
+    /// Activity after each recorded step [J]; after the last step alone if only that was recorded.
     pub fn steps(&self) -> &[f64] {
         &self.steps
     }

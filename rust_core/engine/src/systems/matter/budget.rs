@@ -1,4 +1,4 @@
-//! The energy budget and the momenta of matter.
+//! Energy budget and momenta of matter.
 
 use std::ops::Range;
 
@@ -6,12 +6,12 @@ use glam::DVec3;
 
 use super::dynamics::Dynamics;
 use crate::error::Result;
+use crate::forces::Space;
 use crate::ledger::{Class, Ledger};
-use crate::math::Vector;
 use crate::matter::{EnergySink, Matter};
 use crate::parallel::Executor;
 
-/// The sinks of energy, by their names in the budget.
+/// Sinks of energy, with their names in the budget.
 const SINKS: [(EnergySink, Class, &str); 5] = [
     (EnergySink::Drag, Class::Dissipated, "drag"),
     (EnergySink::Damping, Class::Dissipated, "damping"),
@@ -20,11 +20,11 @@ const SINKS: [(EnergySink, Class, &str); 5] = [
     (EnergySink::Work, Class::Work, "work"),
 ];
 
-/// The energy budget of matter at a time.
+/// Energy budget of matter at a time.
 ///
 /// # Errors
 /// If a user-defined function fails, or on an interrupt.
-pub fn energy<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<Ledger> {
+pub fn energy<V: Space>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<Ledger> {
     let mut ledger = Ledger::new(matter.count(), matter.block);
     ledger.add_blocks(Class::Kinetic, "particles", |block| block.map(|index| kinetic(dynamics, matter, index)).sum());
     let at = dynamics.view_of(matter, time, executor);
@@ -41,15 +41,14 @@ pub fn energy<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, 
     Ok(ledger)
 }
 
-/// The kinetic energy of a particle [J], 0 if it is fixed.
-pub fn kinetic<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>, index: usize) -> f64 {
+/// Kinetic energy of a particle [J]; 0 if it is fixed.
+pub fn kinetic<V: Space>(dynamics: &Dynamics<V>, matter: &Matter<V>, index: usize) -> f64 {
     let square = matter.velocity.get(index).widen().length_squared();
     if dynamics.properties.is_fixed(index) { 0.0 } else { 0.5 * dynamics.properties.mass[index] * square }
 }
 
-/// The momentum [kg·m/s] and the angular momentum about the coordinates' origin [kg·m²/s] of all particles that are not
-/// fixed.
-pub fn momenta<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>) -> (DVec3, DVec3) {
+/// Momentum [kg·m/s] and angular momentum about the coordinates' origin [kg·m²/s] of all particles that are not fixed.
+pub fn momenta<V: Space>(dynamics: &Dynamics<V>, matter: &Matter<V>) -> (DVec3, DVec3) {
     let properties = &dynamics.properties;
     let of = |index: usize| {
         let momentum = matter.velocity.get(index).widen() * properties.mass[index];

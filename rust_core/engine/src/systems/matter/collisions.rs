@@ -1,18 +1,19 @@
-//! Contacts within the drift, for integrators whose positions are final before the only evaluation of forces in the step.
+//! Contacts within the drift, for integrators with one evaluation of forces per step, at the final positions.
 //!
-//! Velocity Verlet moves its positions along the parabola of the acceleration at the step's start. Contacts are resolved on
-//! that parabola, before the evaluation of forces at its end, so the second kick uses the actual position. Contacts after
-//! the step would combine the state with forces at a position that the particle never reaches: stiff bodies then gain
+//! Velocity Verlet moves its positions along the parabola of the acceleration at the start of the step. Contacts are resolved
+//! on that parabola, before the evaluation of forces at its end. The second kick therefore uses the actual position. Contacts
+//! after the step would combine the state with forces at a position that the particle never reaches: stiff bodies then gain
 //! energy at every bounce.
 
 use crate::contacts::{Before, Contacts};
+use crate::forces::Space;
 use crate::integrators::{Component, Integrator};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::{Blocks, Span};
 use crate::systems::matter::dynamics::Dynamics;
 
-/// Resolves the contacts of a block at its stage, since the state `before`.
-pub fn collide<V: Vector, I: Integrator>(
+/// Resolves the contacts of a block at its stage, from the state `before` on.
+pub fn collide<V: Space, I: Integrator>(
     dynamics: &Dynamics<V>,
     contacts: &Contacts<V>,
     block: &mut Blocks<'_, V>,
@@ -34,7 +35,7 @@ pub fn collide<V: Vector, I: Integrator>(
 }
 
 #[inline(always)]
-fn read<V: Vector>(block: &Blocks<'_, V>, axis: usize, index: usize) -> Component<V::Scalar> {
+fn read<V: Space>(block: &Blocks<'_, V>, axis: usize, index: usize) -> Component<V::Scalar> {
     let number = |span: &Span<'_, V>| span.axes[axis].get(index).copied().unwrap_or_default();
     Component { x: number(&block.position), v: number(&block.velocity), registers: block.registers.each_ref().map(number) }
 }

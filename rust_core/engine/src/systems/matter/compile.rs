@@ -8,11 +8,12 @@ use super::method::{About as MethodAbout, Method};
 use super::tearing::Tearing;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
+use crate::forces::Space;
 use crate::forces::linear::Fusion;
-use crate::forces::springs::{self, Spring, Springs};
+use crate::forces::springs::{self, Spring};
 use crate::forces::{self, About, Force, Reach, Scheme, VelocityDependence, sph};
 use crate::integrators::{BlanesMoan4, BlanesMoan6, Facts, Integrator};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::{Columns, Matter, Properties};
 use crate::memory;
 use crate::neighbors;
@@ -28,7 +29,7 @@ mod precision;
 ///
 /// # Errors
 /// If the scene is invalid or does not fit into memory, or on an interrupt.
-pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &Executor) -> Result<MatterSystem<V>> {
+pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &Executor) -> Result<MatterSystem<V>> {
     let about = method.about();
     let [projects, solves] = [Treatment::Projections, Treatment::Solved].map(|treatment| about.springs == treatment);
     let count = scene.count();
@@ -51,13 +52,13 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let mut all: Vec<Box<dyn Force<V>>> = Vec::new();
     let elastic: Vec<Spring> = springs.iter().filter(|spring| !rods::is_rod(spring)).copied().collect();
     if !elastic.is_empty() {
-        all.push(Box::new(Springs::<V>::new(&elastic, count)));
+        all.push(V::springs(&elastic, count));
     }
     all.extend(fluid(scene, &properties, &about, executor)?);
     let mut fusion = Fusion::new(if solves { count } else { 0 });
     for item in &scene.forces {
         executor.check()?;
-        let mut built = forces::build(scene, item, &properties, executor)?;
+        let mut built = V::forces(scene, item, &properties, executor)?;
         refuse_forces(&about, item, &mut built, (&properties, &mut fusion))?;
         all.extend(built);
     }
@@ -70,7 +71,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
     let (mut stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
     if let Some(meshes) = &self_contacts {
-        // After the other contacts, which are those with walls.
+        // The other contacts, with walls, come first.
         let at = if about.drifts_first { usize::from(contacts.is_some()) } else { stages.len() };
         for (stage, note) in meshes.stages() {
             stages.insert(at, stage.to_owned());
@@ -105,8 +106,8 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     dynamics.self_contacts = self_contacts;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
-    // A spring breaks at the end of a step, contacts between meshes begin at the start of one, and those of rods with walls are resolved
-    // together: off by up to a whole one.
+    // Some events are off by up to a whole step. A spring breaks at the end of a step. Contacts between meshes begin at the
+    // start of one. Contacts of rods with walls within a step are resolved together.
     let rods_meet_walls = dynamics.rods.is_some() && dynamics.contacts.is_some();
     let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() || rods_meet_walls { 1 } else { nominal };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
@@ -132,14 +133,14 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
 }
 
-/// The fluid of a scene, for a method that can take it.
-fn fluid<V: Vector>(
+/// Fluid of a scene, for a method that supports fluids.
+fn fluid<V: Space>(
     scene: &Scene,
     properties: &Properties<V>,
     about: &MethodAbout,
     executor: &Executor,
 ) -> Result<Option<Box<dyn Force<V>>>> {
-    let Some(fluid) = sph::fluid(scene, properties, executor)? else { return Ok(None) };
+    let Some(fluid) = V::fluid(scene, properties, executor)? else { return Ok(None) };
     refuse_kinks(about, "a fluid")?;
     if [Treatment::Projections, Treatment::Solved].contains(&about.springs) {
         return Err(cannot_take(about, sph::KIND));
@@ -154,8 +155,8 @@ fn fluid<V: Vector>(
     Ok(Some(fluid))
 }
 
-/// The contacts with walls of a scene, for a method that can take them; those of rods are theirs.
-fn contacts<V: Vector>(
+/// Contacts of a scene with walls, for a method that supports them. Rods resolve the contacts of their own particles.
+fn contacts<V: Space>(
     scene: &Scene,
     properties: &Properties<V>,
     rods: Option<&mut Rods>,
@@ -176,8 +177,8 @@ fn contacts<V: Vector>(
     Ok(Some(contacts))
 }
 
-/// The contacts between meshes of a scene and the strain limits of its springs, for a method that can take them.
-fn self_contacts<V: Vector>(
+/// Contacts between meshes of a scene and strain limits of its springs, for a method that supports them.
+fn self_contacts<V: Space>(
     scene: &Scene,
     springs: &[Spring],
     properties: &Properties<V>,
@@ -192,9 +193,9 @@ fn self_contacts<V: Vector>(
     Ok(contacts)
 }
 
-/// Refuses forces for which a method has no projections, or no derivatives: those that have none, and do not join the linear force of those
-/// before.
-fn refuse_forces<V: Vector>(
+/// Refuses forces for which a method has no projections, or no derivatives. A force without derivatives passes if it joins
+/// the linear force of the forces before it.
+fn refuse_forces<V: Space>(
     about: &MethodAbout,
     item: &Item,
     built: &mut [Box<dyn Force<V>>],
@@ -208,7 +209,7 @@ fn refuse_forces<V: Vector>(
     if built.iter_mut().all(|force| fits(force.as_mut())) { Ok(()) } else { Err(cannot_take(about, &item.kind)) }
 }
 
-/// The error that a method has no projections, or no derivatives, of a kind of item.
+/// Error of a method without projections, or derivatives, of a kind of item.
 fn cannot_take(about: &MethodAbout, kind: &str) -> Error {
     let expected = format!("one that evaluates forces, such as VelocityVerlet(), for a {kind}");
     Error::parameter("integrator", expected, about.name).with_hint(if about.springs == Treatment::Solved {
@@ -219,7 +220,7 @@ fn cannot_take(about: &MethodAbout, kind: &str) -> Error {
     })
 }
 
-/// The names of the stages of a step in their order, and notes on the layouts of the forces.
+/// Names of the stages of a step in their order, and notes on the layouts of the forces.
 fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) -> (Vec<String>, Vec<String>) {
     let (mut stages, mut notes): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
     for About { name, layout, remarks, reach, .. } in known {
@@ -239,14 +240,14 @@ fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) ->
         stages.push("rods".to_owned());
     }
     if contacts {
-        // Where positions are final before the evaluation of forces, contacts come first.
+        // If positions are final before the evaluation of forces, contacts come first.
         stages.insert(if about.drifts_first { 0 } else { stages.len() }, "contacts".to_owned());
     }
     (stages, notes)
 }
 
-/// The rods among springs, refused where the method does not hold them, or where they hold two particles that have to part.
-fn rods<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>, about: &MethodAbout) -> Result<Option<Rods>> {
+/// Rods among springs. Refuses rods that the method does not hold, and rods between fixed particles that have to part.
+fn rods<V: Space>(scene: &Scene, springs: &[Spring], properties: &Properties<V>, about: &MethodAbout) -> Result<Option<Rods>> {
     if !about.holds_rods && springs.iter().any(rods::is_rod) {
         let hint = "their stiffness is infinite, and it takes springs as forces; RATTLE holds lengths to rounding";
         return Err(Error::parameter("integrator", "RATTLE() or XPBD() for rods", about.name).with_hint(hint));
@@ -267,7 +268,7 @@ fn rods<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>
     Ok(if about.springs == Treatment::Rods { Rods::new(springs, properties) } else { None })
 }
 
-/// Refuses a method of smooth motion where a scene has what breaks it.
+/// Refuses a method of smooth motion for a scene with kinks in its motion.
 fn refuse_kinks(about: &MethodAbout, found: &str) -> Result<()> {
     let Some(reason) = about.smooth_only else { return Ok(()) };
     let expected = format!("an explicit one, such as VelocityVerlet(), for a scene with {found}");
@@ -281,24 +282,24 @@ const NEIGHBOR: usize = 250;
 const FLUID: usize = 600;
 const SPRING: usize = 250;
 
-/// Estimate of the peak memory of a scene, during and after compilation [bytes], without neighbor lists, which are checked
-/// when they are built.
-fn footprint<V: Vector>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
+/// Estimated peak memory of a scene, during and after compilation [bytes]. Neighbor lists are excluded: they are checked when
+/// they are built.
+fn footprint<V: Space>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
     let springs = springs::count(scene)?;
     let independent = springs == 0 && !forces::are_between_neighbors(scene) && !about.sweeps;
     let registers = if independent { about.readable } else { about.registers };
-    // The state with its copy, and the workspace of sweeps.
+    // State with its copy, and workspace of sweeps.
     let columns = 2 * (2 + registers) + about.own + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
     let neighbor = if forces::are_between_neighbors(scene) { NEIGHBOR } else { 0 } + if sph::is_in(scene) { FLUID } else { 0 };
     Ok(scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING)
 }
 
-/// Advice on a better integrator. There is none under gravity alone, or where contacts reduce every method's order.
+/// Advice on a better integrator; None under gravity alone, or where contacts reduce every method's order.
 fn advice(about: &MethodAbout, dissipative: bool, bends: bool) -> Option<String> {
     match (about.order, dissipative) {
         _ if !bends || about.order > BlanesMoan6::ORDER => None,
-        // Those for stiff matter are not taken for their order.
+        // Methods for stiff matter are not chosen for their order.
         _ if matches!(about.springs, Treatment::Projections | Treatment::Solved) => None,
         (1, false) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
         (1, true) => Some(
@@ -320,14 +321,13 @@ fn advice(about: &MethodAbout, dissipative: bool, bends: bool) -> Option<String>
     }
 }
 
-/// The fraction of an integrator's limit below which another one, at equal cost, takes steps of at most half of its own
-/// limit.
+/// Fraction of an integrator's limit below which another one, at equal cost, takes steps of at most half of its own limit.
 fn worth<Other: Integrator>(about: &MethodAbout) -> f64 {
     let reach = |limit: f64, evaluations: usize| limit / evaluations as f64;
     0.5 * reach(Other::limit(0.0), Other::NODES.len()) / reach((about.limit)(0.0), about.evaluations)
 }
 
-/// The note that charges are so fast that relativity matters, which nothing here counts: γ − 1 is above half a percent.
+/// Note that charges are so fast that relativity matters, which is not included: γ − 1 is above half a percent.
 fn relativistic(scene: &Scene) -> Option<String> {
     const SPEED_OF_LIGHT: f64 = 299_792_458.0;
     let speeds = scene.bodies.iter().flat_map(|body| &body.velocities).map(|velocity| velocity.length());
@@ -357,7 +357,7 @@ fn left_out(forces: &[About], independent: bool, contacts: bool) -> Vec<&'static
     absent
 }
 
-/// Index in the engine's order → index in the caller's, for locality of spring partners and of neighbors.
+/// Index in the engine's order → index in the caller's order, for locality of spring partners and of neighbors.
 fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
     if springs.is_empty() && forces::are_between_neighbors(scene) {
         return neighbors::ordering(&scene.positions(), scene.dimension);
@@ -365,8 +365,8 @@ fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
     springs::ordering(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())
 }
 
-/// The constant properties in the engine's order, with the origin at the center of all positions.
-fn properties<V: Vector>(scene: &Scene, order: &[u32]) -> Properties<V> {
+/// Constant properties in the engine's order, with the origin at the center of all positions.
+fn properties<V: Space>(scene: &Scene, order: &[u32]) -> Properties<V> {
     let bodies = || scene.bodies.iter().flat_map(|body| 0..body.positions.len()).zip(owners(scene));
     let ordered = |values: Vec<f64>| -> Vec<f64> { order.iter().map(|&caller| values[caller as usize]).collect() };
     let of = |value: &dyn Fn(usize, usize) -> f64| ordered(bodies().map(|(index, body)| value(body, index)).collect());
@@ -386,9 +386,9 @@ fn owners(scene: &Scene) -> impl Iterator<Item = usize> {
     scene.bodies.iter().enumerate().flat_map(|(body, matter)| std::iter::repeat_n(body, matter.positions.len()))
 }
 
-/// In single precision the origin is the center of all positions, rounded to a number that both precisions hold; double
-/// precision needs none.
-fn origin<V: Vector>(scene: &Scene) -> DVec3 {
+/// Origin of the positions [m]. In single precision: the center of all positions, rounded to a number that both precisions
+/// hold. Double precision needs none.
+fn origin<V: Space>(scene: &Scene) -> DVec3 {
     let positions = || scene.bodies.iter().flat_map(|body| &body.positions);
     if V::Scalar::NAME == "f64" || positions().next().is_none() {
         return DVec3::ZERO;
@@ -404,8 +404,8 @@ fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
     springs.into_iter().map(|spring| Spring { ends: spring.ends.map(|end| engine[end as usize]), ..spring }).collect()
 }
 
-/// The initial state in the engine's order. `exact` adds the low-order part of positions.
-fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Result<Matter<V>> {
+/// Initial state in the engine's order. If `exact`, with the low-order part of positions.
+fn state<V: Space>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Result<Matter<V>> {
     let count = properties.count();
     let positions = scene.positions();
     let velocities: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.velocities).copied().collect();
@@ -426,8 +426,8 @@ fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exa
     Ok(state)
 }
 
-/// The error for a vector at `path` that is out of range in the precision of the run.
-pub fn out_of_range<V: Vector>(path: &str, found: DVec3) -> Error {
+/// Error for a vector at `path` that is out of range in the precision of the run.
+pub fn out_of_range<V: Space>(path: &str, found: DVec3) -> Error {
     let found = &found.to_array()[..V::DIMENSION];
     Error::parameter(path, format!("numbers in the range of {}", V::Scalar::NAME), format!("{found:?}"))
 }

@@ -1,10 +1,10 @@
-//! Coupled particles: every stage is a sweep over all blocks. It reads the positions and velocities of all particles from
-//! one copy and writes those of its block to another, so that no block waits for another.
+//! Coupled particles: every stage is a sweep over all blocks. A sweep reads the positions and velocities of all particles
+//! from one copy. It writes those of each block to another, so that no block waits for another.
 
 use crate::contacts::Before;
 use crate::error::Result;
+use crate::forces::Space;
 use crate::forces::{Rates, Scheme};
-use crate::math::Vector;
 use crate::matter::{Blocks, Columns, Matter, SINKS, Span};
 use crate::parallel::{BlockedSlice, Executor, Split};
 use crate::simd::LANES;
@@ -17,11 +17,11 @@ use crate::systems::matter::stepper::Stepper;
 
 /// Buffers of the sweeps.
 #[derive(Debug)]
-pub struct Workspace<V: Vector> {
+pub struct Workspace<V: Space> {
     pub position: Columns<V>,
     pub velocity: Columns<V>,
     pub force: Columns<V>,
-    /// The part of the force by the damping of springs [N], where the integrator asks for it.
+    /// Part of the force by the damping of springs [N], if the integrator needs it.
     pub damping: Option<Columns<V>>,
     /// Positions and velocities at the start of the step, for contacts.
     pub before: Option<[Columns<V>; 2]>,
@@ -29,8 +29,8 @@ pub struct Workspace<V: Vector> {
     pub activity: Vec<f64>,
 }
 
-impl<V: Vector> Workspace<V> {
-    /// Buffers for `count` particles in `blocks` blocks, with contacts or without, and with the force of damping or without.
+impl<V: Space> Workspace<V> {
+    /// Buffers for `count` particles in `blocks` blocks, with or without contacts, and with or without the force of damping.
     pub fn new(count: usize, blocks: usize, contacts: bool, damping: bool) -> Self {
         let columns = || Columns::zeros(count);
         let before = contacts.then(|| [columns(), columns()]);
@@ -45,8 +45,8 @@ impl<V: Vector> Workspace<V> {
     }
 }
 
-/// Advances `matter` in place. The activity at the end is NaN where a position is not finite.
-pub fn advance<V: Vector>(
+/// Advances `matter` in place. The activity at the end is NaN if a position is not finite.
+pub fn advance<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -58,7 +58,7 @@ pub fn advance<V: Vector>(
     let method = &stepper.facts;
     let stages = method.stages();
     // The last stage's sweep also computes the state of the next step's first stage, unless an operation intervenes at the
-    // step's end.
+    // end of the step.
     let drifts = method.drift_kick.filter(|_| dynamics.scheme == Some(Scheme::Continuity));
     let sums = dynamics.scheme == Some(Scheme::Summation) && !method.ends_with_forces;
     let moves_on = workspace.before.is_none() && !sums && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
@@ -104,7 +104,7 @@ pub fn advance<V: Vector>(
 }
 
 /// Evaluates the dynamics at the state and fills the persistent registers.
-pub fn begin<V: Vector>(
+pub fn begin<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -115,9 +115,9 @@ pub fn begin<V: Vector>(
     sweep(stepper, dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
 }
 
-/// Advances density over the preceding drift of `h` seconds, at its end time, with the velocity in a register or the
-/// present one; tallies the dissipated energy, and shifts particles.
-fn drift<V: Vector>(
+/// Advances density over the preceding drift of `h` seconds, which ends at `time`. The velocity of the drift is in a
+/// register, or the present one. Tallies the dissipated energy, and shifts particles.
+fn drift<V: Space>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
@@ -139,7 +139,7 @@ fn drift<V: Vector>(
 
 /// One pass over all blocks: evaluates the forces, if the action needs them, and acts on the state.
 #[expect(clippy::too_many_arguments, reason = "what a sweep works on")]
-pub fn sweep<V: Vector>(
+pub fn sweep<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -172,7 +172,7 @@ pub fn sweep<V: Vector>(
         let BlocksWithForces { mut blocks, mut force, mut damping } = work;
         let range = blocks.range();
         if matches!(action, Action::Begin) {
-            // From here it is kicked, if a magnetic field turns it.
+            // A rotation in a magnetic field kicks from this velocity at the start of a run.
             blocks.velocity.copy_from(&at.velocity, range.start);
         }
         let mut power = [[0.0; LANES]; SINKS];
@@ -196,7 +196,7 @@ pub fn sweep<V: Vector>(
 }
 
 /// Resolves all contacts within the drift.
-pub fn collisions<V: Vector>(
+pub fn collisions<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -219,20 +219,20 @@ pub fn collisions<V: Vector>(
 }
 
 /// Blocks with their forces.
-pub struct BlocksWithForces<'a, V: Vector> {
+pub struct BlocksWithForces<'a, V: Space> {
     pub blocks: Blocks<'a, V>,
     pub force: Span<'a, V>,
     pub damping: Option<Span<'a, V>>,
 }
 
-impl<'a, V: Vector> BlocksWithForces<'a, V> {
-    /// Without a force of damping.
+impl<'a, V: Space> BlocksWithForces<'a, V> {
+    /// Creates blocks without a force of damping.
     pub fn new(blocks: Blocks<'a, V>, force: Span<'a, V>) -> Self {
         Self { blocks, force, damping: None }
     }
 }
 
-impl<V: Vector> Split for BlocksWithForces<'_, V> {
+impl<V: Space> Split for BlocksWithForces<'_, V> {
     fn blocks(&self) -> usize {
         self.blocks.blocks()
     }

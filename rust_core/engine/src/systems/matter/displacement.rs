@@ -1,17 +1,17 @@
-//! Displacements of particles independent of their velocity, between a drift and the forces at its end.
+//! Displacements of particles that do not change their velocity, between a drift and the forces at its end.
 //!
-//! Velocities do not change, so momentum and kinetic energy are conserved. The change of potential energy is counted as
-//! work, from the potentials before and after. Displacements do not cross walls.
+//! Momentum and kinetic energy are conserved. The change of potential energy counts as work, from the potentials before and
+//! after. Displacements do not cross walls.
 
 use crate::error::Result;
-use crate::math::Vector;
+use crate::forces::Space;
 use crate::matter::{Blocks, Columns, EnergySink, Matter};
 use crate::parallel::Executor;
 use crate::systems::matter::coupled::BlocksWithForces;
 use crate::systems::matter::dynamics::Dynamics;
 
-/// Displaces all particles by the shifts of the forces, at a time; `displacements` is a buffer.
-pub fn displace<V: Vector>(
+/// Displaces all particles by the shifts of the forces at `time`; `displacements` is a buffer.
+pub fn displace<V: Space>(
     dynamics: &Dynamics<V>,
     matter: &mut Matter<V>,
     displacements: &mut Columns<V>,

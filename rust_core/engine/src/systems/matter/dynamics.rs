@@ -1,4 +1,4 @@
-//! The forces and contacts of matter, sorted by their evaluation.
+//! Forces and contacts of matter, sorted by their evaluation.
 
 use std::ops::Range;
 
@@ -6,14 +6,15 @@ use glam::DVec3;
 
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
+use crate::forces::Space;
 use crate::forces::derivatives::Derivatives;
 use crate::forces::linear::{Fusion, LinearForce};
-use crate::forces::springs::{self, Spring, Springs};
+use crate::forces::springs::{self, Spring};
 use crate::forces::{
     DensityEvolution, Drift, Force, InverseSquare, Law, Rates, Reach, ReadyField, Scheme, StateView, Strength, VelocityDependence,
 };
 use crate::ledger::{Class, Ledger};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::rods::{self, Rods};
@@ -22,11 +23,11 @@ use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
 use crate::systems::matter::tearing::Tearing;
 
-fn is_magnetic<V: Vector>(force: &dyn Force<V>) -> bool {
+fn is_magnetic<V: Space>(force: &dyn Force<V>) -> bool {
     force.about().velocity == VelocityDependence::Gyroscopic
 }
 
-fn state_view<'a, V: Vector>(
+fn state_view<'a, V: Space>(
     properties: &'a Properties<V>,
     matter: &'a Matter<V>,
     time: f64,
@@ -36,7 +37,7 @@ fn state_view<'a, V: Vector>(
     StateView { position, velocity, residual, properties, time, executor }
 }
 
-/// The angle by which a method turns velocities in a magnetic field in a step.
+/// Angle by which a method turns velocities in a magnetic field in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Angle {
     /// 2 atan(|q B| h/2m).
@@ -45,78 +46,80 @@ pub enum Angle {
     Exact,
 }
 
-/// The treatment of springs by a method.
+/// Treatment of springs by a method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Treatment {
-    /// They are forces.
+    /// Springs are forces.
     Forces,
-    /// They are forces, those of infinite stiffness rods that it keeps at their lengths.
+    /// Springs are forces; springs of infinite stiffness are rods that the method keeps at their lengths.
     Rods,
-    /// They are forces whose derivatives it takes to solve its equations.
+    /// Springs are forces whose derivatives the method uses to solve its equations.
     Solved,
-    /// It moves particles onto them, so that they add no force.
+    /// Springs are projections: the method moves particles onto them, so that they add no force.
     Projections,
 }
 
-/// The electric and the magnetic field of a scene without other forces.
+/// Electric and magnetic field of a scene without other forces.
 #[derive(Debug, Clone, Copy)]
 pub struct LoneFields<'a, T> {
     pub electric: Law,
     pub magnetic: Law,
-    /// Charges [C]; 0 for particles that feel nothing.
+    /// Charges [C]; 0 for particles outside the fields.
     pub charges: &'a [T],
 }
 
-/// The forces and contacts of a scene.
-pub struct Dynamics<V: Vector> {
+/// Forces and contacts of a scene.
+pub struct Dynamics<V: Space> {
     /// Mass and other constant properties.
     pub properties: Properties<V>,
-    /// The sum of all fused (linear) forces.
+    /// Sum of all fused (linear) forces.
     pub linear: LinearForce<V>,
-    /// The contact stage, if there are boundaries.
+    /// Contact stage, if there are boundaries.
     pub contacts: Option<Contacts<V>>,
-    /// The scheme of density, if there is a fluid.
+    /// Scheme of density, if there is a fluid.
     pub scheme: Option<Scheme>,
     /// Whether a force shifts particles.
     pub shifts: bool,
-    /// The dependence of the forces on velocity.
+    /// Dependence of the forces on velocity.
     pub velocity: VelocityDependence,
-    /// The number of user-defined forces.
+    /// Number of user-defined forces.
     pub callbacks: usize,
     /// All forces, fused ones first, then in the order in which they accumulate.
     forces: Vec<Box<dyn Force<V>>>,
-    /// The number of fused forces.
+    /// Number of fused forces.
     fused: usize,
-    /// The number of fused forces and forces between particles; the others are pointwise.
+    /// Number of fused forces and forces between particles; the others are pointwise.
     together: usize,
-    /// The angle by which the integrator turns velocities in magnetic fields, if it does: these then add no force.
+    /// Angle by which the integrator turns velocities in magnetic fields; None if it does not. Fields that turn velocities
+    /// add no force.
     pub angle: Option<Angle>,
     /// Whether there is a magnetic field.
     pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
     driven: bool,
-    /// The method's treatment of springs.
+    /// Treatment of springs by the method.
     pub treatment: Treatment,
-    /// The rods, if there are any.
+    /// Rods, if there are any.
     pub rods: Option<Rods>,
-    /// All springs with the rods among them, as declared, where there are rods, springs can break, or the method projects or solves.
+    /// All springs, rods included, as declared. Only with rods, with springs that can break, or for a method that projects or
+    /// solves.
     pub springs: Vec<Spring>,
-    /// The springs that can break, if there are any.
+    /// Springs that can break, if there are any.
     pub tearing: Option<Tearing>,
-    /// The contacts between meshes, if there are any.
+    /// Contacts between meshes, if there are any.
     pub self_contacts: Option<SelfContacts>,
 }
 
-/// The velocity that the impulses of contacts between meshes change.
+/// Velocity that the impulses of contacts between meshes change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Impulses {
-    /// That in a register, with which the step moves, and the one at its end, which follows from it.
+    /// Velocity in a register, with which the step moves; the velocity at the end of the step follows from it.
     Register(usize),
-    /// That at the end of the step, with which it moves.
+    /// Velocity at the end of the step, with which it moves.
     End,
 }
 
-impl<V: Vector> Dynamics<V> {
+impl<V: Space> Dynamics<V> {
     /// Sorts the forces for blocks of `block` particles.
     pub fn new(properties: Properties<V>, forces: Vec<Box<dyn Force<V>>>, contacts: Option<Contacts<V>>, block: usize) -> Self {
         let mut fusion = Fusion::new(properties.count());
@@ -158,13 +161,13 @@ impl<V: Vector> Dynamics<V> {
         torn
     }
 
-    /// Takes the springs that are not broken, and what does not hang on one that is; returns the energy that the rest had [J].
+    /// Removes broken springs and the forces that depend on them; returns the energy of these forces [J].
     pub fn leave_out_broken(&mut self, matter: &Matter<V>) -> f64 {
         let Some(tearing) = &self.tearing else { return 0.0 };
         self.springs = tearing.springs();
         let elastic: Vec<Spring> = self.springs.iter().filter(|spring| springs::is_elastic(spring)).copied().collect();
         if let Some(force) = self.forces.iter_mut().find(|force| force.about().name == springs::NAME) {
-            *force = Box::new(Springs::<V>::new(&elastic, self.properties.count()));
+            *force = V::springs(&elastic, self.properties.count());
         }
         if let Some(contacts) = &mut self.self_contacts {
             contacts.leave_out(tearing.broken());
@@ -174,7 +177,7 @@ impl<V: Vector> Dynamics<V> {
         self.forces.iter_mut().map(|force| force.tear(&|ends| sides.contains(&ends), &at)).sum()
     }
 
-    /// Looks whether meshes pass through each other before the first step.
+    /// Checks that meshes do not pass through each other before the first step.
     pub fn check_self_contacts(&mut self, matter: &Matter<V>, executor: &Executor) -> Result<()> {
         let Some(contacts) = &mut self.self_contacts else { return Ok(()) };
         contacts.check(|index| matter.exact_position(index), executor).map_err(|ends| {
@@ -184,15 +187,15 @@ impl<V: Vector> Dynamics<V> {
         })
     }
 
-    /// Takes the state at the start of a step for the contacts between meshes.
+    /// Records the state at the start of a step for the contacts between meshes.
     pub fn begin_self_contacts(&mut self, matter: &Matter<V>) {
         if let Some(contacts) = &mut self.self_contacts {
             contacts.begin(|index| [matter.exact_position(index), matter.velocity.get(index).widen()]);
         }
     }
 
-    /// Resolves the contacts between meshes on the way of a step of `h` seconds, whose positions are reached; returns whether there were
-    /// any.
+    /// Resolves the contacts between meshes on the path of a step of `h` seconds, whose end positions are reached. Returns
+    /// whether there were any.
     pub fn resolve_self_contacts(
         &mut self,
         matter: &mut Matter<V>,
@@ -230,8 +233,8 @@ impl<V: Vector> Dynamics<V> {
             matter.set_exact_position(index, inside(index, end).map_or(end, |inside| inside.position));
             let end_velocity = matter.velocity.get(index).widen();
             matter.velocity.set(index, V::narrow(end_velocity + change));
-            // The impulse acts at the start of the step, on the velocity before half of its kick, so that what rests on others loses
-            // nothing.
+            // The impulse acts at the start of the step, on the velocity before half of its kick: particles that rest on
+            // others then lose no energy.
             let old = match impulses {
                 Impulses::Register(register) => {
                     let middle = &mut matter.registers[register];
@@ -273,7 +276,7 @@ impl<V: Vector> Dynamics<V> {
         self.fused == self.forces.len()
     }
 
-    /// The inverse-square force, if it is the only force.
+    /// Inverse-square force, if it is the only force.
     pub fn lone_inverse_square(&self) -> Option<InverseSquare<'_, V::Scalar>> {
         match self.forces.as_slice() {
             [force] => force.inverse_square(&self.properties),
@@ -281,8 +284,8 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// E and B, if these are the only forces, of fields that the engine computes and that do not change in time, and velocities are
-    /// turned in them by [`super::kernels::gyration_steps`].
+    /// Fields E and B, if they are the only forces, and [`super::kernels::gyration_steps`] turns velocities in them. The
+    /// engine computes the fields itself, and they do not change in time.
     pub fn lone_fields(&self) -> Option<LoneFields<'_, V::Scalar>> {
         if self.angle != Some(Angle::Boris) {
             return None;
@@ -306,12 +309,12 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// The state of a block, or of all matter, at a time.
+    /// State of a block, or of all matter, at a time.
     pub fn state_view<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> StateView<'a, V> {
         StateView { position, velocity, residual: View::default(), properties: &self.properties, time, executor: &SERIAL }
     }
 
-    /// The state of all matter at a time.
+    /// State of all matter at a time.
     pub fn view_of<'a>(&'a self, matter: &'a Matter<V>, time: f64, executor: &'a Executor) -> StateView<'a, V> {
         state_view(&self.properties, matter, time, executor)
     }
@@ -323,7 +326,7 @@ impl<V: Vector> Dynamics<V> {
         forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 
-    /// The same at positions and velocities of the stage of a step.
+    /// Prepares every force for all particles, at positions and velocities of a stage of a step.
     pub fn prepare_at(&mut self, [position, velocity]: [&Columns<V>; 2], time: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, fused, together, .. } = self;
         let (position, velocity, residual) = (position.view(), velocity.view(), View::default());
@@ -331,7 +334,7 @@ impl<V: Vector> Dynamics<V> {
         forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 
-    /// The derivatives of the forces that are not fused and have some.
+    /// Derivatives of the forces that are not fused, where they have derivatives.
     pub fn derivatives(&mut self) -> impl Iterator<Item = &mut dyn Derivatives> {
         let fused = self.fused;
         self.forces[fused..].iter_mut().filter_map(|force| force.derivatives())
@@ -357,7 +360,7 @@ impl<V: Vector> Dynamics<V> {
         densities.for_each(|density| density.dissipated(block.clone(), energy));
     }
 
-    /// The displacements of the particles of one block by shifting [m].
+    /// Displacements of the particles of one block by shifting [m].
     pub fn shift(&self, block: &Range<usize>, displacements: &mut Span<'_, V>) {
         for axis in 0..V::DIMENSION {
             displacements.axes[axis].fill(V::Scalar::ZERO);
@@ -366,13 +369,13 @@ impl<V: Vector> Dynamics<V> {
         densities.for_each(|density| density.shift(block.clone(), displacements));
     }
 
-    /// The potential energy of the particles of one block in pointwise forces [J].
+    /// Potential energy of the particles of one block in pointwise forces [J].
     pub fn potential(&self, block: &Range<usize>, at: &StateView<'_, V>) -> f64 {
         let pointwise = self.forces[..self.fused].iter().chain(&self.forces[self.together..]);
         pointwise.map(|force| force.potential(block.clone(), at)).sum()
     }
 
-    /// The potential energy of all particles in user-defined forces [J].
+    /// Potential energy of all particles in user-defined forces [J].
     pub fn potential_of_callbacks(&self, at: &StateView<'_, V>) -> Result<f64> {
         if self.callbacks == 0 {
             return Ok(0.0);
@@ -395,7 +398,7 @@ impl<V: Vector> Dynamics<V> {
         let turned = self.magnetic && self.angle.is_some();
         let acting =
             |forces: Range<usize>| self.forces[forces].iter().filter(move |force| !turned || !is_magnetic(force.as_ref()));
-        // Of a method that projects, springs are the only forces between particles.
+        // For a method that projects, springs are the only forces between particles.
         for force in acting(self.fused..if self.treatment == Treatment::Projections { self.fused } else { self.together }) {
             force.accumulate(block.clone(), at, rates);
         }
@@ -407,7 +410,7 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// Adds the powers of springs that dissipate or do work on fixed particles, for a method that moves particles onto springs itself.
+    /// Adds the powers of springs that dissipate or do work on fixed particles, for a method that projects springs.
     pub fn spring_power(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         if !self.driven && self.velocity == VelocityDependence::None {
             return;
@@ -436,14 +439,14 @@ impl<V: Vector> Dynamics<V> {
         self.fused > 0
     }
 
-    /// The kinetic energy of a kick of `h` seconds from rest [J], Σ ½ m |a|² h²: the smallest energy that steps of `h` can
+    /// Kinetic energy of a kick of `h` seconds from rest [J], Σ ½ m |a|² h²: the smallest energy that steps of `h` can
     /// resolve.
     pub fn kick(&self, at: &StateView<'_, V>, h: f64) -> f64 {
         let accelerations = self.accelerations(at).enumerate().filter(|&(index, _)| !self.properties.is_fixed(index));
         accelerations.map(|(index, a)| 0.5 * self.properties.mass[index] * a.widen().length_squared() * h * h).sum()
     }
 
-    /// The acceleration of every particle at a state [m/s²].
+    /// Acceleration of every particle at a state [m/s²].
     pub fn accelerations<'a>(&'a self, at: &'a StateView<'_, V>) -> impl Iterator<Item = V> + 'a {
         let count = self.properties.count();
         let mut force = Columns::<V>::zeros(count);
@@ -458,7 +461,7 @@ impl<V: Vector> Dynamics<V> {
         })
     }
 
-    /// The constraint of a fixed particle with velocity v does the work −F·v against the forces F of its partners.
+    /// Adds the power −F·v of the constraint of every fixed particle with velocity v, against the forces F of its partners.
     fn count_reactions(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for index in block.start..block.end.min(self.properties.count()) {
             if self.properties.is_fixed(index) {
@@ -468,15 +471,15 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// The tensions of all rods at a state with these accelerations by all other forces [N].
+    /// Tensions of all rods [N] at a state with these accelerations by all other forces.
     fn tensions(&self, at: &StateView<'_, V>, accelerations: &[DVec3]) -> Vec<f64> {
         let (position, velocity) = (|index| at.exact_point(index), |index: usize| at.velocity.get(index).widen());
         let walls = self.contacts.as_ref().map(|contacts| (contacts, &self.properties));
         self.rods.clone().map_or_else(Vec::new, |rods| rods.tensions(position, velocity, |index| accelerations[index], walls))
     }
 
-    /// The tensions of all springs, the rods among them, as declared, at a state at which the forces are prepared [N]: of a spring
-    /// k (l − l₀) + c l̇.
+    /// Tensions of all springs and rods [N], as declared, at a state at which the forces are prepared. The tension of a
+    /// spring is k (l − l₀) + c l̇.
     pub fn tensions_of_springs(&self, at: &StateView<'_, V>) -> Vec<f64> {
         let accelerations: Vec<DVec3> = self.accelerations(at).map(V::widen).collect();
         let of = |spring: &Spring| -> f64 {
@@ -497,7 +500,7 @@ impl<V: Vector> Dynamics<V> {
         tensions
     }
 
-    /// The bound on the time step at a state, from one without terms for these particles.
+    /// Adds the terms of these particles to a bound on the time step, at a state.
     pub fn bound(&self, at: &StateView<'_, V>, mut bound: SpectralBound) -> Result<SpectralBound> {
         let explicit = |index: usize| self.treatment != Treatment::Projections || !(self.fused..self.together).contains(&index);
         let mut forces = self.forces.iter().enumerate().filter(|&(index, _)| explicit(index));

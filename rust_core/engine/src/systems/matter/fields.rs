@@ -1,33 +1,35 @@
-//! The fields of matter, in the caller's order and in double precision.
+//! Fields of matter, in the caller's order and in double precision.
 
 use glam::DVec3;
 
 use super::MatterSystem;
 use super::compile::out_of_range;
 use crate::error::{Error, Result};
+use crate::forces::Space;
 use crate::forces::sph::Gauges;
 use crate::forces::{Fields, Scheme};
-use crate::math::{AXES, Vector};
+use crate::math::AXES;
 use crate::matter::{Columns, EnergySink};
 use crate::parallel::{Executor, SERIAL};
 use crate::systems::{FieldInfo, System};
 
-/// The names and units of the fields of all matter, of fluids, and of springs where there are rods or they can break.
+/// Names and units of the fields of all matter, and of fluids.
 const MOTION: [(&str, &str); 2] = [("positions", "m"), ("velocities", "m/s")];
 const FLUID: [(&str, &str); 2] = [("densities", "kg/m³"), ("pressures", "Pa")];
-/// Of boundaries and bodies, and of probes, with their integrals over time.
+/// Names and units of the fields of boundaries and bodies, and of probes, with their integrals over time. Then those of
+/// springs: with rods, and if springs can break.
 const WALLS: [(&str, &str); 2] = [("wall_forces", "N"), ("wall_impulses", "N·s")];
 const PROBES: [(&str, &str); 2] = [("probe_pressures", "Pa"), ("probe_impulses", "Pa·s")];
 const TENSION: (&str, &str) = ("tensions", "N");
 const BROKEN: (&str, &str) = ("broken", "1");
 
-/// Vectors, component by component.
-fn flat<V: Vector>(vectors: &[[f64; AXES]]) -> Vec<f64> {
+/// Flattens vectors, component by component.
+fn flat<V: Space>(vectors: &[[f64; AXES]]) -> Vec<f64> {
     vectors.iter().flat_map(|vector| vector[..V::DIMENSION].iter().copied()).collect()
 }
 
-impl<V: Vector> MatterSystem<V> {
-    /// The names and units of the fields that this matter has.
+impl<V: Space> MatterSystem<V> {
+    /// Names and units of the fields of this matter.
     fn names(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let fluid = self.dynamics.scheme.is_some().then_some(FLUID);
         let tension = self.dynamics.rods.is_some().then_some(TENSION);
@@ -38,12 +40,13 @@ impl<V: Vector> MatterSystem<V> {
         MOTION.into_iter().chain(fluid).chain(tension).chain(broken)
     }
 
-    /// The gauges of its fluids.
+    /// Gauges of the fluids.
     fn gauges(&self) -> Option<&Gauges> {
         self.dynamics.forces().iter().filter_map(|force| force.density()).find_map(|density| density.gauges())
     }
 
-    /// The fields: those of a fluid only where there is one, tensions where there are rods, broken springs where they can break.
+    /// Descriptions of the fields. Fields of a fluid exist only with a fluid, tensions with rods, broken springs if springs
+    /// can break.
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
         let info = |(name, unit): (&'static str, &'static str)| {
             let count = self.state.count();
@@ -56,14 +59,14 @@ impl<V: Vector> MatterSystem<V> {
                 _ => vec![count],
             };
             let rate = (name == "positions").then(|| "velocities".to_owned());
-            // Density by continuity is a part of the state, by summation it follows from the positions.
+            // Density by continuity is a part of the state; density by summation follows from the positions.
             let continuity = name == "densities" && self.dynamics.scheme == Some(Scheme::Continuity);
             FieldInfo { name: name.to_owned(), unit, shape, rate, state: moves || continuity }
         };
         self.names().map(info).collect()
     }
 
-    /// The values of a field.
+    /// Values of a field.
     pub(super) fn values(&self, field: usize) -> Vec<f64> {
         let (state, properties) = (&self.state, &self.dynamics.properties);
         match self.names().nth(field).map_or("", |(name, _)| name) {
@@ -138,7 +141,7 @@ impl<V: Vector> MatterSystem<V> {
         let mut archive = crate::history::Archive::default();
         self.capture_histories(&mut archive);
         let previous = std::mem::replace(&mut self.state, state);
-        // Forces first, because the energy of some of them follows from their evaluation.
+        // Forces first: the energy of some forces follows from their evaluation.
         let done = self.begin(time, executor).and_then(|()| self.finite_audit(time, executor)).map(|energy| {
             if let Some(tally) = self.state.tallies.first_mut() {
                 tally.add(EnergySink::Work, energy.total() - before);

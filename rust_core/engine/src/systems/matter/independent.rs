@@ -2,8 +2,9 @@
 
 use crate::contacts::Before;
 use crate::forces::Rates;
+use crate::forces::Space;
 use crate::integrators::Facts;
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::{Blocks, Matter, SINKS, Span};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
@@ -13,13 +14,13 @@ use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
 use crate::systems::matter::stepper::Stepper;
 use crate::systems::{Interval, Record};
 
-/// Interval of steps between activities where steps run in registers. It counts the steps of the clock's segment, so that
+/// Number of steps between activities if steps run in registers. The count follows the steps of the clock's segment, so that
 /// it does not depend on batches.
 const SAMPLING: u64 = 32;
 
-/// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is NaN where a
+/// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is NaN if a
 /// position is not finite.
-pub fn advance<V: Vector>(
+pub fn advance<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     from: &Matter<V>,
@@ -60,8 +61,8 @@ pub fn advance<V: Vector>(
     activity.add_up(recorded);
 }
 
-/// Steps under one force alone, with the activity after sampled steps.
-fn sampled<V: Vector>(
+/// Takes steps under one force alone, with the activity after sampled steps.
+fn sampled<V: Space>(
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
@@ -83,7 +84,7 @@ fn sampled<V: Vector>(
 }
 
 /// Evaluates the dynamics at the state `from` and fills the persistent registers of `matter`.
-pub fn begin<V: Vector>(
+pub fn begin<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     from: &Matter<V>,
@@ -97,16 +98,16 @@ pub fn begin<V: Vector>(
     });
 }
 
-/// The buffers of a block in the calling thread's scratch memory. Its columns are close together but at different offsets
-/// in every page, where they would evict each other from the first-level cache.
-struct BlockBuffers<'a, V: Vector> {
+/// Buffers of a block in the calling thread's scratch memory. Its columns are close together but at different offsets in
+/// every page: at equal offsets they would evict each other from the first-level cache.
+struct BlockBuffers<'a, V: Space> {
     block: Blocks<'a, V>,
     force: Span<'a, V>,
     before: [Span<'a, V>; 2],
 }
 
 /// Copies a block of `from` to buffers, applies `work`, and copies the result to `block`.
-fn with_buffers<V: Vector>(
+fn with_buffers<V: Space>(
     from: &Matter<V>,
     mut block: Blocks<'_, V>,
     method: &Facts,
@@ -143,8 +144,8 @@ fn with_buffers<V: Vector>(
     });
 }
 
-/// Single steps, with a contact stage after each, or with forces that are not fused.
-fn one_by_one<V: Vector>(
+/// Takes single steps, with a contact stage after each, or with forces that are not fused.
+fn one_by_one<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
@@ -173,8 +174,8 @@ fn one_by_one<V: Vector>(
     }
 }
 
-/// One step, stage by stage; returns the activity at its last evaluation.
-fn stages<V: Vector>(
+/// Takes one step, stage by stage; returns the activity at its last evaluation.
+fn stages<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
@@ -195,7 +196,7 @@ fn stages<V: Vector>(
     activity
 }
 
-fn run_stage<V: Vector>(
+fn run_stage<V: Space>(
     stepper: &Stepper<V>,
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,

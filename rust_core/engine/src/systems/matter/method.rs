@@ -6,94 +6,94 @@ use super::dynamics::{Angle, Dynamics, Impulses, Treatment};
 use super::stepper::Stepper;
 use super::{coupled, independent};
 use crate::error::Result;
+use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::Integrator;
-use crate::math::Vector;
 use crate::matter::{Columns, Matter};
 use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::{Control, Interval, Record};
 
-/// The data of a method's steps.
-pub struct Job<'a, V: Vector> {
+/// Data of a method's steps.
+pub struct Job<'a, V: Space> {
     pub dynamics: &'a mut Dynamics<V>,
-    /// The initial state, which does not change.
+    /// Initial state, which does not change.
     pub from: &'a Matter<V>,
     pub state: &'a mut Matter<V>,
-    /// The activity to record, and its steps.
+    /// Activity to record, and the recorded steps.
     pub record: (&'a mut Activity, Record),
     /// Buffers of sweeps, for coupled particles.
     pub workspace: Option<&'a mut Workspace<V>>,
     pub interval: Interval,
 }
 
-/// What is known of a method before it steps.
+/// Properties of a method.
 #[derive(Debug, Clone, Copy)]
 pub struct About {
-    /// The class's name in Python.
+    /// Name of the class in Python.
     pub name: &'static str,
-    /// The order of convergence without velocity-dependent forces, and with dissipation.
+    /// Order of convergence without velocity-dependent forces, and with dissipation.
     pub order: u32,
     pub order_dissipative: u32,
-    /// Evaluations of the forces per step.
+    /// Number of evaluations of the forces per step.
     pub evaluations: usize,
-    /// The number of registers in use between stages, and of those that can be read after a step.
+    /// Number of registers in use between stages, and of registers that can be read after a step.
     pub registers: usize,
     pub readable: usize,
-    /// Further vectors that it keeps of each particle.
+    /// Number of further vectors that the method stores per particle.
     pub own: usize,
-    /// Whether contacts come first, as [`Integrator::DRIFTS_FIRST`].
+    /// Whether contacts come first; see [`Integrator::DRIFTS_FIRST`].
     pub drifts_first: bool,
-    /// Whether each stage is a sweep over all particles, even where these are independent.
+    /// Whether each stage is a sweep over all particles, even if these are independent.
     pub sweeps: bool,
-    /// As [`Integrator::CORRECTED_WEIGHT`].
+    /// Corrected weight; see [`Integrator::CORRECTED_WEIGHT`].
     pub corrected_weight: f64,
-    /// The angle by which it turns velocities in magnetic fields, if it does, as [`Integrator::GYRATES`].
+    /// Angle by which the method turns velocities in magnetic fields, if it does; see [`Integrator::GYRATES`].
     pub angle: Option<Angle>,
-    /// As [`Integrator::limit`].
+    /// Limit of the time step; see [`Integrator::limit`].
     pub limit: fn(f64) -> f64,
-    /// Its treatment of springs.
+    /// Treatment of springs.
     pub springs: Treatment,
-    /// Whether it holds springs of infinite stiffness at their lengths.
+    /// Whether the method holds springs of infinite stiffness at their lengths.
     pub holds_rods: bool,
-    /// Why it cannot advance a field that diffuses, if it cannot.
+    /// Reason why the method cannot advance a field that diffuses, if it cannot.
     pub refuses_fields: Option<&'static str>,
-    /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
+    /// Reason why the method accepts neither contacts nor fluids, if it is for smooth motion alone.
     pub smooth_only: Option<&'static str>,
-    /// The velocity that contacts between meshes change, if it takes these.
+    /// Velocity that contacts between meshes change, if the method supports these.
     pub impulses: Option<Impulses>,
 }
 
-/// A time-stepping method for matter. Its history is the data that it keeps itself from step to step, beside the registers.
-pub trait Method<V: Vector>: History + Send + Sync {
-    /// What is known of it before it steps.
+/// Time-stepping method for matter. Its history is the data that it stores itself from step to step, besides the registers.
+pub trait Method<V: Space>: History + Send + Sync {
+    /// Properties of the method.
     fn about(&self) -> About;
-    /// The number of registers that persist from step to step.
+    /// Number of registers that persist from step to step.
     fn persistent(&self) -> usize;
-    /// The estimated error of the last step of `h` seconds, if it has an estimate.
+    /// Estimated error of the last step of `h` seconds, if the method has an estimate.
     fn error(&self, state: &Matter<V>, h: f64) -> Option<f64>;
-    /// The control of the step size by that.
+    /// Control of the step size by the estimated error.
     fn control(&self) -> Control {
         Control::pair(self.about().order)
     }
-    /// Whether it is unconditionally unstable on an oscillator.
+    /// Whether the method is unconditionally unstable on an oscillator.
     fn gains_energy(&self) -> bool;
-    /// A bound for the waves of a field as this method advances them.
+    /// Converts a bound to the waves of a field as this method advances them.
     fn bound(&self, bound: SpectralBound) -> SpectralBound;
-    /// The limit of the time step from a bound.
+    /// Limit of the time step from a bound.
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit;
-    /// The limit sharpened by the present directions of the springs.
+    /// Limit of the time step, sharpened by the present directions of the springs.
     fn sharp_limit(&self, bound: SpectralBound) -> Limit;
-    /// A note for the plan on the steps so far.
+    /// Note for the plan on the steps so far.
     fn note(&self) -> Option<String> {
         None
     }
-    /// Memory of the data that it keeps itself [bytes].
+    /// Memory of the data that the method stores itself [bytes].
     fn bytes(&self) -> usize {
         0
     }
-    /// Takes the springs of the dynamics anew, of which others are broken.
+    /// Updates the springs from the dynamics, after some have broken or are restored.
     fn take_springs(&mut self, _dynamics: &Dynamics<V>) {}
     /// Evaluates the dynamics at the state and fills the persistent registers.
     fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
@@ -101,15 +101,15 @@ pub trait Method<V: Vector>: History + Send + Sync {
     fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
 }
 
-/// An explicit integrator.
-pub struct Explicit<V: Vector> {
-    /// As [`About::angle`].
+/// Explicit integrator.
+pub struct Explicit<V: Space> {
+    /// Angle of rotation; see [`About::angle`].
     angle: Option<Angle>,
     pub stepper: Stepper<V>,
 }
 
-impl<V: Vector> Explicit<V> {
-    /// The integrator of an item.
+impl<V: Space> Explicit<V> {
+    /// Builds the integrator of an item.
     ///
     /// # Errors
     /// If a value is wrong.
@@ -120,9 +120,9 @@ impl<V: Vector> Explicit<V> {
     }
 }
 
-impl<V: Vector> History for Explicit<V> {}
+impl<V: Space> History for Explicit<V> {}
 
-impl<V: Vector> Method<V> for Explicit<V> {
+impl<V: Space> Method<V> for Explicit<V> {
     fn about(&self) -> About {
         let facts = &self.stepper.facts;
         About {
@@ -150,7 +150,7 @@ impl<V: Vector> Method<V> for Explicit<V> {
         self.stepper.facts.persistent
     }
 
-    /// The largest over all particles, of the position error, or of the velocity error times the step [m].
+    /// Largest position error, or velocity error times the step, over all particles [m].
     fn error(&self, state: &Matter<V>, h: f64) -> Option<f64> {
         let [x, v] = self.stepper.facts.error?.map(|register| &state.registers[register]);
         let length = |columns: &Columns<V>, index: usize| columns.get(index).widen().length();

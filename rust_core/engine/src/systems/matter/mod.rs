@@ -33,11 +33,12 @@ use radau::GaussRadau15;
 use rattle::Rattle;
 
 use crate::error::{Error, Result};
+use crate::forces::Space;
 use crate::forces::{self, Validity};
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::{Class, Ledger};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::{Columns, EnergyTally, Matter, SINKS};
 use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
@@ -50,11 +51,11 @@ use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Mach, Quantit
 
 /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
-/// Bytes of one column of a block that runs many steps: position, velocity and registers in three dimensions fit into the
-/// first-level cache.
+/// Size of one column of a block that runs many steps [bytes]: position, velocity and registers in three dimensions fit into
+/// the first-level cache.
 const INDEPENDENT_COLUMN: usize = 2048;
-/// Particles per block of coupled matter: large against the rows of a grid that it shares with other blocks, small against
-/// the second-level cache.
+/// Number of particles per block of coupled matter. Large against the rows of a grid that a block shares with other blocks,
+/// small against the second-level cache.
 const COUPLED_BLOCK: usize = 4096;
 
 /// Runs code with the vectors of a dimension and a precision.
@@ -102,8 +103,8 @@ pub fn build(scene: &Scene, method: &Item, precision: &str, executor: &Executor)
     with_space!(scene.dimension, precision, V => method_of::<V>(scene, method, executor))
 }
 
-/// Compiles a scene for a method in one precision and dimension: the registry of methods.
-fn method_of<V: Vector>(scene: &Scene, method: &Item, executor: &Executor) -> Result<Box<dyn System>> {
+/// Compiles a scene for a method in one precision and dimension. Registry of methods.
+fn method_of<V: Space>(scene: &Scene, method: &Item, executor: &Executor) -> Result<Box<dyn System>> {
     match method.kind.as_str() {
         rattle::NAME => compiled::<V>(scene, Rattle::declared(method)?, executor),
         XPBD => compiled::<V>(scene, Projection::new(Sweeps::declared(method)?), executor),
@@ -118,30 +119,30 @@ fn method_of<V: Vector>(scene: &Scene, method: &Item, executor: &Executor) -> Re
 }
 
 /// Compiles a scene in one precision and dimension.
-fn compiled<V: Vector>(scene: &Scene, method: impl Method<V> + 'static, executor: &Executor) -> Result<Box<dyn System>> {
+fn compiled<V: Space>(scene: &Scene, method: impl Method<V> + 'static, executor: &Executor) -> Result<Box<dyn System>> {
     Ok(Box::new(compile::compile::<V>(scene, Box::new(method), executor)?))
 }
 
 /// Particles with their dynamics.
-struct MatterSystem<V: Vector> {
+struct MatterSystem<V: Space> {
     dynamics: Dynamics<V>,
     state: Matter<V>,
-    /// The state at the start of the last batch.
+    /// State at the start of the last batch.
     saved: Matter<V>,
     activity: Activity,
     workspace: Option<Workspace<V>>,
     method: Box<dyn Method<V>>,
     stages: Stages,
-    /// The forces that are fields in space, or sums of fields of charges, as declared.
+    /// Forces that are fields in space, or sums of fields of charges, as declared.
     fields: Vec<Item>,
     cost: f64,
     cache: Mutex<LimitCache>,
-    /// The certified limit, while it is valid.
+    /// Certified limit, while it is valid.
     certified: OnceLock<Limit>,
 }
 
-impl<V: Vector> MatterSystem<V> {
-    /// The number of particles per block, for independent or coupled particles.
+impl<V: Space> MatterSystem<V> {
+    /// Number of particles per block, for independent or coupled particles.
     fn block(about: &About, independent: bool) -> usize {
         let column = INDEPENDENT_COLUMN / size_of::<V::Scalar>();
         match (independent, about.registers) {
@@ -152,7 +153,7 @@ impl<V: Vector> MatterSystem<V> {
         }
     }
 
-    /// A system at a given state.
+    /// Creates a system at a given state.
     fn new(dynamics: Dynamics<V>, mut state: Matter<V>, method: Box<dyn Method<V>>, stages: Stages, fields: Vec<Item>) -> Self {
         let about = method.about();
         let independent = dynamics.is_independent() && !about.sweeps && dynamics.self_contacts.is_none();
@@ -200,7 +201,7 @@ impl<V: Vector> MatterSystem<V> {
         self.dynamics.rods.is_none() && forces.iter().all(|force| force.validity(&at, Horizon::Certified) != Validity::Now)
     }
 
-    /// Two coincident particles, in the caller's order.
+    /// Two coincident particles, in the caller's order; None if there are none.
     fn coincident(&self) -> Option<[u32; 2]> {
         let caller = &self.dynamics.properties.caller;
         let position = |index: usize| self.state.exact_position(index).to_array();
@@ -215,7 +216,7 @@ impl<V: Vector> MatterSystem<V> {
         Element { name: format!("particle {index}"), index }
     }
 
-    /// The bodies with their present positions and charges.
+    /// Bodies with their present positions and charges.
     fn bodies(&self) -> Vec<Body> {
         let properties = &self.dynamics.properties;
         let count = properties.body.iter().max().map_or(0, |&last| last as usize + 1);
@@ -230,7 +231,7 @@ impl<V: Vector> MatterSystem<V> {
         bodies
     }
 
-    /// The columns that make up the state, in a fixed order.
+    /// Columns that make up the state, in a fixed order.
     fn columns(&self) -> impl Iterator<Item = &Columns<V>> {
         let state = &self.state;
         let persistent = state.registers.iter().take(self.method.persistent());
@@ -252,7 +253,7 @@ impl<V: Vector> MatterSystem<V> {
         method.advance(job, executor).and_then(|()| executor.check())
     }
 
-    /// Takes steps, between which springs break.
+    /// Takes steps; springs break between them.
     fn take_and_tear(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
         for index in 0..interval.steps {
             self.take(Interval { first: interval.first + index, steps: 1, ..interval }, record, executor)?;
@@ -264,7 +265,7 @@ impl<V: Vector> MatterSystem<V> {
         Ok(())
     }
 
-    /// Takes the springs that are not broken, after a rollback or from a checkpoint.
+    /// Removes broken springs and the forces that depend on them, after a rollback or from a checkpoint.
     fn leave_out_broken(&mut self) {
         self.dynamics.leave_out_broken(&self.state);
         self.method.take_springs(&self.dynamics);
@@ -291,8 +292,8 @@ impl<V: Vector> MatterSystem<V> {
     }
 }
 
-/// Positions, velocities, residuals, the persistent registers of the method, and the histories of method and forces.
-impl<V: Vector> History for MatterSystem<V> {
+/// History: positions, velocities, residuals, persistent registers of the method, and histories of method and forces.
+impl<V: Space> History for MatterSystem<V> {
     fn save(&mut self) {
         self.method.save();
         self.dynamics.tearing.iter_mut().for_each(History::save);
@@ -301,7 +302,7 @@ impl<V: Vector> History for MatterSystem<V> {
         if self.workspace.is_some() {
             self.saved.copy_from(&self.state);
         } else {
-            // The steps of independent particles read the saved state and write the other.
+            // Steps of independent particles read the saved state and write the other one.
             std::mem::swap(&mut self.saved, &mut self.state);
         }
     }
@@ -328,7 +329,7 @@ impl<V: Vector> History for MatterSystem<V> {
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
         let count = V::DIMENSION * self.columns().map(Columns::count).sum::<usize>();
-        // Read as a whole, so that an archive that is too short changes no state.
+        // Reads all numbers first: an archive that is too short changes no state.
         let mut numbers = archive.read(count)?.iter();
         let (state, persistent) = (&mut self.state, self.method.persistent());
         let columns = [&mut state.position, &mut state.velocity, &mut state.residual];
@@ -343,7 +344,7 @@ impl<V: Vector> History for MatterSystem<V> {
     }
 }
 
-impl<V: Vector> System for MatterSystem<V> {
+impl<V: Space> System for MatterSystem<V> {
     fn stages(&self) -> Vec<Stages> {
         let known = self.dynamics.forces().iter().map(|force| force.about()).filter(|about| !about.findings.is_empty());
         let findings = known.map(|about| format!("{}: {}", about.name, about.findings));
@@ -377,8 +378,9 @@ impl<V: Vector> System for MatterSystem<V> {
         self.cost
     }
 
-    /// As many as fit into [`BATCH`], but enough that the copies of the state cost less than the steps. A user-defined
-    /// function is called in the order of time and once per evaluation, so it takes one step at a time.
+    /// Maximum number of steps of a batch: as many as fit into [`BATCH`], but enough that the copies of the state cost less
+    /// than the steps. With a user-defined function one step at a time: it is called in the order of time, once per
+    /// evaluation.
     fn most_steps(&self) -> u64 {
         let least = match &self.workspace {
             _ if self.dynamics.callbacks > 0 => return 1,

@@ -1,11 +1,12 @@
 //! Gauss–Radau collocation of order 15 (IAS15) as a method of matter.
 //!
-//! A step evaluates the forces at its start, then at the seven nodes again and again, until b₆ changes by no more than
-//! rounding. The coefficients of the step before predict those of the next, so that two or three passes are enough. Positions
-//! and velocities are summed with their low-order parts. Power is integrated by the same quadrature, at the last pass.
+//! A step evaluates the forces at its start. The forces at the seven nodes are then evaluated repeatedly, until b₆ changes by
+//! no more than rounding. The coefficients of a step predict those of the next, so that two or three passes are enough.
+//! Positions and velocities are summed with their low-order parts. Power is integrated by the same quadrature, at the last
+//! pass.
 //!
-//! The estimated error is the largest |b₆| over the largest |a| of all particles. Where its rounding may exceed the
-//! tolerance, as in an encounter far from the origin, it is taken in units of that: shorter steps would not make it smaller.
+//! The estimated error is the largest |b₆| over the largest |a| of all particles. Its rounding may exceed the tolerance, as
+//! in an encounter far from the origin. The error is then in units of the rounding: shorter steps would not make it smaller.
 //! Source and formulas: [`crate::integrators::gauss_radau_15`].
 
 mod block;
@@ -19,9 +20,9 @@ use super::kernels;
 use super::method::{About, Job, Method};
 use crate::error::{Error, Result};
 use crate::forces::Rates;
+use crate::forces::Space;
 use crate::history::{Archive, History};
 use crate::integrators::gauss_radau_15::{self as rule, STAGES, Series};
-use crate::math::Vector;
 use crate::matter::{Blocks, Matter, Power, SINKS, Span};
 use crate::parallel::{BlockedSlice, Executor, Split};
 use crate::scene::Item;
@@ -29,39 +30,40 @@ use crate::simd::{LANES, padded};
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::{Control, Interval};
 
-/// The most iterations of a step.
+/// Maximum number of iterations of a step.
 const MOST_ITERATIONS: usize = 12;
-/// The change of b₆ relative to the acceleration at which an iteration has converged.
+/// Change of b₆ relative to the acceleration at which an iteration has converged.
 const CONVERGED: f64 = 1e-16;
 
-/// The data that persist from step to step.
+/// Data that persists from step to step.
 #[derive(Debug, Clone, Default)]
 struct Kept {
-    /// The size of the last step [s]; 0 before the first one.
+    /// Size of the last step [s]; 0 before the first one.
     h: f64,
     groups: Vec<Memory>,
 }
 
-/// The method, with its buffers.
+/// Gauss–Radau method with its buffers.
 #[derive(Debug)]
 pub struct GaussRadau15 {
-    /// The largest relative change of b₆ that a last iteration may leave: the tolerance of the error estimate.
+    /// Tolerance of the error estimate: the largest relative change of b₆ that a last iteration may leave.
     tolerance: f64,
     kept: Kept,
-    /// The same at the start of the last batch.
+    /// Data at the start of the last batch.
     saved: Kept,
     series: Vec<Series<LANES>>,
-    /// The power at each stage, by blocks [W].
+    /// Power at each stage, by blocks [W].
     power: Vec<[Power; STAGES]>,
     largest: Vec<Largest>,
-    /// The estimated error of the last step.
+    /// Estimated error of the last step.
     error: f64,
-    /// Steps, their iterations, and the steps whose iterations did not converge, with those that were rolled back.
+    /// Number of steps, of their iterations, and of steps whose iterations did not converge. Steps that were rolled back
+    /// count too.
     taken: [u64; 3],
 }
 
 impl GaussRadau15 {
-    /// The method that an item declares.
+    /// Builds the method that an item declares.
     ///
     /// # Errors
     /// If its tolerance is missing or not above 0.
@@ -82,8 +84,8 @@ impl GaussRadau15 {
         })
     }
 
-    /// One step; returns the activity at its last evaluation.
-    fn step<V: Vector<Scalar = f64>>(
+    /// Takes one step; returns the activity at its last evaluation.
+    fn step<V: Space<Scalar = f64>>(
         &mut self,
         dynamics: &mut Dynamics<V>,
         matter: &mut Matter<V>,
@@ -127,8 +129,8 @@ impl GaussRadau15 {
         Ok(workspace.activity.iter().sum())
     }
 
-    /// Evaluates accelerations and powers at a stage, where the state stands.
-    fn evaluate<V: Vector<Scalar = f64>>(
+    /// Evaluates accelerations and powers at a stage, at the present state.
+    fn evaluate<V: Space<Scalar = f64>>(
         &mut self,
         dynamics: &mut Dynamics<V>,
         matter: &Matter<V>,
@@ -151,8 +153,8 @@ impl GaussRadau15 {
         Ok(())
     }
 
-    /// Takes in the accelerations of all particles.
-    fn update<V: Vector<Scalar = f64>>(
+    /// Applies a task with the accelerations of all particles.
+    fn update<V: Space<Scalar = f64>>(
         &mut self,
         matter: &mut Matter<V>,
         workspace: &Workspace<V>,
@@ -182,13 +184,13 @@ impl GaussRadau15 {
 }
 
 /// Blocks of forces.
-struct Forces<'a, V: Vector> {
+struct Forces<'a, V: Space> {
     start: usize,
     size: usize,
     force: Span<'a, V>,
 }
 
-impl<V: Vector> Split for Forces<'_, V> {
+impl<V: Space> Split for Forces<'_, V> {
     fn blocks(&self) -> usize {
         self.force.len().div_ceil(self.size)
     }
@@ -200,7 +202,7 @@ impl<V: Vector> Split for Forces<'_, V> {
     }
 }
 
-/// The coefficients of the last step, its size, and the low-order parts of the state.
+/// History: the coefficients of the last step, its size, and the low-order parts of the state.
 impl History for GaussRadau15 {
     fn save(&mut self) {
         self.saved.clone_from(&self.kept);
@@ -221,15 +223,15 @@ impl History for GaussRadau15 {
     }
 }
 
-impl<V: Vector<Scalar = f64>> Method<V> for GaussRadau15 {
+impl<V: Space<Scalar = f64>> Method<V> for GaussRadau15 {
     fn about(&self) -> About {
-        // Of a particle: the series, and the data that persist with their copy.
+        // Per particle: the series, and the persistent data with its copy.
         let vectors = 1 + 2 * rule::COEFFICIENTS + 2 * Memory::ROWS;
         About {
             name: rule::NAME,
             order: rule::ORDER,
             order_dissipative: rule::ORDER,
-            // Of a step with two iterations, as most are at the default tolerance.
+            // For a step with two iterations, as most steps are at the default tolerance.
             evaluations: 1 + 2 * rule::COEFFICIENTS,
             registers: 0,
             readable: 0,

@@ -3,11 +3,11 @@
 //!     v½ = v + h/2 (a − M⁻¹ Jᵀ(x) λ),  x ← x + h v½ with λ so that |r| = L,
 //!     v ← v½ + h/2 (a(x) − M⁻¹ Jᵀ(x) μ) with μ so that r·ṙ = 0
 //!
-//! Symplectic, reversible, of order 2; by symmetric composition of five such steps of order 4. The constraint forces act along the
-//! rods before the drift: along those after it alone it would be of order 1. Contacts with walls act together with them
-//! ([`crate::rods`]). Sources: H. C. Andersen, J. Comput. Phys. 52, 24 (1983);
-//! E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed., 2006, section VII.1.4; for the composition M. Suzuki,
-//! Phys. Lett. A 146, 319 (1990).
+//! RATTLE is symplectic, reversible, and of order 2; the symmetric composition of five such steps is of order 4. The
+//! constraint forces act along the rods before the drift. If they acted only along the rods after it, the method would be of
+//! order 1. Contacts with walls act together with the rods ([`crate::rods`]). Sources: H. C. Andersen, J. Comput. Phys. 52,
+//! 24 (1983); E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed., 2006, section VII.1.4; for the
+//! composition M. Suzuki, Phys. Lett. A 146, 319 (1990).
 
 use super::coupled::{self, Workspace};
 use super::dynamics::{Dynamics, Treatment};
@@ -15,9 +15,9 @@ use super::kernels::Action;
 use super::method::{About, Explicit, Job, Method};
 use super::stepper::Stepper;
 use crate::error::{Error, Result};
+use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::{Integrator, VelocityVerlet};
-use crate::math::Vector;
 use crate::matter::Matter;
 use crate::parallel::Executor;
 use crate::rods::Unsolved;
@@ -25,25 +25,25 @@ use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::Interval;
 
-/// The class's name in Python.
+/// Name of the class in Python.
 pub const NAME: &str = "RATTLE";
 
-/// The method.
-pub struct Rattle<V: Vector> {
-    /// The fractions of a step that Verlet's steps take.
+/// RATTLE method.
+pub struct Rattle<V: Space> {
+    /// Fractions of a step for the steps of velocity Verlet.
     parts: &'static [f64],
     verlet: Explicit<V>,
 }
 
-/// 1/(4 − 4^(1/3)), the outer steps of Suzuki's composition of order 4.
+/// Outer steps of Suzuki's composition of order 4: 1/(4 − 4^(1/3)).
 const OUTER: f64 = 0.414_490_771_794_375_7;
 const ORDER_4: [f64; 5] = [OUTER, OUTER, 1.0 - 4.0 * OUTER, OUTER, OUTER];
 
-impl<V: Vector> Rattle<V> {
-    /// The method that an item declares.
+impl<V: Space> Rattle<V> {
+    /// Builds the method that an item declares.
     ///
     /// # Errors
-    /// If its order is another.
+    /// If its order is neither 2 nor 4.
     pub fn declared(item: &Item) -> Result<Self> {
         let parts: &'static [f64] = match item.number("order")? {
             2.0 => &[1.0],
@@ -54,8 +54,8 @@ impl<V: Vector> Rattle<V> {
     }
 }
 
-/// One of Verlet's steps with rods, from the time `time` on, of `h` seconds.
-fn step<V: Vector>(
+/// Takes one step of velocity Verlet with rods, of `h` seconds from `time` on.
+fn step<V: Space>(
     verlet: &Stepper<V>,
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -93,7 +93,7 @@ fn step<V: Vector>(
     Ok(())
 }
 
-/// The divergence of a step whose rods have no solution.
+/// Divergence of a step whose rods have no solution.
 fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error {
     let index = caller[particle] as usize;
     let cause = format!(
@@ -102,15 +102,15 @@ fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error 
     Error::unsolved(index, cause)
 }
 
-impl<V: Vector> History for Rattle<V> {}
+impl<V: Space> History for Rattle<V> {}
 
-impl<V: Vector> Method<V> for Rattle<V> {
+impl<V: Space> Method<V> for Rattle<V> {
     fn about(&self) -> About {
         let composed = self.parts.len() > 1;
         About {
             name: NAME,
             order: if composed { 4 } else { 2 },
-            // Forces that depend on velocity are taken at a prediction, which no composition of steps corrects.
+            // Forces that depend on velocity are evaluated at a prediction, which no composition of steps corrects.
             order_dissipative: 2,
             evaluations: self.parts.len(),
             sweeps: true,
@@ -139,7 +139,8 @@ impl<V: Vector> Method<V> for Rattle<V> {
         self.verlet.bound(bound)
     }
 
-    /// That of Verlet's method. The composition is stable up to ωh = 2.72 without damping, with less in sight of it.
+    /// Limit of velocity Verlet. The composition is stable up to ωh = 2.72 without damping, and with less in the presence of
+    /// damping.
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit {
         self.verlet.limit(bound, cache)
     }
@@ -158,7 +159,7 @@ impl<V: Vector> Method<V> for Rattle<V> {
     fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
         let Job { dynamics, state, record, workspace, interval, .. } = job;
         let Some(workspace) = workspace else { return Ok(()) };
-        // The directions are those of another state after one that was rolled back or restored.
+        // After a rollback or a restoration, the directions belong to another state.
         if let Some(rods) = &mut dynamics.rods {
             rods.turn(|index| state.exact_position(index));
         }

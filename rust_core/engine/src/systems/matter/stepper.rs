@@ -1,9 +1,10 @@
-//! An explicit integrator with its kernels as values: sweeps over particles are compiled once for all of them.
+//! Explicit integrator with its kernels as values: sweeps over particles are compiled once for all integrators.
 
 use super::collisions::collide;
 use super::dynamics::Dynamics;
 use super::kernels::{self, Action, Evaluation};
 use crate::contacts::{Before, Contacts};
+use crate::forces::Space;
 use crate::forces::{InverseSquare, StateView};
 use crate::integrators::{Facts, Integrator};
 use crate::math::Vector;
@@ -14,24 +15,24 @@ type LinearSteps<V> = fn(&Dynamics<V>, &mut Blocks<'_, V>, f64, u64);
 type PointForceSteps<V> = fn(&Dynamics<V>, InverseSquare<'_, <V as Vector>::Scalar>, &mut Blocks<'_, V>, f64, u64);
 type Collide<V> = fn(&Dynamics<V>, &Contacts<V>, &mut Blocks<'_, V>, &Before<'_, V>, f64);
 
-/// An integrator as sweeps call it.
+/// Integrator in the form that sweeps call.
 #[derive(Debug)]
-pub struct Stepper<V: Vector> {
+pub struct Stepper<V: Space> {
     pub facts: Facts,
     stage: Stage<V>,
-    /// Whole steps in registers under the linear force alone, where they are compiled.
+    /// Whole steps in registers under the linear force alone, if they are compiled.
     pub linear_steps: Option<LinearSteps<V>>,
-    /// Whole steps in registers under an inverse-square force alone, where they are compiled.
+    /// Whole steps in registers under an inverse-square force alone, if they are compiled.
     pub point_force_steps: Option<PointForceSteps<V>>,
-    /// Contacts within the drift, where that comes first.
+    /// Contacts within the drift, if contacts come first.
     pub collide: Option<Collide<V>>,
 }
 
-impl<V: Vector> Stepper<V> {
-    /// The kernels of an integrator.
+impl<V: Space> Stepper<V> {
+    /// Builds the kernels of an integrator.
     pub fn of<I: Integrator>() -> Self {
         let (mut linear_steps, mut point_force_steps, mut collides) = (None, None, None);
-        // Conditions on constants in blocks, so that nothing is compiled that is not called.
+        // Constant conditions in blocks: only kernels that are called are compiled.
         if const { I::IN_REGISTERS } {
             linear_steps = Some(kernels::steps::<V, I> as LinearSteps<V>);
             point_force_steps = Some(kernels::point_force_steps::<V, I> as PointForceSteps<V>);
@@ -42,7 +43,8 @@ impl<V: Vector> Stepper<V> {
         Self { facts: Facts::of::<I>(), stage: kernels::stage::<V, I::Swept>, linear_steps, point_force_steps, collide: collides }
     }
 
-    /// Runs one stage of one block, from the state `at` or else from that in the block; returns the activity at the stage.
+    /// Runs one stage of one block, from the state `at`, or from the block's own state if None; returns the activity at the
+    /// stage.
     pub fn stage(
         &self,
         dynamics: &Dynamics<V>,

@@ -1,7 +1,7 @@
-//! Tearing: a spring that is stretched beyond its breaking strain is gone.
+//! Tearing: springs that are stretched beyond their breaking strain break.
 //!
-//! At the end of each step, every spring of strain (r − L)/L > s breaks: it exerts no force from then on, and its energy ½ k (r − L)²
-//! is dissipated. A step is of order 1 across that.
+//! At the end of each step, every spring of strain (r − L)/L > s breaks. It exerts no force from then on, and its energy ½ k
+//! (r − L)² is dissipated. A step in which a spring breaks is of order 1.
 
 use std::collections::BTreeSet;
 
@@ -12,18 +12,18 @@ use crate::forces::springs::{self, Spring};
 use crate::history::{Archive, History};
 use crate::scene::Scene;
 
-/// The springs that can break, and those that are broken.
+/// Springs that can break, and springs that are broken.
 #[derive(Debug, Clone, Default)]
 pub struct Tearing {
     /// All springs, as declared.
     whole: Vec<Spring>,
-    /// The springs that can break, as indices, with the squares of the lengths at which they do [m²].
+    /// Springs that can break, as indices, with the squares of the lengths at which they do [m²].
     limits: Vec<(u32, f64)>,
     now: Broken,
     saved: Broken,
 }
 
-/// The broken springs, and their energy with that of what hung on them [J].
+/// Broken springs, and their energy with that of the forces that depended on them [J].
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Broken {
     springs: Vec<bool>,
@@ -31,10 +31,10 @@ struct Broken {
 }
 
 impl Tearing {
-    /// The tearing of a scene with these springs, if one of them can break.
+    /// Tearing of a scene with these springs; None if none of them can break.
     ///
     /// # Errors
-    /// If a network does not say one breaking strain ≥ 0 for each of its springs.
+    /// If a network does not have one breaking strain ≥ 0 for each of its springs.
     pub fn declared(scene: &Scene, springs: &[Spring]) -> Result<Option<Self>> {
         let strains = springs::strains(scene, "breaking_strain")?;
         let limits: Vec<(u32, f64)> = springs
@@ -65,7 +65,7 @@ impl Tearing {
         torn
     }
 
-    /// All springs, of which the broken ones have neither stiffness nor damping.
+    /// All springs; the broken ones have neither stiffness nor damping.
     pub fn springs(&self) -> Vec<Spring> {
         let broken = |spring: &Spring| Spring { stiffness: 0.0, damping: 0.0, ..*spring };
         self.whole.iter().zip(&self.now.springs).map(|(spring, &torn)| if torn { broken(spring) } else { *spring }).collect()
@@ -76,23 +76,23 @@ impl Tearing {
         &self.now.springs
     }
 
-    /// The ends of the broken springs, in ascending order.
+    /// Ends of the broken springs, in ascending order.
     pub fn sides(&self) -> BTreeSet<[u32; 2]> {
         let broken = self.whole.iter().zip(&self.now.springs).filter(|(_, broken)| **broken);
         broken.map(|(Spring { ends: [one, other], .. }, _)| [*one.min(other), *one.max(other)]).collect()
     }
 
-    /// Counts the energy of what hung on the springs that broke last [J].
+    /// Adds the energy of the forces that depended on the springs that broke last [J].
     pub fn lose(&mut self, energy: f64) {
         self.now.energy += energy;
     }
 
-    /// The energy of the broken springs and of what hung on them [J].
+    /// Energy of the broken springs and of the forces that depended on them [J].
     pub fn dissipated(&self) -> f64 {
         self.now.energy
     }
 
-    /// Whether other springs were broken when it was saved.
+    /// Whether the broken springs differ from those of the saved state.
     pub fn differs_from_saved(&self) -> bool {
         self.now.springs != self.saved.springs
     }

@@ -1,12 +1,12 @@
-//! Fields in space: what test particles feel, which act on nothing.
+//! Fields in space, sampled by test particles that act on nothing.
 
 use glam::{DVec2, DVec3};
 
 use super::dynamics::Dynamics;
 use crate::error::{Error, Result};
 use crate::forces;
+use crate::forces::Space;
 use crate::forces::{PART, Reach, Strength, VelocityDependence};
-use crate::math::Vector;
 use crate::matter::{Columns, Matter, Properties};
 use crate::memory;
 use crate::parallel::Executor;
@@ -14,15 +14,16 @@ use crate::scene::{Array, Body, Item, Scene, Value};
 use crate::simd::{LANES, padded};
 use crate::systems::{Quantity, Sample};
 
-/// Memory per test particle [bytes]: its properties, the coefficients of linear forces, position, velocity, force and result.
+/// Memory per test particle [bytes]: properties, coefficients of linear forces, position, velocity, force and result.
 const BYTES: usize = 500;
 
-/// A quantity at the points of a sample, in double precision: that of test particles of 1 kg without radius at rest, of 1 C where the
-/// field is of charges and else without charge, by forces on single particles and by the charges of bodies.
+/// Samples a quantity at points, in double precision, by test particles at rest. A test particle has a mass of 1 kg and no
+/// radius. Its charge is 1 C for the fields of charges, and 0 for accelerations. Forces on single particles and the charges
+/// of bodies act on it.
 ///
 /// # Errors
-/// If a function of the user's fails, a value is not finite, a potential is asked of a field without one, or there is no memory for
-/// so many.
+/// If a user-defined function fails, or a value is not finite. If a potential is requested of a field without one. If there
+/// is no memory for so many points.
 pub fn sample(
     dimension: usize,
     forces: Vec<Item>,
@@ -46,7 +47,7 @@ pub fn sample(
         let mut item = Item { on: Some(vec![0]), ..item };
         if forces::is_between_pairs(&item) {
             item.values.insert("sources".to_owned(), Value::Indices(Array::from(next)));
-            // The exact sum: there is no error to be measured.
+            // The sum is exact: its error need not be measured.
             item.values.insert("opening_angle".to_owned(), Value::Number(0.0));
         }
         item
@@ -60,8 +61,8 @@ pub fn sample(
     }
 }
 
-/// The same of the first body of a scene; the others do not move.
-fn of_scene<V: Vector>(scene: &Scene, quantity: Quantity, time: f64, executor: &Executor) -> Result<Vec<f64>> {
+/// Samples a quantity at the particles of the first body of a scene; the others do not move.
+fn of_scene<V: Space>(scene: &Scene, quantity: Quantity, time: f64, executor: &Executor) -> Result<Vec<f64>> {
     let (count, all) = (scene.bodies[0].positions.len(), scene.count());
     let mut properties = Properties::<V>::new((0..all).map(|index| if index < count { 1.0 } else { f64::INFINITY }).collect());
     properties.charge = scene.bodies.iter().flat_map(|body| &body.charge).copied().collect();
@@ -69,7 +70,7 @@ fn of_scene<V: Vector>(scene: &Scene, quantity: Quantity, time: f64, executor: &
     properties.body = owners.collect();
     let mut forces = Vec::new();
     for item in &scene.forces {
-        forces.extend(forces::build(scene, item, &properties, executor)?);
+        forces.extend(V::forces(scene, item, &properties, executor)?);
     }
     let mut matter = Matter::zeros(all, 0, padded(all));
     let positions = scene.positions();

@@ -1,4 +1,4 @@
-//! Two systems in one simulation are two simulations in step.
+//! Two systems in one simulation equal two separate simulations.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use crate::parallel::SERIAL;
 use crate::scene::{Body, Scene};
 use crate::systems::matter;
 
-/// A rope of `count` particles that swings about its first one.
+/// Rope of `count` particles that swings about its first one.
 fn rope(count: u32) -> Scene {
     let at = |index: u32| DVec3::new(0.11 * f64::from(index), 0.0, 0.0);
     let spring = |index: u32| Spring { ends: [index, index + 1], stiffness: 50.0, damping: 0.1, rest_length: 0.1 };
@@ -53,7 +53,7 @@ fn each_system_has_the_bits_that_it_has_alone() {
     assert_eq!(state(&both), [state(&*one), state(&*other)].concat());
     let sums: Vec<f64> = one.activity().iter().zip(other.activity()).map(|(one, other)| 0.0 + one + other).collect();
     assert_eq!((both.activity(), both.activity().len()), (sums.as_slice(), 100));
-    // Class by class one more addition than in each budget.
+    // One addition more per class than in each budget.
     let [one, other, both] = [&*one, &*other, &both as &dyn System].map(|system| system.audit(0.1, &SERIAL).unwrap());
     for class in [Class::Kinetic, Class::Potential, Class::Dissipated] {
         assert_eq!(both.sum(class), one.sum(class) + other.sum(class));

@@ -8,7 +8,7 @@ use crate::math::Real;
 use crate::scene::{self, Item};
 use crate::simd::Number;
 
-/// The registry: the flow that an item declares.
+/// Builds the flow that an item declares. Registry of flows in space.
 ///
 /// # Errors
 /// If it is of another kind, or a parameter is not a finite number that the precision holds.
@@ -118,7 +118,7 @@ impl<T: Real> Law<T, 3> for Aizawa<T> {
     }
 }
 
-/// Thomas: x' = sin y − b x, and likewise in turn.
+/// Thomas: x' = sin y − b x, and cyclic permutations.
 ///
 /// Source: R. Thomas, Int. J. Bifurcation Chaos 9 (1999) 1889.
 #[derive(Debug, Clone, Copy)]
@@ -142,7 +142,7 @@ impl<T: Real> Law<T, 3> for Thomas<T> {
     }
 }
 
-/// Halvorsen: x' = −a x − 4 y − 4 z − y², and likewise in turn.
+/// Halvorsen: x' = −a x − 4 y − 4 z − y², and cyclic permutations.
 ///
 /// Source: J. C. Sprott, Chaos and Time-Series Analysis (2003), appendix A.
 #[derive(Debug, Clone, Copy)]
@@ -173,7 +173,7 @@ impl<T: Real> Law<T, 3> for Halvorsen<T> {
 mod tests {
     use super::*;
 
-    /// Central differences of a quintic or less over 2h: off by h² times the third derivative.
+    /// Central differences over 2h of polynomials of degree 5 or less have an error of h² times the third derivative.
     fn check<L: Law<f64, 3>>(law: L) {
         let (place, h) = ([0.7, -0.4, 0.9], 1e-4);
         let gradient = law.gradient(0, place);

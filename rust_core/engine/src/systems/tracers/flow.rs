@@ -1,4 +1,4 @@
-//! Flows: how all points of some sets are advanced in one.
+//! Flows: the velocity fields that advance all points of some sets.
 
 use super::law::{self, Law, Outcome};
 use super::points::Points;
@@ -8,23 +8,23 @@ use crate::math::Real;
 use crate::parallel::Executor;
 use crate::systems::Interval;
 
-/// A velocity field in which points move, x' = v(x, t).
+/// Velocity field in which points move, x' = v(x, t).
 pub trait Flow<T, const D: usize>: Send + Sync {
-    /// Its name, for plans.
+    /// Name, for plans.
     fn name(&self) -> &'static str;
 
     /// Estimated duration of an evaluation at a point [s].
     fn cost(&self) -> f64;
 
-    /// The most steps of a batch by a method of so many evaluations.
+    /// Maximum number of steps of a batch, by a method of so many evaluations.
     fn most_steps(&self, _evaluations: usize) -> u64 {
         u64::MAX
     }
 
-    /// How points are advanced, for plans.
+    /// Description of the layout, for plans.
     fn layout(&self) -> &'static str;
 
-    /// Looks at the initial positions.
+    /// Checks the initial positions.
     ///
     /// # Errors
     /// If the velocity there cannot be evaluated, or is not finite.
@@ -44,19 +44,19 @@ pub trait Flow<T, const D: usize>: Send + Sync {
         executor: &Executor,
     ) -> Result<Outcome>;
 
-    /// The velocities of the points of a set.
+    /// Velocities of the points of a set.
     ///
     /// # Errors
     /// If they cannot be evaluated.
     fn velocities(&self, sets: &[Points<T, D>], set: usize, time: f64) -> Result<Points<T, D>>;
 
-    /// The largest |∇v| at all points [1/s].
+    /// Largest |∇v| at all points [1/s].
     ///
     /// # Errors
     /// As [`Flow::velocities`], or on an interrupt.
     fn steepest(&self, sets: &[Points<T, D>], time: f64, executor: &Executor) -> Result<f64>;
 
-    /// Its Hamiltonian, if it has one [m⁴/s²].
+    /// Hamiltonian [m⁴/s²], if there is one.
     fn hamiltonian(&self, _sets: &[Points<T, D>]) -> Option<f64> {
         None
     }
@@ -67,11 +67,11 @@ pub trait Flow<T, const D: usize>: Send + Sync {
     }
 }
 
-/// A flow whose law is known from the start.
+/// Flow with a law that is known from the start.
 pub struct Known<L> {
-    /// Its name.
+    /// Name, for plans.
     pub name: &'static str,
-    /// v.
+    /// Velocity field v.
     pub law: L,
 }
 

@@ -1,4 +1,4 @@
-//! The velocity field of a function of the user's.
+//! Velocity field of a user-defined function.
 
 use std::sync::Arc;
 
@@ -13,10 +13,10 @@ use crate::parallel::Executor;
 use crate::scene::{Argument, Callback, Item};
 use crate::systems::Interval;
 
-/// The difference over which derivatives are taken, as a fraction of the largest coordinate.
+/// Difference for derivatives, as a fraction of the largest coordinate.
 const DIFFERENCE: f64 = 1e-6;
 
-/// v(t, x), called with all points at once.
+/// Velocity field v(t, x), called with all points at once.
 pub struct Function<T, const D: usize> {
     callback: Arc<dyn Callback>,
     path: String,
@@ -24,18 +24,18 @@ pub struct Function<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Function<T, D> {
-    /// That of an item, for so many points.
+    /// Builds the function of an item, for `count` points.
     ///
     /// # Errors
-    /// If it has none.
+    /// If the item has no function.
     pub fn declared(item: &Item, count: usize) -> Result<Self> {
         let path = format!("{}.function", item.path);
         Ok(Self { callback: item.callback("function")?, path, staged: Staged::new(count) })
     }
 }
 
-/// The rows of velocities at rows of positions. Velocities that overflow are those of a tracer that runs to infinity, which
-/// its position shows; one that is not a number is an error of the function's.
+/// Velocities at rows of positions, as rows. An overflow belongs to a tracer that runs to infinity, as its position shows. A
+/// velocity that is not a number is an error of the function.
 fn call<const D: usize>(function: &dyn Callback, path: &str, time: f64, rows: &[f64]) -> Result<Vec<f64>> {
     let shape = [rows.len() / D, D];
     let arguments = [Argument::Number(time), Argument::Array { numbers: rows, shape: &shape }];
@@ -57,12 +57,12 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
         "a function"
     }
 
-    /// That of a function of arrays, with some thousands of points.
+    /// Estimated duration of an evaluation per point [s], for a function of arrays with some thousands of points.
     fn cost(&self) -> f64 {
         1e-8
     }
 
-    /// It may take long.
+    /// One step per batch, because the function may take long.
     fn most_steps(&self, _evaluations: usize) -> u64 {
         1
     }
@@ -111,7 +111,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
         Ok(Points::from_rows(&call::<D>(&*self.callback, &self.path, time, &sets[set].rows())?))
     }
 
-    /// By differences.
+    /// Largest |∇v| at all points [1/s], by differences.
     fn steepest(&self, sets: &[Points<T, D>], time: f64, executor: &Executor) -> Result<f64> {
         let mut steepest = 0.0_f64;
         for points in sets {

@@ -1,4 +1,4 @@
-//! Laws: velocities that are known at every point and stage; kernels over them.
+//! Laws: velocities that are known at every point and stage, with their kernels.
 
 use super::points::{BLOCK, Block, Points};
 use crate::integrators::Tableau;
@@ -7,33 +7,33 @@ use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch_wide};
 
-/// A velocity field v(x) [m/s], known at each stage of an interval, by the number of the stage. All of its code is
-/// `#[inline(always)]`, or it does not stay in registers.
+/// Velocity field v(x) [m/s], known at each stage of an interval, by the number of the stage. All of its code must be
+/// `#[inline(always)]` to stay in registers.
 pub trait Law<T, const D: usize>: Copy + Send + Sync {
-    /// v.
+    /// Velocity v [m/s].
     fn velocity<N: Number<Scalar = T>>(&self, stage: usize, point: [N; D]) -> [N; D];
 
-    /// ∇v [1/s]: `gradient[i][j]` is ∂vᵢ/∂xⱼ.
+    /// Velocity gradient ∇v [1/s]: `gradient[i][j]` is ∂vᵢ/∂xⱼ.
     fn gradient<N: Number<Scalar = T>>(&self, stage: usize, point: [N; D]) -> [[N; D]; D];
 }
 
-/// The state at the end of a batch: whether it is finite, and its error.
+/// State at the end of a batch: whether it is finite, and its error.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Outcome {
-    /// 0, or NaN where a position is not finite.
+    /// 0, or NaN if a position is not finite.
     pub finite: f64,
-    /// The largest estimated error of the only step [m], of a method that estimates it.
+    /// Largest estimated error of the only step [m], for a method with an estimate.
     pub error: f64,
 }
 
 impl Outcome {
-    /// That of both.
+    /// Combines two outcomes.
     pub fn and(self, other: Self) -> Self {
         Self { finite: self.finite + other.finite, error: self.error.max(other.error) }
     }
 }
 
-/// Takes steps of `h` seconds with all points, block by block, each through all steps.
+/// Takes steps of `h` seconds with all points, block by block, each block through all steps.
 pub fn advance<T: Real, L: Law<T, D>, const D: usize>(
     law: L,
     method: Coefficients,
@@ -64,7 +64,7 @@ fn advance_by<T: Real, L: Law<T, D>, M: Rows, const D: usize>(
     outcomes.into_iter().fold(Outcome::default(), Outcome::and)
 }
 
-/// Steps of a block.
+/// Kernel of the steps of a block.
 struct Steps<'a, T, L, M, const D: usize> {
     law: L,
     axes: [&'a mut [T]; D],
@@ -73,7 +73,7 @@ struct Steps<'a, T, L, M, const D: usize> {
     method: M,
 }
 
-/// The slopes of a step, whose first stage has a number.
+/// Slopes of a step; `first` is the number of its first stage.
 struct Slopes<'a, L> {
     law: &'a L,
     first: usize,
@@ -129,7 +129,7 @@ impl<T: Real, L: Law<T, D>, M: Rows, const D: usize> Kernel for Steps<'_, T, L, 
     }
 }
 
-/// The velocities of points.
+/// Velocities of points.
 pub fn velocities<T: Real, L: Law<T, D>, const D: usize>(
     law: L,
     stage: usize,
@@ -169,7 +169,7 @@ impl<T: Real, L: Law<T, D>, const D: usize> Kernel for Velocities<'_, T, L, D> {
     }
 }
 
-/// The largest |∇v| at points [1/s], the root of the sum of the squares of all derivatives.
+/// Largest |∇v| at points [1/s]: the root of the sum of the squares of all derivatives.
 pub fn steepest<T: Real, L: Law<T, D>, const D: usize>(law: L, stage: usize, points: &Points<T, D>, executor: &Executor) -> f64 {
     let mut squares = vec![0.0; points.block_count()];
     executor.for_each_block(BlockedSlice::new(&mut squares, 1), &|block: BlockedSlice<'_, f64>| {

@@ -1,6 +1,6 @@
-//! Tracers: massless points that move with a velocity field, x' = v(x, t), and point vortices, which are one.
+//! Tracers: massless points that move with a velocity field, x' = v(x, t). Point vortices are one such field.
 //!
-//! Sets of tracers in the flow of vortices of the scene are advanced with these, in the same stages.
+//! Sets of tracers in the flow of vortices of the scene are advanced with the vortices, in the same stages.
 
 mod attractors;
 mod flow;
@@ -26,10 +26,10 @@ use law::Outcome;
 use points::Points;
 use vortices::Vortices;
 
-/// The kind of an item that is vortices.
+/// Kind of an item that declares vortices.
 const VORTICES: &str = "PointVortices";
 
-/// The index of the system of the scene whose flow it is that tracers move with, if it is one's.
+/// Index of the scene's system whose flow moves the tracers; None if the flow belongs to no system.
 pub fn leader(item: &Item) -> Option<usize> {
     match item.values.get("flow") {
         Some(Value::Indices(Array { entries, .. })) => entries.first().map(|&index| index as usize),
@@ -56,7 +56,7 @@ pub fn build(items: &[&Item], method: &Item, precision: &str) -> Result<Box<dyn 
     }
 }
 
-/// The flow in the plane that an item declares, with the first set of points.
+/// Builds the flow in the plane that an item declares, with the first set of points.
 fn plane<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 2>>> {
     if item.kind == VORTICES {
         return Ok(Box::new(Vortices::declared(item, points)?));
@@ -67,7 +67,7 @@ fn plane<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 
     }
 }
 
-/// The same in space.
+/// Builds the flow in space that an item declares, with the first set of points.
 fn space<T: Real>(item: &Item, points: &Points<T, 3>) -> Result<Box<dyn Flow<T, 3>>> {
     match item.record("flow")? {
         flow if flow.kind == "Flow" => Ok(Box::new(Function::declared(flow, points.count)?)),
@@ -75,20 +75,20 @@ fn space<T: Real>(item: &Item, points: &Points<T, 3>) -> Result<Box<dyn Flow<T, 
     }
 }
 
-/// The name of the value that says where points are.
+/// Name of the value that contains the positions of points.
 fn rows_of(item: &Item) -> &'static str {
     if item.kind == VORTICES { "centers" } else { "positions" }
 }
 
-/// Compiles the flow of an item with the first set of points.
+/// Function that builds the flow of an item with the first set of points.
 type Declared<T, const D: usize> = fn(&Item, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>;
 
-/// The points of an item.
+/// Points of an item.
 #[derive(Debug, Clone)]
 struct Set {
-    /// The name or the path of the item.
+    /// Name or path of the item.
     item: String,
-    /// The word for one of them.
+    /// Word for one of the points.
     element: &'static str,
 }
 
@@ -96,19 +96,19 @@ struct Set {
 struct Tracers<T, const D: usize> {
     flow: Box<dyn Flow<T, D>>,
     sets: Vec<Set>,
-    /// The points of each set [m].
+    /// Points of each set [m].
     points: Vec<Points<T, D>>,
-    /// Those at the start of the last batch.
+    /// Points at the start of the last batch.
     saved: Vec<Points<T, D>>,
     method: FirstOrder,
     coefficients: Coefficients,
-    /// The change of the Hamiltonian by changes of the state between steps [m⁴/s²].
+    /// Change of the Hamiltonian by changes of the state between steps [m⁴/s²].
     supplied: f64,
-    /// The outcome of the last batch.
+    /// Outcome of the last batch.
     outcome: Outcome,
     /// 0 after each recorded step of the last batch, or NaN.
     activity: Vec<f64>,
-    /// The time now, and at the start of the last batch [s].
+    /// Present time, and time at the start of the last batch [s].
     time: f64,
     saved_time: f64,
 }
@@ -140,7 +140,7 @@ impl<T: Real, const D: usize> Tracers<T, D> {
     }
 }
 
-/// The points that an item declares.
+/// Points that an item declares.
 fn points_of<T: Real, const D: usize>(item: &Item) -> Result<Points<T, D>> {
     let name = rows_of(item);
     let rows = match item.values.get(name) {

@@ -4,26 +4,26 @@ use crate::math::Real;
 use crate::parallel::Split;
 use crate::simd::padded;
 
-/// Points that a thread advances at a time: they stay in the first-level cache.
+/// Number of points that a thread advances at a time: they stay in the first-level cache.
 pub const BLOCK: usize = 512;
 
-/// Points in `D` dimensions. The arrays are padded to whole groups of lanes with copies of the last point, which run along
-/// with it.
+/// Points in `D` dimensions. The arrays are padded to whole groups of lanes with copies of the last point, which move with
+/// it.
 #[derive(Debug, Clone)]
 pub struct Points<T, const D: usize> {
-    /// The coordinates along each axis.
+    /// Coordinates along each axis.
     pub axes: [Vec<T>; D],
-    /// The number of points, without padding.
+    /// Number of points, without padding.
     pub count: usize,
 }
 
 impl<T: Real, const D: usize> Points<T, D> {
-    /// `count` points at the origin.
+    /// Creates `count` points at the origin.
     pub fn zeros(count: usize) -> Self {
         Self { axes: std::array::from_fn(|_| vec![T::ZERO; padded(count)]), count }
     }
 
-    /// Points of rows of coordinates.
+    /// Creates points from rows of coordinates.
     pub fn from_rows(rows: &[f64]) -> Self {
         let mut points = Self::zeros(rows.len() / D);
         points.fill(rows);
@@ -49,12 +49,12 @@ impl<T: Real, const D: usize> Points<T, D> {
         rows
     }
 
-    /// Copies as many other points.
+    /// Copies the coordinates of equally many other points.
     pub fn copy_from(&mut self, other: &Self) {
         self.axes.iter_mut().zip(&other.axes).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
-    /// The first point with a coordinate that is not finite.
+    /// First point with a coordinate that is not finite.
     pub fn fault(&self) -> Option<usize> {
         (0..self.count).find(|&index| self.axes.iter().any(|axis| !axis[index].is_finite()))
     }
@@ -64,7 +64,7 @@ impl<T: Real, const D: usize> Points<T, D> {
         Block { start: 0, axes: self.axes.each_mut().map(Vec::as_mut_slice) }
     }
 
-    /// The number of blocks.
+    /// Number of blocks.
     pub fn block_count(&self) -> usize {
         padded(self.count).div_ceil(BLOCK)
     }
@@ -75,11 +75,11 @@ impl<T: Real, const D: usize> Points<T, D> {
     }
 }
 
-/// Neighboring points, in blocks.
+/// Consecutive points, in blocks.
 pub struct Block<'a, T, const D: usize> {
-    /// The index of the first one.
+    /// Index of the first point.
     pub start: usize,
-    /// The coordinates along each axis.
+    /// Coordinates along each axis.
     pub axes: [&'a mut [T]; D],
 }
 

@@ -1,35 +1,35 @@
-//! The sine of numbers in lanes, in operations that are rounded alike on every level.
+//! Sine of numbers in lanes, in operations that are rounded alike at every SIMD level.
 //!
-//! With the nearest whole n to x/π, sin x = (−1)ⁿ sin (x − n π), and on [−π/2, π/2] the series of Taylor is as good as the number
-//! type after eleven terms in f64 and seven in f32. π is subtracted in three parts, as a sum.
-//! The sine of −x is the negative of that of x, to the bit.
+//! Let n be the whole number nearest to x/π; then sin x = (−1)ⁿ sin (x − n π). On [−π/2, π/2] the Taylor series reaches the
+//! accuracy of the number type after eleven terms in f64 and seven in f32. The number π is subtracted in three parts, as a
+//! sum. The sine of −x is the negative of the sine of x, to the bit.
 //!
 //! Source: W. J. Cody, W. Waite, Software Manual for the Elementary Functions (1980), chapter 8.
 
 use crate::math::Real;
 use crate::simd::Number;
 
-/// Numbers as a sine needs them.
+/// Constants of the sine in a number format.
 struct Format {
-    /// Adding it rounds to whole numbers, of which the lowest bit then says whether they are odd.
+    /// Number whose addition rounds to whole numbers. The lowest bit of the sum tells whether they are odd.
     whole: f64,
-    /// π as a sum.
+    /// π as a sum of three parts.
     pi: [f64; 3],
-    /// The number of terms of the series.
+    /// Number of terms of the series.
     terms: usize,
 }
 
-/// The first two parts of π have 33 bits, so that their products with n up to 2²⁰ are exact.
+/// Constants in f64. The first two parts of π have 33 bits, so that their products with n up to 2²⁰ are exact.
 const DOUBLE: Format = Format {
     whole: 6_755_399_441_055_744.0,
     pi: [3.141_592_653_468_251_2, 1.215_420_101_260_793_2e-10, 4.044_532_497_591_901e-21],
     terms: 11,
 };
-/// 9 and 11 bits: exact up to n = 2¹³.
+/// Constants in f32. The first two parts of π have 9 and 11 bits: products are exact up to n = 2¹³.
 const SINGLE: Format =
     Format { whole: 12_582_912.0, pi: [3.140_625, 9.675_025_939_941_406e-4, 1.509_958_025_280_866_4e-7], terms: 7 };
 
-/// sin x.
+/// Sine of x.
 #[inline(always)]
 pub fn sine<T: Real, N: Number<Scalar = T>>(x: N) -> N {
     let Format { whole, pi, terms } = if size_of::<T>() == size_of::<f64>() { &DOUBLE } else { &SINGLE };

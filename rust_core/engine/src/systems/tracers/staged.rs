@@ -1,4 +1,4 @@
-//! Steps of points whose velocities are evaluated at all of them at once, stage by stage.
+//! Steps of points whose velocities are evaluated for all points at once, stage by stage.
 
 use super::law::Outcome;
 use super::points::Points;
@@ -7,31 +7,31 @@ use crate::integrators::explicit::{Coefficients, SLOPES, combine};
 use crate::math::Real;
 use crate::simd::{Isa, Kernel, Number, Pack, dispatch};
 
-/// The slopes of a step, and the state at a stage.
+/// Slopes of a step, and state at a stage.
 pub struct Staged<T, const D: usize> {
     slopes: [Points<T, D>; SLOPES],
     state: Points<T, D>,
 }
 
-/// A step in an interval.
+/// Step in an interval.
 #[derive(Debug, Clone, Copy)]
 pub struct Step {
-    /// Its size [s].
+    /// Step size [s].
     pub h: f64,
-    /// Whether its error is estimated, where the method can.
+    /// Whether the error is estimated, if the method has an estimate.
     pub estimated: bool,
 }
 
 impl<T: Real, const D: usize> Staged<T, D> {
-    /// Memory for so many points.
+    /// Allocates memory for `count` points.
     pub fn new(count: usize) -> Self {
         Self { slopes: std::array::from_fn(|_| Points::zeros(count)), state: Points::zeros(count) }
     }
 
-    /// Takes a step, with the velocities that `slope` finds at each stage, by its number, in a state.
+    /// Takes a step. The function `slope` evaluates the velocities at a stage, from the number of the stage and the state.
     ///
     /// # Errors
-    /// Those of `slope`. The points have then not moved.
+    /// The errors of `slope`. The points have then not moved.
     pub fn step(
         &mut self,
         method: Coefficients,
@@ -64,7 +64,7 @@ impl<T: Real, const D: usize> Staged<T, D> {
     }
 }
 
-/// The sum of the slopes with weights times h, and of a state.
+/// Sums the slopes, multiplied by weights times h, and a state.
 fn sum<T: Real, const D: usize>(
     weights: &'static [f64],
     start: Option<&Points<T, D>>,

@@ -14,11 +14,11 @@ use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
-/// The most steps of a batch.
+/// Maximum number of steps of a batch.
 const STEPS: u64 = 4095;
-/// The limit of accuracy in units of 1/|∇v|: neighbors part by a tenth of their distance in a step.
+/// Limit of accuracy in units of 1/|∇v|: neighbors separate by a tenth of their distance in a step.
 const ACCURATE: f64 = 0.1;
-/// The fields of each set.
+/// Fields of each set.
 const FIELDS: [&str; 2] = ["positions", "velocities"];
 
 impl<T: Real, const D: usize> Tracers<T, D> {
@@ -31,7 +31,7 @@ impl<T: Real, const D: usize> Tracers<T, D> {
         self.points.iter().map(|points| points.count).sum()
     }
 
-    /// Replaces the positions of a set by those under its path.
+    /// Replaces the positions of a set, which is given by its path.
     fn replace(&mut self, path: &str, rows: &[f64]) -> Result<()> {
         let set = self.sets.iter().position(|set| path == format!("{}.{}", set.item, FIELDS[0]));
         let known = || self.sets.iter().map(|set| format!("{}.{}", set.item, FIELDS[0])).collect::<Vec<_>>().join(" or ");
@@ -49,7 +49,7 @@ impl<T: Real, const D: usize> Tracers<T, D> {
     }
 }
 
-/// The positions, and the time for which velocities are read: no slope is kept from one step to the next.
+/// History: the positions, and the time at which velocities are read. No slope is kept from one step to the next.
 impl<T: Real, const D: usize> History for Tracers<T, D> {
     fn save(&mut self) {
         self.saved_time = self.time;
@@ -141,7 +141,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
 
     fn limit(&self, _horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
         let steepest = self.flow.steepest(&self.points, time, executor)?;
-        // Squares overflow before positions do, where nothing is known of a step.
+        // Squares overflow before positions do; nothing is then known of a step.
         if steepest == 0.0 || !steepest.is_finite() {
             return Ok(Limit::NONE);
         }
@@ -179,7 +179,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         faults.map(|(set, index)| Fault { element: self.element(set, index), quantity: "position" }).next()
     }
 
-    /// The one farthest from the origin.
+    /// Point farthest from the origin.
     fn fastest(&self) -> Element {
         let rows = self.points.iter().enumerate().flat_map(|(set, points)| {
             let square = |row: &[f64]| row.iter().map(|value| value * value).sum::<f64>();
@@ -206,7 +206,8 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         (0..self.sets.len()).flat_map(|set| [info(set, 0), info(set, 1)]).collect()
     }
 
-    /// Velocities that cannot be evaluated are not numbers; the next step meets the same error, and reports it.
+    /// Positions or velocities of a set. Velocities that cannot be evaluated are NaN; the next step meets the same error, and
+    /// reports it.
     fn read(&self, field: usize) -> Vec<f64> {
         let points = &self.points[field / 2];
         if field.is_multiple_of(2) {

@@ -1,14 +1,14 @@
-//! Point vortices in the plane: each moves with the velocity that the others have there, and tracers with that of all.
+//! Point vortices in the plane. Each moves with the velocity that the others induce there, tracers with the velocity of all.
 //!
 //! ```text
 //!     v(x) = Σ Γⱼ/(2π) e_z × (x − xⱼ)/(|x − xⱼ|² + δ²),   H = −1/(4π) Σ_{i<j} Γᵢ Γⱼ ln(|xᵢ − xⱼ|² + δ²)
 //! ```
 //!
-//! They do not feel the tracers, so that they take all steps of a batch first. Where they are at each stage is kept for the
-//! tracers, which are advanced in the same stages.
+//! Tracers do not act on vortices. Vortices therefore take all steps of a batch first. Their positions at each stage are kept
+//! for the tracers, which are advanced in the same stages.
 //!
 //! Sources: G. Kirchhoff, Vorlesungen über mathematische Physik (1876), lecture 20; P. G. Saffman, Vortex Dynamics (1992),
-//! chapter 7; of the core δ: R. Krasny, J. Comput. Phys. 65 (1986) 292.
+//! chapter 7; for the core δ: R. Krasny, J. Comput. Phys. 65 (1986) 292.
 
 use std::f64::consts::{PI, TAU};
 
@@ -24,24 +24,24 @@ use crate::scene::Item;
 use crate::simd::Number;
 use crate::systems::Interval;
 
-/// The most coordinates that are kept for the tracers of a batch.
+/// Maximum number of coordinates kept for the tracers of a batch.
 const KEPT: usize = 1 << 18;
 
-/// Some vortices; their positions are the first set of the points.
+/// Vortices of an item; their positions are the first set of the points.
 pub struct Vortices<T> {
-    /// Γ [m²/s].
+    /// Circulations Γ [m²/s].
     circulations: Vec<f64>,
-    /// Γ/(2π) [m²/s].
+    /// Strengths Γ/(2π) [m²/s].
     strengths: Vec<T>,
-    /// δ² [m²].
+    /// Square of the core, δ² [m²].
     core: T,
     staged: Staged<T, 2>,
-    /// Their coordinates at each stage of a batch, one stage after the other.
+    /// Coordinates of the vortices at each stage of a batch, one stage after the other.
     kept: [Vec<T>; 2],
 }
 
 impl<T: Real> Vortices<T> {
-    /// Those that an item declares, with their places.
+    /// Builds the vortices that an item declares, with their positions.
     ///
     /// # Errors
     /// If a value is missing or out of range, or two vortices without a core are in the same place.
@@ -64,7 +64,7 @@ impl<T: Real> Vortices<T> {
         Ok(Self { circulations, strengths, core: square, staged, kept })
     }
 
-    /// The law of their velocity, where they are.
+    /// Law of velocity of the vortices at these positions.
     fn law<'a>(&'a self, points: &'a Points<T, 2>) -> VortexLaw<'a, T> {
         let places = points.axes.each_ref().map(|axis| &axis[..points.count]);
         VortexLaw { places, strengths: &self.strengths, core: self.core }
@@ -90,7 +90,7 @@ fn apart<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<()> {
     }
 }
 
-/// The law of vortices with these places at each stage.
+/// Law of velocity of vortices with these positions at each stage.
 #[derive(Debug, Clone, Copy)]
 struct VortexLaw<'a, T> {
     places: [&'a [T]; 2],
@@ -99,15 +99,15 @@ struct VortexLaw<'a, T> {
 }
 
 impl<T: Real> VortexLaw<'_, T> {
-    /// The places at a stage.
+    /// Positions of the vortices at a stage.
     #[inline(always)]
     fn places(&self, stage: usize) -> [&[T]; 2] {
         let count = self.strengths.len();
         [&self.places[0][stage * count..][..count], &self.places[1][stage * count..][..count]]
     }
 
-    /// The offset from a vortex, 1/(|offset|² + δ²), and Γ/(2π) times that; both are 0 at its center, so that it does not move
-    /// itself.
+    /// Offset from a vortex, 1/(|offset|² + δ²), and Γ/(2π) times that. The last two are 0 at its center, so that it does not
+    /// move itself.
     #[inline(always)]
     fn swirl<N: Number<Scalar = T>>(&self, [x, y]: [N; 2], place: [T; 2], strength: T) -> ([N; 2], N, N) {
         let offset = [x - N::of(place[0]), y - N::of(place[1])];
@@ -152,7 +152,7 @@ impl<T: Real> Flow<T, 2> for Vortices<T> {
         "point vortices"
     }
 
-    /// A division per vortex.
+    /// Estimated duration of an evaluation at a point [s]: a division per vortex.
     fn cost(&self) -> f64 {
         3e-10 * size_of::<T>() as f64 * self.strengths.len() as f64
     }

@@ -1,4 +1,4 @@
-//! Height fields: contacts are those of the surface as a whole, and its cells are not felt.
+//! Height fields: contacts with the surface as a whole; edges between its cells have no effect.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::boundaries::{self, Gap, Path};
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use super::laboratory::{Ball, Laboratory, item, plane};
 
-/// Ground with its lower corner at the origin, in a scene of 3 dimensions, or of 2 where it has one row.
+/// Ground with its lower corner at the origin. Its scene has 3 dimensions, or 2 if the ground has one row.
 #[derive(Debug, Clone)]
 struct Ground {
     heights: Vec<f64>,
@@ -28,7 +28,7 @@ impl Ground {
         item("HeightField", restitution, friction, &values)
     }
 
-    /// The ground of the height of a function.
+    /// Ground with the height of a function.
     fn of(nodes: [usize; 2], spacing: f64, height: impl Fn(f64, f64) -> f64) -> Self {
         let at = |i: usize, j: usize| height(spacing * i as f64, spacing * j as f64);
         let heights = (0..nodes[0]).flat_map(|i| (0..nodes[1]).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect();
@@ -41,7 +41,7 @@ impl Ground {
         if self.dimension() == 2 { DVec3::new(x, height, 0.0) } else { DVec3::new(x, y, height) }
     }
 
-    /// All triangles; in 2D segments with their second end twice. Those of the sides end far below.
+    /// All triangles; in 2D segments with their second end twice. Triangles of the sides end far below.
     fn triangles(&self) -> Vec<[DVec3; 3]> {
         let [nx, ny] = self.nodes;
         let deep = |x: DVec3| if self.dimension() == 2 { DVec3::new(x.x, -1e3, 0.0) } else { DVec3::new(x.x, x.y, -1e3) };
@@ -64,10 +64,10 @@ impl Ground {
         triangles
     }
 
-    /// The height of the ground at a point, by brute force; None beside it.
+    /// Height of the ground at a point, by brute force; None outside the ground.
     fn height(&self, x: DVec3) -> Option<f64> {
         let place = |axis: usize| x[axis] / self.spacing;
-        // On a side it is beside.
+        // A point on a side is outside.
         let inside = |axis: usize| place(axis) > 1e-9 && place(axis) < (self.nodes[axis] - 1) as f64 - 1e-9;
         let cell = |axis: usize| (place(axis) as usize).min(self.nodes[axis].saturating_sub(2));
         if self.dimension() == 2 {
@@ -79,17 +79,17 @@ impl Ground {
         let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| self.node(i + di, j + dj).z);
         let rising = if u >= v { a + (b - a) * u + (d - b) * v } else { a + (c - a) * v + (d - c) * u };
         let falling = if u + v <= 1.0 { a + (b - a) * u + (c - a) * v } else { d + (c - d) * (1.0 - u) + (b - d) * (1.0 - v) };
-        // The upper side of the hull of the four nodes.
+        // Upper side of the hull of the four nodes.
         (inside(0) && inside(1)).then(|| rising.max(falling))
     }
 }
 
-/// The distance from the surface by brute force [m].
+/// Distance from the surface by brute force [m].
 fn distance(triangles: &[[DVec3; 3]], x: DVec3) -> f64 {
     triangles.iter().map(|triangle| (x - nearest(triangle, x)).length()).fold(f64::INFINITY, f64::min)
 }
 
-/// The point of a triangle nearest to `x`: of its plane, if that is in it, or of its sides.
+/// Point of a triangle nearest to `x`: in its plane, if that point is in the triangle, or on its sides.
 fn nearest(&[a, b, c]: &[DVec3; 3], x: DVec3) -> DVec3 {
     let on_segment = |p: DVec3, q: DVec3| {
         let way = q - p;
@@ -115,7 +115,7 @@ fn vector(dimension: usize, range: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-range..range).prop_map(move |[x, y, z]| DVec3::new(x, y, z * flat))
 }
 
-/// A place above the middle of the ground or beside it.
+/// Position above the middle of the ground or beside it.
 fn above(dimension: usize) -> impl Strategy<Value = DVec3> {
     vector(dimension, 1.0).prop_map(move |x| match dimension {
         2 => DVec3::new(1.5 + 1.8 * x.x, 0.9 + 0.4 * x.y, 0.0),
@@ -131,10 +131,10 @@ fn down(dimension: usize) -> DVec3 {
     if dimension == 2 { DVec3::new(0.0, -9.81, 0.0) } else { DVec3::new(0.0, 0.0, -9.81) }
 }
 
-/// Numbers are below 30 m, and a distance is a sum of some products of them.
+/// Rounding error of a distance: numbers are below 30 m, and a distance is a sum of several products of them.
 const ROUNDING: f64 = 100.0 * 30.0 * f64::EPSILON;
 
-/// Up to the first contact the gap is open, and there it is closed; None means open to the end.
+/// Checks that the gap is open up to the first contact, and closed there; None means open to the end.
 fn is_the_first(ground: &Ground, x: DVec3, v: DVec3, a: DVec3, radius: f64) -> Result<(), TestCaseError> {
     let triangles = ground.triangles();
     prop_assume!(
@@ -154,7 +154,7 @@ fn is_the_first(ground: &Ground, x: DVec3, v: DVec3, a: DVec3, radius: f64) -> R
     }
     if let Some(time) = contact {
         let distance = distance(&triangles, path.at(time));
-        // What grazes is found to the root of rounding.
+        // Grazing contacts are found to the square root of rounding.
         prop_assert!((distance - radius).abs() < 10.0 * ROUNDING, "{distance} at {time}");
     }
     Ok(())
@@ -171,8 +171,8 @@ fn stays_above<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64, h: f64) 
         laboratory.step(h);
         let x = laboratory.position(0);
         prop_assert!(x.is_finite() && laboratory.velocity(0).is_finite());
-        // A slide leaves a part where it is two times 16 roundings beyond its region. The factor of four for steep ground is not
-        // derived: 36 were seen.
+        // A slide leaves a part two times 16 roundings beyond its region. The factor of four for steep ground is not derived:
+        // 36 were seen.
         let rounding = 128.0 * V::Scalar::EPSILON * (x.length() + 4.0);
         let distance = distance(&triangles, x);
         prop_assert!(distance >= ball.radius - rounding, "step {number}: {distance} at {x}");
@@ -182,7 +182,8 @@ fn stays_above<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64, h: f64) 
     Ok(())
 }
 
-/// Energy and what is dissipated are constant. A step has some tens of events at most, each of some roundings of 100 J.
+/// Checks that energy plus dissipated energy is constant. A step has some tens of events at most, each with several roundings
+/// of 100 J.
 fn keeps_the_energy<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64) -> Result<(), TestCaseError> {
     let triangles = ground.triangles();
     prop_assume!(distance(&triangles, ball.position) > ball.radius + 0.001);
@@ -192,8 +193,8 @@ fn keeps_the_energy<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64) -> 
     for number in 0..300 {
         laboratory.step(0.01);
         let balance = laboratory.energy() + laboratory.dissipated() - start;
-        // A slide around an edge or a peak is off by its step's order, and bounces are exact. Not derived: the largest that 9000
-        // random grounds showed was 1.3e-3.
+        // A slide around an edge or a peak has an error of its step's order; bounces are exact. The tolerance is not derived:
+        // the largest error of 9000 random grounds was 1.3e-3.
         let tolerance = if mu > 0.0 || e < 1.0 { 5e-3 } else { 1e-6 };
         prop_assert!(balance.abs() < tolerance, "step {number}: off by {balance:e} at {}", laboratory.position(0));
     }
@@ -235,8 +236,8 @@ proptest! {
         keeps_the_energy::<DVec3>(&ground, Ball::new(x, v, radius), e, mu)?;
     }
 
-    /// Ground of cells in a plane is that plane: the ball comes to rest where it would there. Errors are some roundings at each of
-    /// the few hundred events, which grow with the number of bounces but not exponentially, as on a plane.
+    /// Ground of coplanar cells equals a plane: the ball comes to rest at the same place. Errors are several roundings at
+    /// each of the few hundred events. As on a plane, they grow with the number of bounces, but not exponentially.
     #[test]
     fn cells_of_a_plane_are_not_felt(slope in prop::array::uniform2(prop::sample::select(vec![0.0, 0.1, -0.37])), x in vector(3, 0.5), v in vector(3, 2.0), radius in radius(),
                                      e in prop::sample::select(vec![0.0, 0.5, 1.0]), mu in prop::sample::select(vec![0.0, 0.2])) {
@@ -250,8 +251,8 @@ proptest! {
             } else {
                 (DVec3::new(5.0, 0.0, 0.0), DVec3::new(-along, 1.0, 0.0), DVec3::new(x.x, x.z, 0.0), DVec3::new(v.x, v.z, 0.0))
             };
-            // Friction on a slope turns the slip, which is integrated to second order, in shorter intervals where there are cells:
-            // before it stops, by as much as the way of a step or a few, each of μ g h² = 2e-6 m.
+            // Friction on a slope turns the slip, which is integrated to second order. With cells the intervals are shorter.
+            // Before the slip stops, the difference is the path of one step or a few, each of μ g h² = 2e-6 m.
             let (steps, tolerance) = if mu > 0.0 { (1000, 1e-5) } else { (100, 1e-10) };
             let ends = [ground.item(e, mu), plane(point, normal, e, mu)].map(|wall| {
                 let ball = [Ball::new(x, v, radius)];
@@ -263,14 +264,14 @@ proptest! {
     }
 }
 
-/// The end of a second in so many steps.
+/// Position and velocity after one second in `steps` steps.
 fn run<V: Vector>(balls: &[Ball], wall: Item, steps: usize) -> (DVec3, DVec3) {
     let mut laboratory = Laboratory::<V>::new(balls, vec![wall], down(V::DIMENSION));
     laboratory.steps(steps, 1.0 / steps as f64);
     (laboratory.position(0), laboratory.velocity(0))
 }
 
-/// A point stays above the ground where rounding hid all faces from it, in the precision of the run.
+/// Checks that a point stays above the ground where rounding hid all faces from it, in the precision of the run.
 fn a_point_stays_above<V: Vector>(ground: &Ground, x: DVec3, v: DVec3, [e, mu, h]: [f64; 3]) {
     let mut laboratory = Laboratory::<V>::new(&[Ball::new(x, v, 0.0)], vec![ground.item(e, mu)], down(V::DIMENSION));
     for number in 0..40 {
@@ -280,7 +281,8 @@ fn a_point_stays_above<V: Vector>(ground: &Ground, x: DVec3, v: DVec3, [e, mu, h
     }
 }
 
-/// It slid off one side, and bounced off the other, in the first one's plane, but two roundings beyond its end.
+/// Regression: the point slid off one side. It bounced off the other side, in the plane of the first, but two roundings
+/// beyond its end.
 #[test]
 fn a_point_stays_in_a_valley() {
     let heights = vec![
@@ -298,7 +300,7 @@ fn a_point_stays_in_a_valley() {
     a_point_stays_above::<Vec2>(&ground, x, v, [0.951_035_401_430_012_1, 0.072_077_722_568_005_78, 0.413_213_107_603_331_85]);
 }
 
-/// Six faces meet at the deepest point, and in single precision the point is in the planes of several at once.
+/// Six faces meet at the deepest point. In single precision the point is in the planes of several at once.
 #[test]
 fn a_point_stays_in_a_hollow() {
     let (last, row) = (

@@ -1,5 +1,5 @@
-//! A ballistic stepper: velocity Verlet under uniform gravity, which is exact there, with the contact stage after it.
-//! Whatever a test sees is therefore the contact stage's doing.
+//! Ballistic stepper: velocity Verlet under uniform gravity, which is exact there, followed by the contact stage. All
+//! deviations in a test are therefore due to the contact stage.
 
 use glam::DVec3;
 use physcore_engine::contacts::{Before, Contacts};
@@ -8,7 +8,7 @@ use physcore_engine::matter::{Columns, EnergySink, Matter, Properties};
 use physcore_engine::scene::{Body, Item, Scene, Value};
 use physcore_engine::simd::padded;
 
-/// A boundary with its numbers.
+/// Item of a boundary with its numbers.
 pub fn item(kind: &str, restitution: f64, friction: f64, values: &[(&str, Value)]) -> Item {
     let mut item = Item { kind: kind.to_owned(), ..Item::default() };
     item.values.insert("restitution".to_owned(), Value::Number(restitution));
@@ -34,7 +34,7 @@ pub fn sphere(center: DVec3, radius: f64, inside: bool, restitution: f64, fricti
     item("Sphere", restitution, friction, &values)
 }
 
-/// One particle to begin with.
+/// Initial state of one particle.
 #[derive(Debug, Clone, Copy)]
 pub struct Ball {
     pub position: DVec3,
@@ -50,7 +50,7 @@ impl Ball {
     }
 }
 
-/// A scene of one body of balls.
+/// Scene of one body of balls.
 pub fn scene(dimension: usize, balls: &[Ball], boundaries: Vec<Item>) -> Scene {
     let body = Body {
         positions: balls.iter().map(|ball| ball.position).collect(),
@@ -65,7 +65,7 @@ pub fn scene(dimension: usize, balls: &[Ball], boundaries: Vec<Item>) -> Scene {
     Scene { dimension, bodies: vec![body], forces: Vec::new(), boundaries: named.collect(), ..Scene::default() }
 }
 
-/// The properties of a scene's particles, in the caller's order.
+/// Properties of a scene's particles, in the caller's order.
 pub fn properties<V: Vector>(scene: &Scene) -> Properties<V> {
     let balls = |each: fn(&Body) -> &Vec<f64>| scene.bodies.iter().flat_map(each).copied().collect::<Vec<f64>>();
     let fixed: Vec<bool> = scene.bodies.iter().flat_map(|body| &body.fixed).copied().collect();
@@ -104,7 +104,7 @@ impl<V: Vector> Laboratory<V> {
         Self { contacts, properties, matter, gravity, before }
     }
 
-    /// x ← x + h v + h² g/2, v ← v + h g, and the contacts.
+    /// Takes a step x ← x + h v + h² g/2, v ← v + h g, and resolves the contacts.
     pub fn step(&mut self, h: f64) {
         self.before[0].copy_from(&self.matter.position);
         self.before[1].copy_from(&self.matter.velocity);
@@ -138,7 +138,7 @@ impl<V: Vector> Laboratory<V> {
         }
     }
 
-    /// Kinetic energy and that in the field of gravity, of all balls that move.
+    /// Kinetic energy plus potential energy in the field of gravity, of all balls that move.
     pub fn energy(&self) -> f64 {
         let moving = (0..self.matter.count()).filter(|&index| !self.properties.is_fixed(index));
         let each = |index| 0.5 * self.velocity(index).length_squared() - self.gravity.dot(self.position(index));

@@ -1,4 +1,4 @@
-//! Contacts: what an impact, friction and rest do to a particle, and that nothing ever passes a wall.
+//! Contacts: effects of impacts, friction and rest on a particle; no particle ever passes a wall.
 
 mod height_fields;
 mod impacts;

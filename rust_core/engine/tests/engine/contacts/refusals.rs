@@ -1,4 +1,4 @@
-//! What is not accepted, and how it is said; and who is left alone.
+//! Refused scenes and their error messages; particles without contacts.
 
 use glam::{DVec2, DVec3};
 use physcore_engine::contacts::Contacts;
@@ -48,7 +48,7 @@ fn parameters() {
     }
 }
 
-/// A center outside is refused, and named as the caller knows it; a surface that overlaps is pushed back.
+/// A center outside is refused, and named by the caller's index; a surface that overlaps is pushed back.
 #[test]
 fn admission() {
     let mut scene = scene(2, &[ball(0.0, 1.0, 0.1)], vec![floor(0.5, 0.0)]);
@@ -76,13 +76,13 @@ fn admission() {
     let (pushed, position) = project_inside(&scene).expect("all inside");
     assert_eq!(pushed, 1);
     assert_eq!(position.get(1), DVec2::new(0.0, 0.1));
-    // On other bodies the floor does not act.
+    // The floor does not act on other bodies.
     scene.bodies[1].positions[1].y = -0.25;
     scene.boundaries[0].on = Some(vec![0]);
     assert_eq!(project_inside(&scene).expect("not concerned").0, 0);
 }
 
-/// Fixed particles and those of other bodies pass; so do the empty lanes at the end of a block.
+/// Fixed particles and those of other bodies pass the wall, and so do the empty lanes at the end of a block.
 #[test]
 fn not_concerned() {
     let mut balls = [ball(0.0, 0.5, 0.1); 3];

@@ -16,7 +16,7 @@ fn stays_put<V: Vector>(e: f64, mu: f64) {
     assert_eq!(laboratory.velocity(0), DVec3::ZERO);
 }
 
-/// What rests stays where it is, to the bit, whatever the material.
+/// A particle at rest stays in place, to the bit, for any material.
 #[test]
 fn rest_on_a_floor() {
     for (e, mu) in [(0.0, 0.0), (0.8, 0.3), (1.0, 0.0)] {
@@ -39,7 +39,8 @@ fn sliding_block_stops() {
     assert!((laboratory.dissipated() - 0.5 * 3.0 * v * v).abs() < 1e-12);
 }
 
-/// On a slope of angle α a block stays if tan α < μ, and otherwise slides with g (sin α − μ cos α), up or down.
+/// On a slope of angle α a block stays if tan α < μ. Otherwise it slides with the acceleration g (sin α − μ cos α), up or
+/// down.
 #[test]
 fn block_on_a_slope() {
     let angle: f64 = 0.4;
@@ -49,12 +50,12 @@ fn block_on_a_slope() {
         let mut laboratory =
             Laboratory::<DVec2>::new(&[Ball::new(DVec3::ZERO, DVec3::ZERO, 0.0)], vec![plane(DVec3::ZERO, normal, 0.5, mu)], G);
         laboratory.steps(1000, 1e-3);
-        // After 1 s: a/2 downhill. 1000 steps, each with some rounding errors of a few meters.
+        // After 1 s: a/2 downhill. 1000 steps, each with several rounding errors of a few meters.
         let way = -laboratory.position(0).dot(uphill);
         assert!((way - 0.5 * expected).abs() < 1e-11, "μ = {mu}: {way} instead of {}", 0.5 * expected);
         assert!(laboratory.position(0).dot(normal).abs() < 1e-14);
     }
-    // Thrown uphill at 2 m/s it stops after v²/(2 g (sin α + μ cos α)) and comes back with less.
+    // Thrown uphill at 2 m/s, the block stops after v²/(2 g (sin α + μ cos α)) and returns with less speed.
     let mu = 0.3;
     let mut laboratory =
         Laboratory::<DVec2>::new(&[Ball::new(DVec3::ZERO, uphill * 2.0, 0.0)], vec![plane(DVec3::ZERO, normal, 0.5, mu)], G);
@@ -66,12 +67,12 @@ fn block_on_a_slope() {
         reached = reached.max(laboratory.position(0).dot(uphill));
         assert!((laboratory.energy() + laboratory.dissipated() - start).abs() < 1e-12);
     }
-    // Seen at step ends only: the summit is flat to a h²/2.
+    // Measured at step ends only: the summit is flat to a h²/2.
     assert!(reached <= highest + 1e-13 && highest - reached < 9.81 * 0.5e-6, "{reached} instead of {highest}");
 }
 
-/// Along the edge of a tilted wedge: only the component along the edge counts, here without friction. A ball whose surface
-/// touches both walls slides as a point on the edge does.
+/// Along the edge of a tilted wedge only the component along the edge acts, here without friction. A ball that touches both
+/// walls slides as a point on the edge does.
 #[test]
 fn sliding_along_an_edge() {
     let normals = [DVec3::new(1.0, 1.3, 0.2), DVec3::new(-1.1, 1.0, 0.4)].map(DVec3::normalize);
@@ -88,7 +89,7 @@ fn sliding_along_an_edge() {
     }
 }
 
-/// Pressed into all three walls of a corner at once, a ball stays there, however steep it is pressed along two of them.
+/// A ball pressed into all three walls of a corner at once stays there, however steeply it is pressed along two of them.
 #[test]
 fn rest_in_a_corner() {
     for gravity in [DVec3::new(-1.0, -2.0, -3.0), DVec3::new(-3.0, -1.0, -2.0), DVec3::new(-2.0, -3.0, -1.0)] {
@@ -97,12 +98,12 @@ fn rest_in_a_corner() {
         laboratory.steps(100, 1e-2);
         assert_eq!(laboratory.velocity(0), DVec3::ZERO);
         assert_eq!(laboratory.position(0), DVec3::splat(-0.75));
-        // The place of the corner is rounded, and so is the energy there.
+        // The position of the corner is rounded, and so is the energy there.
         assert!(laboratory.dissipated() <= f64::EPSILON);
     }
 }
 
-/// A ball thrown into a box with losses ends in a corner or on the floor, at rest, with all its energy tallied.
+/// A ball thrown into a box with losses comes to rest in a corner or on the floor, with all its energy tallied.
 #[test]
 fn everything_comes_to_rest() {
     let balls: Vec<Ball> = (0..50)
@@ -120,7 +121,7 @@ fn everything_comes_to_rest() {
     laboratory.steps(10_000, 1e-3);
     for index in 0..balls.len() {
         assert_eq!(laboratory.velocity(index), DVec3::ZERO, "ball {index}");
-        // −0.9 is not a number of the format: the next one inside, or one further.
+        // −0.9 is not a number of the format: the result is the next number inside, or one further.
         assert!((laboratory.position(index).y + 0.9).abs() <= f64::EPSILON, "ball {index}");
     }
     assert!((laboratory.energy() + laboratory.dissipated() - start).abs() < 1e-10);

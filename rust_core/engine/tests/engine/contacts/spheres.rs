@@ -1,4 +1,4 @@
-//! Inside and outside of spheres: impacts, slides along the curve, and leaving it.
+//! Inside and outside of spheres: impacts, slides along the curve, and leaving the surface.
 
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
@@ -7,8 +7,8 @@ use super::laboratory::{Ball, Laboratory, floor, plane, sphere};
 
 const G: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
-/// A particle that slides from the top of a smooth sphere leaves it where cos θ = 2/3 (start from rest), and lands on
-/// the floor with the energy of its fall.
+/// A particle that slides from the top of a smooth sphere leaves it where cos θ = 2/3 (start from rest). It lands on the
+/// floor with the energy of its fall.
 #[test]
 fn leaving_a_sphere() {
     for h in [2e-3, 1e-3] {
@@ -19,8 +19,8 @@ fn leaving_a_sphere() {
             laboratory.step(h);
             assert!(laboratory.position(0).length() > 1.5 - 1e-12);
         }
-        // v² = v₀² + 2 g R (1 − cos θ) = g R cos θ; the distance passes 1e-9 at most three steps later, and at about
-        // 3 m/s a step is 3 h of 1.5 m; Verlet's own error is of order h².
+        // v² = v₀² + 2 g R (1 − cos θ) = g R cos θ. The distance passes 1e-9 at most three steps later; at about 3 m/s a step
+        // is 3 h of 1.5 m. Verlet's own error is of order h².
         let cosine = laboratory.position(0).y / laboratory.position(0).length();
         let exact = 2.0 / 3.0 + push * push / (3.0 * 9.81 * 1.5);
         let angle = (exact.acos() - cosine.acos()).abs();
@@ -28,7 +28,7 @@ fn leaving_a_sphere() {
     }
 }
 
-/// A bead that slides in a bowl is a pendulum: it comes back after T = 4 √(R/g) K(sin θ₀/2), to O(h²).
+/// A bead that slides in a bowl is a pendulum: its period is T = 4 √(R/g) K(sin θ₀/2), to O(h²).
 #[test]
 fn a_bowl_is_a_pendulum() {
     // θ₀ = 1: T = 4 √(1/9.81) · 1.6856503...; K from the arithmetic-geometric mean of 1 and cos(θ₀/2).
@@ -42,7 +42,7 @@ fn a_bowl_is_a_pendulum() {
         let bowl = vec![sphere(DVec3::ZERO, 1.0, true, 0.0, 0.0)];
         let mut laboratory = Laboratory::<DVec2>::new(&[Ball::new(start, DVec3::ZERO, 0.0)], bowl, G);
         let energy = laboratory.energy();
-        // A quarter period, where it is fastest: the error in time shows as an angle.
+        // A quarter period, where the bead is fastest: the error in time shows as an angle.
         for _ in 0..steps {
             laboratory.step(0.25 * period / f64::from(steps));
             assert!((laboratory.position(0).length() - 1.0).abs() < 1e-12, "left the bowl");
@@ -57,7 +57,7 @@ fn a_bowl_is_a_pendulum() {
     assert!(order > 1.8 && coarse < 1e-4, "errors {coarse:e} and {fine:e}, order {order}");
 }
 
-/// A smooth bowl takes no energy: over 10⁴ swings the error stays that of Verlet, without drift.
+/// A smooth bowl dissipates no energy: over 10⁴ swings the error stays that of Verlet, without drift.
 #[test]
 fn a_bowl_does_not_drift() {
     let start = DVec3::new(0.9 * 0.8_f64.sin(), -0.9 * 0.8_f64.cos(), 0.0);
@@ -88,8 +88,8 @@ fn a_rough_bowl_stops() {
     assert!((laboratory.energy() + laboratory.dissipated() - energy).abs() < 1e-3);
 }
 
-/// Around the inside of a rough hoop, without gravity: what presses is v²/R, so v' = −μ v²/R and v = v₀/(1 + μ v₀ t/R).
-/// A second-order method with μ v h/R = 6e-4: off by some (6e-4)² times the time constants passed, 0.6.
+/// Around the inside of a rough hoop, without gravity: the normal acceleration is v²/R, so v' = −μ v²/R and v = v₀/(1 + μ v₀
+/// t/R). A second-order method with μ v h/R = 6e-4 has an error of some (6e-4)² times the time constants passed, 0.6.
 #[test]
 fn around_a_rough_hoop() {
     for mu in [0.0, 0.3] {
@@ -120,8 +120,8 @@ fn a_floor_in_a_bowl() {
     assert!((laboratory.position(0).y - 0.35).abs() < 1e-15);
 }
 
-/// Around the circle in which a floor cuts a bowl, without friction: gravity presses the particle onto the floor and its
-/// motion onto the bowl, and it stays on both of them at the same speed. Each of the steps turns it by v h/R = 1.4e-3.
+/// Around the circle in which a floor cuts a bowl, without friction. Gravity presses the particle onto the floor, and its
+/// motion onto the bowl. The particle stays on both of them at the same speed. Each of the steps turns it by v h/R = 1.4e-3.
 #[test]
 fn around_the_rim_of_a_floor() {
     let (radius, speed, h) = (0.51_f64.sqrt(), 1.0, 1e-3);
@@ -133,15 +133,15 @@ fn around_the_rim_of_a_floor() {
         let position = laboratory.position(0);
         assert!((position.y - 0.3).abs() < 1e-12 && (position.x.hypot(position.z) - radius).abs() < 1e-12, "{position}");
     }
-    // A Verlet step on a circle has the energy error of a swing: (ω h)²/2 of it, and no drift.
+    // A Verlet step on a circle has the energy error of a swing: (ω h)²/2 of the energy, and no drift.
     assert!((laboratory.velocity(0).length() - speed).abs() < (speed * h / radius).powi(2));
 }
 
 proptest! {
 
-    /// A heap presses a grain against the overhang of a rough ball that stands in a floor. However it slides, back and
-    /// forth within a step or not at all, it moves no farther than s = v h + a h²/2, and friction gives no energy: what a
-    /// Verlet step leaves over is κ a s²/2, as the push grows along the curve by κ a s; and the numbers are rounded.
+    /// A heap presses a grain against the overhang of a rough ball that stands in a floor. The grain may slide back and forth
+    /// within a step or not at all. It moves no farther than s = v h + a h²/2, and friction adds no energy. The remaining
+    /// error of a Verlet step is κ a s²/2, as the push grows along the curve by κ a s. The numbers are rounded.
     #[test]
     fn pressed_along_an_overhang(press in 1e2..1e5_f64, slope in -1.0..1.0_f64, speed in -0.1..0.1_f64, h in 1e-6..1e-4) {
         let (normal, along) = (DVec3::new(0.8, -0.6, 0.0), DVec3::new(0.6, 0.8, 0.0));
@@ -161,8 +161,8 @@ proptest! {
         }
     }
 
-    /// Fast particles in a ball with losses: inside for ever, and energy + dissipated as good as on a curve. Impacts are
-    /// exact; slides are Verlet's, off by (ω h)² of the energies at stake, ω the larger of √(g/R) and v/R.
+    /// Fast particles in a ball with losses stay inside for ever, and energy + dissipated is as accurate as on a curve.
+    /// Impacts are exact. Slides have Verlet's error, (ω h)² of the energies involved, with ω the larger of √(g/R) and v/R.
     #[test]
     fn inside_a_ball(angle in 0.0..std::f64::consts::TAU, v in prop::array::uniform2(-3.0..3.0_f64), e in 0.0..=1.0, h in 1e-4..3e-3) {
         let start = DVec3::new(angle.cos(), angle.sin(), 0.0) * 0.6;

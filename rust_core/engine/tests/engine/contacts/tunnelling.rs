@@ -1,4 +1,4 @@
-//! Nothing passes a wall, at any speed and in either precision.
+//! No particle passes a wall, at any speed and in either precision.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::boundaries::{self, Boundary};
@@ -15,12 +15,12 @@ fn direction() -> impl Strategy<Value = DVec3> {
         .prop_map(DVec3::normalize)
 }
 
-/// A speed from a millimeter to 10⁶ m per second.
+/// Speed from a millimeter to 10⁶ m per second.
 fn speed() -> impl Strategy<Value = f64> {
     (-3.0..6.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent))
 }
 
-/// A time step from 10⁻⁴ to 1 s.
+/// Time step from 10⁻⁴ to 1 s.
 fn step() -> impl Strategy<Value = f64> {
     (-4.0..=0.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent))
 }
@@ -29,7 +29,7 @@ fn flat<V: Vector>(vector: DVec3) -> DVec3 {
     V::narrow(vector).widen()
 }
 
-/// Runs a ball and checks it after every step. It may be outside by the rounding of its own coordinates.
+/// Runs a ball and checks it after every step. The ball may be outside by the rounding of its own coordinates.
 fn stays<V: Vector>(ball: Ball, walls: Vec<Item>, gravity: DVec3, h: f64) -> Result<(), TestCaseError> {
     let shapes: Vec<Box<dyn Boundary>> =
         walls.iter().map(|item| boundaries::build(item, V::DIMENSION, DVec3::ZERO).expect("fine")).collect();
@@ -77,7 +77,7 @@ proptest! {
         stays_everywhere(ball, &[sphere(DVec3::ZERO, 1.0, true, e, mu)], DVec3::new(0.0, -9.81, 0.0), h)?;
     }
 
-    /// A wedge of two oblique walls under strong gravity.
+    /// Wedge of two oblique walls under strong gravity.
     #[test]
     fn a_wedge(way in direction(), speed in speed(), tilt in 0.1..2.0, radius in prop::sample::select(vec![0.0, 0.05]), e in 0.0..=1.0, mu in 0.0..1.0, h in step()) {
         let walls = [plane(DVec3::ZERO, DVec3::new(1.0, tilt, 0.0), e, mu), plane(DVec3::ZERO, DVec3::new(-1.0, tilt, 0.3), e, mu)];
@@ -94,8 +94,8 @@ proptest! {
         let start = across.normalize() * (miss * size) - way * (speed * when);
         let mut laboratory = Laboratory::<DVec3>::new(&[Ball::new(start, way * speed, 0.0)], vec![sphere(DVec3::ZERO, size, false, 1.0, 0.0)], DVec3::ZERO);
         laboratory.step(1.0);
-        // At the moment of impact the normal makes the angle arcsin(miss) with the path: the velocity turns by twice
-        // the complement. The start is rounded by ε·10⁶ m, which may be 10⁻⁷ of the sphere, amplified near grazing.
+        // At the moment of impact the normal makes the angle arcsin(miss) with the path. The velocity turns by twice the
+        // complement. The start is rounded by ε·10⁶ m, which may be 10⁻⁷ of the sphere, amplified near grazing.
         let turned = laboratory.velocity(0).normalize().dot(way);
         let exact = -(1.0 - 2.0 * miss * miss);
         let rounding = 8.0 * f64::EPSILON * speed / size / (1.0 - miss * miss).sqrt() + 1e-13;

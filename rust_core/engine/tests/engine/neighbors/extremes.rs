@@ -1,4 +1,4 @@
-//! What cannot be exact is refused, and what can be is found, however odd.
+//! Extreme inputs: searches that cannot be exact are refused, and all others find every neighbor.
 
 use physcore_engine::error::Error;
 use physcore_engine::math::AXES;
@@ -7,7 +7,7 @@ use physcore_engine::parallel::Executor;
 
 use super::laboratory::{by_particle, cloud, search, view};
 
-/// The path and the hint of a refusal.
+/// Path and hint of a refusal.
 fn refusal(error: &Error) -> (&str, &str) {
     let Error::Parameter { path, hint, .. } = error else { panic!("{error}") };
     (path, hint)
@@ -40,7 +40,8 @@ fn a_period_is_only_looked_at_where_there_is_an_axis() {
 
 #[test]
 fn positions_are_refused_exactly_where_numbers_are_too_coarse() {
-    // The spacing of f64 numbers just below 2^52 is 1/2 and at 1e15 1/8: too coarse for a cutoff of 1 m, not for one of 1e7 m.
+    // The spacing of f64 numbers is 1/2 just below 2^52, and 1/8 at 1e15. This is too coarse for a cutoff of 1 m, but not for
+    // one of 1e7 m.
     for (far, cutoff, refused) in
         [(1e15, 1.0, true), (-1e15, 1.0, true), (1e15, 1e7, false), (4.5e8, 1.0, false), (4.6e8, 1.0, true)]
     {

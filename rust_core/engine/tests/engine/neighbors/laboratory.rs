@@ -1,4 +1,4 @@
-//! What the tests share: particles in disorder, lists in a form to compare, and crews of any size.
+//! Shared code of the tests: random particles, lists in a comparable form, and thread pools of any size.
 
 use physcore_engine::error::Result;
 use physcore_engine::math::AXES;
@@ -8,12 +8,12 @@ use physcore_engine::parallel::{Executor, ThreadPool};
 /// Positions, one array per axis.
 pub type Points = [Vec<f64>; AXES];
 
-/// All axes, as slices.
+/// Slices of all axes.
 pub fn view(points: &Points) -> [&[f64]; AXES] {
     points.each_ref().map(Vec::as_slice)
 }
 
-/// A generator of numbers from 0 to 1 in a fixed disorder.
+/// Generator of pseudorandom numbers from 0 to 1, with a fixed seed.
 pub fn disorder(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     move || {
@@ -35,19 +35,19 @@ pub fn with_threads<R: Send>(threads: usize, job: impl FnOnce(&Executor) -> R + 
     result.expect("the job has run")
 }
 
-/// A search that has been updated once.
+/// Search that has been updated once.
 pub fn search(points: &Points, dimension: usize, domain: &Domain, cutoff: f64, skin: f64) -> Result<Neighbors> {
     let mut neighbors = Neighbors::new(points[0].len(), dimension, domain, cutoff, skin)?;
     neighbors.update(view(points), &Executor::serial())?;
     Ok(neighbors)
 }
 
-/// The lists in the order of the particles, as sorted particles.
+/// Lists in the order of the particles, as sorted particles.
 pub fn by_particle(neighbors: &Neighbors) -> Vec<Vec<u32>> {
     particles(neighbors, |slot| neighbors.of(slot))
 }
 
-/// The same of the neighbors that pair sums take at present.
+/// Neighbors that pair sums use at present, in the order of the particles, as sorted particles.
 pub fn summed_by_particle(neighbors: &Neighbors) -> Vec<Vec<u32>> {
     particles(neighbors, |slot| {
         let List { segment, range } = neighbors.list(slot);
@@ -64,7 +64,7 @@ fn particles<'a>(neighbors: &'a Neighbors, list: impl Fn(usize) -> &'a [u32]) ->
     neighbors.slots().iter().map(sorted).collect()
 }
 
-/// The lists as they stand, and the order of the slots.
+/// Order of the slots, and unsorted lists.
 pub fn raw(neighbors: &Neighbors) -> (Vec<u32>, Vec<Vec<u32>>) {
     (neighbors.order().to_vec(), (0..neighbors.count()).map(|slot| neighbors.of(slot).to_vec()).collect())
 }

@@ -1,4 +1,4 @@
-//! How long lists live, that nothing but positions decides about them, and that they need no new memory.
+//! Neighbor lists: their lifetime, which depends on positions alone, and their memory, which is reused.
 
 use physcore_engine::math::AXES;
 use physcore_engine::neighbors::{Domain, Neighbors, Reflections, brute};
@@ -36,7 +36,7 @@ fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
     let (mut made, mut kept, mut shortened) = (0, 0, 0);
     for _ in 0..200 {
         points.iter_mut().flatten().for_each(|coordinate| *coordinate += 0.05 * (number() - 0.5));
-        // A shear flow, in which they move much farther than relative to each other.
+        // Shear flow, in which particles move much farther than relative to each other.
         let [x, y, _] = &mut points;
         x.iter_mut().zip(y).for_each(|(x, y)| *x += 0.2 + 0.05 * (*y - 3.5));
         if neighbors.update(view(&points), &Executor::serial()).unwrap() {
@@ -62,7 +62,7 @@ impl Kernel for Appending {
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> Vec<u32> {
         let (mut all, mut some) = (Selection::new(1000), Selection::new(1000));
-        // The memory of these ends less than a group behind their last one.
+        // The memory of these entries ends less than a group behind the last one.
         for (first, mask) in [(0, 0x3fff), (16, u16::MAX), (32, u16::MAX), (48, u16::MAX), (64, 7)] {
             some.add(isa, first, mask);
         }
@@ -78,7 +78,7 @@ fn a_selection_is_appended_whole() {
     assert_eq!(dispatch(Appending), expected);
 }
 
-/// Of any number, whatever the room was that the lists before it left.
+/// Lists of any length are complete, whatever room the lists before them left.
 #[test]
 fn lists_hold_near_and_far_neighbors() {
     for (seed, count) in [(31, 40), (32, 300), (33, 700), (34, 1500)] {
@@ -123,7 +123,7 @@ fn lists_serve_longer_for_particles_that_move_together() {
     }
 }
 
-/// Walls and points beside the particles are looked for up to the largest displacement.
+/// Searches for walls and for points beside the particles reach up to the largest displacement.
 #[test]
 fn no_lists_outlive_the_largest_displacement() {
     let still = cloud(5000, [20.0; AXES], 2);

@@ -1,4 +1,4 @@
-//! Neighbors: nobody is missed, nobody counted twice, at any extreme; and the sums over them have the same bits always.
+//! Neighbors: none is missed and none counted twice, at any extreme; the sums over them always have the same bits.
 
 mod extremes;
 mod laboratory;

@@ -1,4 +1,4 @@
-//! The search finds what the comparison of all pairs finds, whatever the configuration.
+//! The search finds the neighbors that the comparison of all pairs finds, for any configuration.
 
 use physcore_engine::math::AXES;
 use physcore_engine::neighbors::{Domain, brute};
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::laboratory::{Points, by_particle, cloud, search, view};
 
-/// A coordinate in units of the support, in a domain with a spread of one.
+/// Coordinate in units of the support, in a domain with a spread of one.
 fn coordinate() -> impl Strategy<Value = (f64, f64)> {
     let face = |number: i32, nudge: i32, size: f64| {
         let face = f64::from(number) * size;
@@ -17,12 +17,12 @@ fn coordinate() -> impl Strategy<Value = (f64, f64)> {
         }
     };
     prop_oneof![
-        // (a part of the spread, a number of supports)
+        // (part of the spread, number of supports)
         8 => (-0.5..0.5).prop_map(|part| (part, 0.0)),
         2 => (-4..4_i32, -1..=1_i32).prop_map(move |(number, nudge)| (0.0, face(number, nudge, 1.0))),
         2 => (-16..16_i32, -1..=1_i32).prop_map(move |(number, nudge)| (0.0, face(number, nudge, 0.25 * (1.0 + 1e-6)))),
-        // A little below a face: were cells smaller than the support by 1e-6, whoever is a support further on would be two
-        // cells further on.
+        // Slightly below a face. With cells smaller than the support by 1e-6, a particle one support further would be two
+        // cells further.
         1 => (-4..4_i32, 0..4_i32).prop_map(|(number, nudge)| (0.0, f64::from(number) - (f64::from(nudge) + 0.5) * 1e-6)),
         1 => Just((0.0, 0.0)),
     ]
@@ -37,7 +37,8 @@ struct Configuration {
     skin: f64,
 }
 
-/// Everything at once: any scale, any place, any periods, particles outside of them, and some that are nowhere.
+/// Combination of everything: any scale, any position, any periods, particles outside of them, and particles without a
+/// position.
 fn configuration() -> impl Strategy<Value = Configuration> {
     let particles =
         prop::collection::vec((prop::array::uniform3(coordinate()), prop::array::uniform3(-3..3_i32), 0..200_u32), 0..60);
@@ -89,7 +90,7 @@ proptest! {
 
 #[test]
 fn many_particles_have_the_neighbors_of_all_pairs() {
-    // Dense, dilute, and so dilute that the table of buckets goes round; two or three blocks of slots.
+    // Dense, dilute, and so dilute that the table of buckets wraps around; two or three blocks of slots.
     for (count, side) in [(1500, 6.0), (2500, 25.0), (2500, 3000.0)] {
         for dimension in [2, 3] {
             for periodic in 0..8_u32 {

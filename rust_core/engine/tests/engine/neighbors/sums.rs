@@ -1,4 +1,4 @@
-//! Sums over neighbors: right to the rounding of their precision, and the same bits always.
+//! Sums over neighbors: correct to the rounding of their precision, and always with the same bits.
 
 use std::process::Command;
 
@@ -11,7 +11,7 @@ use physcore_engine::simd::{Level, Number};
 
 use super::laboratory::{Points, cloud, view, with_threads};
 
-/// A smooth repulsion weighted with the last number of the record, and the weight itself.
+/// Smooth repulsion weighted with the last number of the record, and the weight itself.
 #[derive(Clone, Copy)]
 struct Weighted<T> {
     cutoff: T,
@@ -28,7 +28,7 @@ impl<T: Real, V: Vector<Scalar = T>> PairLaw<V, 4> for Weighted<T> {
     }
 }
 
-/// The sums of the law in the order of the particles, for weights 1, 2, 3, ….
+/// Sums of the law in the order of the particles, for weights 1, 2, 3, ….
 fn sums<V: Vector>(points: &Points, domain: &Domain, threads: usize) -> Vec<[V::Scalar; 4]> {
     let count = points[0].len();
     with_threads(threads, |executor| {
@@ -44,7 +44,7 @@ fn sums<V: Vector>(points: &Points, domain: &Domain, threads: usize) -> Vec<[V::
     })
 }
 
-/// The same from all pairs, in f64, and the sums of the magnitudes of all terms.
+/// Sums over all pairs, in f64, and sums of the magnitudes of all terms.
 fn reference(points: &Points, dimension: usize, domain: &Domain) -> Vec<([f64; 4], f64)> {
     let lengths = domain.lengths();
     let lists = brute(points[0].len(), dimension, domain, 1.0, view(points));
@@ -70,8 +70,8 @@ fn reference(points: &Points, dimension: usize, domain: &Domain) -> Vec<([f64; 4
 fn check<V: Vector>(side: f64, offset: f64, period: [Option<(f64, f64)>; AXES]) {
     let points = cloud(2500, [side; AXES], 21).map(|axis| axis.into_iter().map(|slot| slot + offset).collect());
     let domain = Domain { period };
-    // Every term is made of some ten roundings of a distance of at most 1 and a weight; each coordinate is rounded by the
-    // caller too, which counts in f64.
+    // Every term consists of some ten roundings of a distance of at most 1 and a weight. The caller also rounds each
+    // coordinate; it computes in f64.
     let tolerance = 20.0 * V::Scalar::EPSILON * (1.0 + if V::Scalar::EPSILON < 1e-10 { offset + side } else { 0.0 });
     for (particle, (sums, (expected, magnitude))) in
         sums::<V>(&points, &domain, 1).into_iter().zip(reference(&points, V::DIMENSION, &domain)).enumerate()
@@ -96,7 +96,7 @@ fn sums_are_those_of_all_pairs() {
     }
 }
 
-/// A fingerprint of sums in both precisions and dimensions.
+/// Fingerprint of sums in both precisions and dimensions.
 fn fingerprint(threads: usize) -> u64 {
     let points = cloud(5000, [9.0; AXES], 33);
     let domain = Domain { period: [None, Some((0.0, 9.0)), None] };
@@ -115,7 +115,7 @@ fn sums_have_the_same_bits_for_any_number_of_threads() {
     assert!((2..=4).all(|threads| fingerprint(threads) == serial));
 }
 
-/// Runs in processes of its own at other levels: a process has only one.
+/// Runs other SIMD levels in separate processes: a process has only one level.
 #[test]
 fn sums_have_the_same_bits_at_every_level() {
     let mine = format!("fingerprint {:016x} at", fingerprint(1));
@@ -146,8 +146,8 @@ fn later_sums_allocate_nothing() {
     assert_eq!(allocated.count_total, 0, "{allocated:?}");
 }
 
-/// Far neighbors are beyond the cutoff, where terms are 0. The displacement of one particle exceeds what near neighbors serve
-/// for, so that sums around it take whole lists: those of particles that it does not reach keep their bits.
+/// Far neighbors are beyond the cutoff, where terms are 0. The displacement of one particle exceeds the range of near
+/// neighbors. Sums around it therefore use whole lists; sums of particles that it does not reach keep their bits.
 #[test]
 fn sums_over_near_neighbors_have_the_bits_of_those_over_all() {
     let mut points = cloud(2500, [5.0; AXES], 22);

@@ -1,11 +1,11 @@
-//! The same bits for any number of threads, any batches, from checkpoints, mirrored and turned; and functions of the user's.
+//! Bits of the result: independent of threads, batches, checkpoints, reflection and rotation; user-defined functions.
 
 use super::scene::*;
 use physcore_engine::integrators::first_order::NAMES;
 use physcore_engine::scene::Item;
 
-/// An interrupt may come after a batch's last look at it and before its steps count: then none of them does. Here each look in turn
-/// takes longer than the batch and says yes.
+/// An interrupt may come after a batch's last poll and before its steps count: none of them then counts. Here each poll in
+/// turn takes longer than the batch and interrupts.
 #[test]
 fn an_interrupt_at_the_end_of_a_batch_takes_it_back() {
     let item = noisy(&[128, 256], &["free"; 4], gray_scott());
@@ -47,7 +47,7 @@ fn threads_and_batches_change_no_bit_and_checkpoints_go_on() {
     }
 }
 
-/// A field that is mirrored, or turned about its diagonal, stays so.
+/// The run of a field that is reflected, or transposed about its diagonal, is the image of the original run, bit for bit.
 #[test]
 fn mirror_images_and_the_diagonal_keep_their_bits() {
     let side = 33;
@@ -73,7 +73,8 @@ fn rates(u: f64, v: f64) -> [f64; 2] {
     [0.035 * (1.0 - u) - u * v * v, u * v * v - 0.0975 * v]
 }
 
-/// The same reaction as a function of the user's, within roundings; with the species exchanged, bit by bit.
+/// A user-defined function agrees with the same built-in reaction within roundings, and with the species exchanged bit by
+/// bit.
 #[test]
 fn a_function_of_the_users_is_the_same_reaction() {
     let (cells, edges) = ([21, 18], ["free", "fixed", "periodic", "periodic"]);

@@ -1,11 +1,12 @@
-//! The budgets of species.
+//! Budgets of species.
 
 use super::scene::*;
 use physcore_engine::integrators::first_order::NAMES;
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::Value;
 
-/// stored + removed − supplied is constant: up to roundings of the sums in double precision, and of values in single precision.
+/// stored + removed − supplied is constant, up to roundings of the sums in double precision, and of values in single
+/// precision.
 #[test]
 fn amounts_change_by_what_reacts_and_what_passes_the_edges() {
     for (cells, edges) in [
@@ -30,7 +31,7 @@ fn amounts_change_by_what_reacts_and_what_passes_the_edges() {
     }
 }
 
-/// u + v lose F + k of v and gain F (1 − u): from both sides the same.
+/// The sum u + v loses (F + k) v and gains F (1 − u): u loses to v exactly the amount that v gains.
 #[test]
 fn what_one_species_loses_to_the_other_is_gained_there() {
     let item = noisy(&[20, 21], &["free"; 4], numbers("GrayScott", &[("feed", 0.0), ("kill", 0.0)]));

@@ -6,8 +6,8 @@ use super::scene::*;
 use physcore_engine::integrators::first_order::NAMES;
 use physcore_engine::scene::Value;
 
-/// A mode decays by the factor R(−λh) in each step, with λ that of the discrete operator: for Euler's method 1 − λh, for the
-/// classical Runge–Kutta method 1 − z + z²/2 − z³/6 + z⁴/24. Some hundred roundings of numbers up to 1.
+/// A mode decays by the factor R(−λh) in each step, with λ of the discrete operator. Euler's method has 1 − λh. The classical
+/// Runge–Kutta method has 1 − z + z²/2 − z³/6 + z⁴/24. The tolerance is some hundred roundings of numbers up to 1.
 #[test]
 fn modes_decay_at_their_discrete_rates() {
     let (count, wave, rate) = (24, 5.0, 0.3);
@@ -59,7 +59,7 @@ fn every_method_has_its_order() {
     }
 }
 
-/// Near an even state of the Brusselator a mode grows as exp(Jt − λDt) says: eigenvalues of a 2 × 2 matrix, here real.
+/// Near an even state of the Brusselator a mode grows as exp(Jt − λDt): eigenvalues of a 2 × 2 matrix, here real.
 #[test]
 fn a_turing_mode_grows_at_its_rate() {
     let (a, b, count, wave) = (2.0, 4.0, 40, 13.0);
@@ -70,7 +70,7 @@ fn a_turing_mode_grows_at_its_rate() {
     let (half, product) = (0.5 * (p + s), p * s - q * r);
     let growth = half + libm::sqrt(half * half - product);
     assert!(growth > 0.05, "{growth}");
-    // The eigenvector (q, growth − p): its amplitude grows as exp(growth t) alone. Terms of second order are 1e-8 of it.
+    // Eigenvector (q, growth − p): its amplitude grows as exp(growth t) alone. Terms of second order are 1e-8 of it.
     let size = 1e-8;
     let kinetics = numbers("Brusselator", &[("a", a), ("b", b)]);
     let species = [

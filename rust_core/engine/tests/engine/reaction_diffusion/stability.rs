@@ -1,4 +1,4 @@
-//! The limit of the step, and divergence.
+//! Limit of the step, and divergence.
 
 use super::scene::*;
 use physcore_engine::error::Error;
@@ -7,7 +7,7 @@ use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Item, Value};
 use physcore_engine::stability::Horizon;
 
-/// A checkerboard without reactions, the fastest mode of two fixed edges.
+/// Checkerboard without reactions, the fastest mode of two fixed edges.
 fn checkerboard() -> Item {
     let cells = [10, 14];
     let sign = |index: usize| if (index / 14 + index % 14).is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -18,7 +18,7 @@ fn limit(item: &Item, method: &str) -> physcore_engine::stability::Limit {
     simulation(item, method, "f64", 1).unwrap().limit(Horizon::Sharp, &SERIAL).unwrap()
 }
 
-/// λ = 8 D/h². The reaction of Gray and Scott has no rate without feed and v but that of v from u², none: the limit is exact.
+/// λ = 8 D/h². Without feed and with v = 0 the Gray–Scott reaction has no rates, and the limit is exact.
 #[test]
 fn the_limit_is_that_of_the_fastest_mode() {
     for (name, interval) in [
@@ -49,7 +49,7 @@ fn steps_are_stable_just_below_the_limit_and_grow_just_above() {
     }
 }
 
-/// Long steps of the stabilized method are stable with a reaction too, at a step a hundred times that of Euler's limit.
+/// Long steps of the stabilized method are stable with a reaction too, at a step a hundred times Euler's limit.
 #[test]
 fn stages_are_chosen_by_the_step() {
     let cells = [64];
@@ -63,7 +63,7 @@ fn stages_are_chosen_by_the_step() {
     assert!(distance(&found, &exact) < 1e-3, "{}", distance(&found, &exact));
 }
 
-/// A step above the limit is noticed long before the state overflows, at the same step however it is asked for.
+/// A step above the limit is detected long before the state overflows, at the same step for any batches.
 #[test]
 fn a_divergence_is_noticed_in_time() {
     let item = noisy(&[40, 40], &["free"; 4], gray_scott());
@@ -80,7 +80,7 @@ fn a_divergence_is_noticed_in_time() {
     assert_eq!(run(&[7, 31, 4000], 2), expected);
 }
 
-/// Growth that steps resolve is no divergence, from however little: here by 1e9.
+/// Growth that steps resolve is no divergence, from any small value: here by 1e9.
 #[test]
 fn resolved_growth_is_none() {
     let item = dish(

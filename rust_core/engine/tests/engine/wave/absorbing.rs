@@ -1,4 +1,4 @@
-//! Absorbing edges: what comes back, what is metered, and which integrators can.
+//! Absorbing edges: reflections, metered energy, and the integrators that support them.
 
 use glam::DVec3;
 
@@ -11,23 +11,23 @@ use physcore_engine::stability::Horizon;
 
 const OPEN: [&str; 6] = ["absorbing"; 6];
 
-/// A wave with absorbing edges on all sides.
+/// Wave with absorbing edges on all sides.
 fn open(cells: &[usize], spacing: f64) -> Item {
     absorbing(wave(cells, spacing, &OPEN[..2 * cells.len()]))
 }
 
-/// The same with the defaults of layers.
+/// Adds absorbing layers with their defaults to an item.
 fn absorbing(item: Item) -> Item {
     let layer = [("cells", Value::Text("auto".to_owned())), ("reflection", Value::Number(1e-6))];
     with(item, "absorbing", Value::Record(Box::new(Item::new("Absorbing", layer))))
 }
 
-/// Whether an integrator has no negative substeps, so that it can.
+/// Whether an integrator supports absorbing edges: it has no negative substeps.
 fn can(name: &str) -> bool {
     !["PEFRL", "BlanesMoan4", "BlanesMoan6", "ExplicitEuler"].contains(&name)
 }
 
-/// A ripple, which is at rest at the edges at first, on a grid of that size with its lower corner `shift` cells lower along each axis.
+/// Ripple that is at rest at the edges at first. The lower corner of the grid is `shift` cells lower along each axis.
 fn ripple(count: usize, dimension: usize, shift: usize, absorbs: bool) -> Item {
     let cells = &[count; 3][..dimension];
     let center = [0.45, 0.55, 0.5];
@@ -38,14 +38,14 @@ fn ripple(count: usize, dimension: usize, shift: usize, absorbs: bool) -> Item {
     with(item, "displacement", field(cells, |at| (1.0 - square(at)) * libm::exp(-square(at))))
 }
 
-/// The same ripple on a grid that is so much wider that no echo is in time.
+/// Compares with the same ripple on a much wider grid, from which no echo arrives in time.
 #[test]
 fn nothing_comes_back_at_any_angle() {
     with_integrator!(each I => {
         if can(I::NAME) {
             let dimensions = if I::NAME == "VelocityVerlet" { 1..=3 } else { 2..=2 };
             for dimension in dimensions {
-                // In as many steps waves run through half as many cells: an echo of the wider grid comes later.
+                // In as many steps waves cross half as many cells: an echo of the wider grid comes later.
                 let (h, steps, wide) = (0.0125, if dimension == 3 { 72 } else { 120 }, if dimension == 3 { 76 } else { 100 });
                 let shift = (wide - 40) / 2;
                 let mut calm = after(&ripple(40, dimension, 0, true), I::NAME, 0, h);
@@ -67,7 +67,7 @@ fn nothing_comes_back_at_any_angle() {
     });
 }
 
-/// What the faces meter is what is lost, to the order of the method; and all that was there is gone in the end.
+/// The energy that the faces meter is the energy that is lost, to the order of the method; all energy is gone in the end.
 #[test]
 fn what_leaves_is_metered() {
     let drift = |steps: u64, time: f64| {
@@ -77,13 +77,14 @@ fn what_leaves_is_metered() {
     };
     let ((coarse, dissipated, _), (fine, ..)) = (drift(80, 0.6), drift(160, 0.6));
     assert!(dissipated > 0.2 && dissipated < 0.9, "{dissipated}");
-    // Verlet's energy is off by up to (ωh)²/4 within a period, and the ripple's energy has a mean ω² = c²k² of 800 s⁻²: 2.8e-3.
+    // Verlet's energy error is up to (ωh)²/4 within a period, and the ripple's energy has a mean ω² = c²k² of 800 s⁻²:
+    // 2.8e-3.
     assert!((3.5..4.5).contains(&(coarse / fine)) && fine.abs() < 2.9e-3, "{coarse:e} {fine:e}");
     let (_, dissipated, left) = drift(1600, 4.0);
     assert!((dissipated - 1.0).abs() < 2e-3 && left < 1e-3, "{dissipated} {left}");
 }
 
-/// Random fields hold all modes of the grid and its layers.
+/// Random fields contain all modes of the grid and its layers.
 #[test]
 fn every_integrator_that_can_is_stable_up_to_its_limit() {
     let cells = [9, 8];
@@ -110,7 +111,7 @@ fn every_integrator_that_can_is_stable_up_to_its_limit() {
     }
 }
 
-/// Fields are those of the user's cells, and so are the names.
+/// Fields and names are those of the user's cells, without the layers.
 #[test]
 fn layers_are_outside() {
     let cells = [6, 5];

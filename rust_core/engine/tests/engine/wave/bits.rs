@@ -1,4 +1,4 @@
-//! The same bits for any number of threads, any batches, and from checkpoints.
+//! Bits of the result: independent of the number of threads, of batches, and of checkpoints.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use super::scene::*;
 use physcore_engine::integrators::{Integrator, with_integrator};
 use physcore_engine::scene::{Item, Value};
 
-/// A plane that is wide enough for several blocks, with all that a wave can have.
+/// Plane wide enough for several blocks, with all options of a wave.
 fn plane(order: f64) -> Item {
     let cells = [320, 1100];
     let item =

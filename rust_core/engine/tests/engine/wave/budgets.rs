@@ -1,4 +1,4 @@
-//! The energy budget of damping and of sources.
+//! Energy budget of damping and of sources.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use physcore_engine::scene::{Item, Value};
 
 const CELLS: [usize; 2] = [24, 18];
 
-/// A pond with damping in one half, a point source and one in some cells.
+/// Pond with damping in one half, a point source, and a source in some cells.
 fn pond() -> Item {
     let point = Value::Vector(DVec3::new(1.13, 0.61, 0.0));
     let strip = with(source(mask(&CELLS, |[i, j, _]| i == 4 && j > 3), 3.0, 0.7), "stop", Value::Number(1.3));
@@ -24,7 +24,7 @@ fn pond() -> Item {
     )
 }
 
-/// Work and dissipation are integrals of the same order as the method: their balance with the energy is.
+/// Work and dissipation are integrals of the order of the method, and so is their balance with the energy.
 #[test]
 fn energy_is_what_sources_gave_less_what_damping_took() {
     for (integrator, order, steps) in [("VelocityVerlet", 2.0, 200), ("RungeKutta4", 4.0, 100)] {
@@ -42,16 +42,16 @@ fn energy_is_what_sources_gave_less_what_damping_took() {
 
 #[test]
 fn damping_alone_takes_energy_at_its_rate() {
-    // Undamped modes exchange kinetic and potential energy in the mean equally: E falls as exp(−γt), within γ/ω.
+    // Undamped modes exchange kinetic and potential energy, with equal means: E falls as exp(−γt), within γ/ω.
     let item = with(with(wave(&CELLS, 0.1, &FIXED), "damping", Value::Number(0.05)), "rate", field(&CELLS, random));
     let [start, end] = [0, 2000].map(|steps| energy(&after(&item, "VelocityVerlet", steps, 0.005)));
     let left = end.total() / start.total();
     assert!((left / libm::exp(-0.5) - 1.0).abs() < 0.02, "{left}");
-    // Verlet's energy is off by (ωh)²/4 at most, with ω² ≤ 8c²/h².
+    // Verlet's energy error is (ωh)²/4 at most, with ω² ≤ 8c²/h².
     assert!((end.balance() / start.balance() - 1.0).abs() < 0.005);
 }
 
-/// ∫ s dV is the amplitude, wherever the point lies and however fine the grid is: the momentum per second at the start.
+/// ∫ s dV is the amplitude, for any position of the point and any grid: the momentum per second at the start.
 #[test]
 fn a_point_source_gives_the_same_momentum_on_any_grid() {
     for (count, point) in [(10, 0.5), (20, 0.52), (40, 0.03), (40, 0.987)] {
@@ -64,7 +64,7 @@ fn a_point_source_gives_the_same_momentum_on_any_grid() {
     }
 }
 
-/// A change of fields is work; none is left when the old ones come back.
+/// A change of fields is work; the work is 0 when the old fields are restored.
 #[test]
 fn what_is_written_counts_as_work() {
     let mut simulation = after(&pond(), "VelocityVerlet", 40, 0.01);

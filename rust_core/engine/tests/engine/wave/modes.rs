@@ -1,5 +1,5 @@
-//! Discrete modes: values lie at the centers and edges on faces, so they are sines and cosines of the true length, and
-//! −L has the eigenvalue (4c²/h²) Σ sin²(k h/2).
+//! Discrete modes: values lie at the centers and edges on faces. Modes are therefore sines and cosines of the exact length,
+//! and −L has the eigenvalue (4c²/h²) Σ sin²(k h/2).
 
 use std::f64::consts::PI;
 
@@ -21,8 +21,8 @@ fn membrane() -> (Item, Vec<f64>, f64) {
     (with(item, "displacement", field(&CELLS, mode)), entries(&CELLS, mode), frequency)
 }
 
-/// Verlet's own frequency is (2/h) asin(ωh/2). Each step rounds by an ulp of the terms of L u, 8 c²h²/h² u: 500 steps by
-/// 500 · 8 · 0.16 · 1e-16 at random.
+/// Verlet's own frequency is (2/h) asin(ωh/2). Each step rounds by an ulp of the terms of L u, 8 c²h²/h² u. Over 500 steps
+/// this is 500 · 8 · 0.16 · 1e-16 at random.
 #[test]
 fn a_mode_swings_at_verlets_own_frequency() {
     let (item, mode, frequency) = membrane();
@@ -51,7 +51,8 @@ fn every_integrator_keeps_its_order() {
     });
 }
 
-/// Against the true frequency, in one dimension to three, for waves along all axes that are fixed, free and periodic.
+/// Compares with the exact frequency, in one dimension to three, for waves along all axes with fixed, free and periodic
+/// edges.
 #[test]
 fn differences_have_their_order() {
     let edges = ["fixed", "fixed", "free", "free", "periodic", "periodic"];

@@ -7,12 +7,12 @@ use physcore_engine::simulation::Simulation;
 pub use crate::grids::*;
 pub use crate::scenes::wave::*;
 
-/// Its displacement and its rate.
+/// Displacement and rate of the wave.
 pub fn fields(simulation: &Simulation) -> [Vec<f64>; 2] {
     ["displacement", "rate"].map(|name| simulation.read(&format!("systems[0].{name}")).unwrap().1)
 }
 
-/// Its energy budget.
+/// Energy budget of the wave.
 pub fn energy(simulation: &Simulation) -> Ledger {
     simulation.energy(&SERIAL).unwrap()
 }

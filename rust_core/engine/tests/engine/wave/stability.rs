@@ -1,4 +1,4 @@
-//! Limits of the time step, divergence, and what is refused.
+//! Limits of the time step, divergence, and refusals.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ fn run(item: &Item, integrator: &str, precision: &str, fraction: f64, steps: u64
     simulation.step(steps, dt, &|| false)
 }
 
-/// A checkerboard has a share in every random field: just above the limit it grows by e^(√(2ε)·2) per step and more.
+/// Every random field contains a checkerboard: just above the limit it grows by e^(√(2ε)·2) or more per step.
 #[test]
 fn the_limit_is_sharp_where_the_speed_is_uniform() {
     for edges in [["fixed"; 4], ["free"; 4], ["fixed", "free", "fixed", "fixed"], ["periodic"; 4]] {
@@ -42,14 +42,14 @@ fn every_integrator_is_stable_up_to_its_limit() {
     with_integrator!(each I => {
         if I::limit(0.0) > 0.0 {
             run(&item, I::NAME, "f64", 0.999, 2_000).unwrap();
-            // Between a resonance and the last stable step there may be stable ones.
+            // Between a resonance and the last stable step there may be stable steps.
             let outcome = run(&item, I::NAME, "f64", 1.5 * I::last(0.0) / I::limit(0.0), 20_000);
             assert!(matches!(outcome, Err(Error::Diverged(_))), "{}: {outcome:?}", I::NAME);
         }
     });
 }
 
-/// Rows bound the frequency from above.
+/// Row sums bound the frequency from above.
 #[test]
 fn steps_within_the_bound_are_stable_where_speeds_and_dampings_vary() {
     let cells = [12, 13];
@@ -66,7 +66,7 @@ fn steps_within_the_bound_are_stable_where_speeds_and_dampings_vary() {
     }
 }
 
-/// c = 1, h = 0.5: a line's limit is h/c, and with the other limits' unit in common.
+/// c = 1, h = 0.5: the limit of a line is h/c, in the same unit as the other limits.
 #[test]
 fn a_line_reaches_the_courant_number_one() {
     let item = wave(&[400], 0.5, &["fixed", "fixed"]);
@@ -119,7 +119,7 @@ fn what_does_not_fit_is_refused_with_its_path() {
     assert_eq!(outcome.unwrap_err().to_string(), "integrator: expected the name of an integrator, got Leapfrog");
 }
 
-/// Gives 1 up to a time, and then something else than a number.
+/// Callback that returns 1 up to a time, and then no number.
 struct Until(f64);
 
 impl Callback for Until {
@@ -142,6 +142,6 @@ fn a_signal_of_the_users_drives_a_source_until_it_fails() {
     let refused = simulation.step(10, 0.1, &|| false).unwrap_err().to_string();
     assert_eq!(refused, "systems[0].sources[0].signal: expected a number, got None");
     assert_eq!(simulation.steps(), 5);
-    // A uniform field under s = 2.
+    // Uniform field under s = 2.
     assert!(distance(&fields(&simulation)[0], &[0.25; 4]) < 1e-15);
 }

@@ -1,4 +1,4 @@
-//! Symmetries to the last bit, walls as edges, and reversal in time.
+//! Symmetries to the last bit, walls as edges, and time reversal.
 
 use super::scene::*;
 use physcore_engine::parallel::SERIAL;
@@ -31,7 +31,7 @@ fn a_periodic_field_that_is_shifted_stays_so_bit_by_bit() {
     assert!((0..N * cells[1]).all(|index| moved[index] == plain[at(index / cells[1] + 8, index % cells[1] + 3)]));
 }
 
-/// A wall is an edge: the mirror image of u beyond its face, with the other sign. The sums are taken in another order.
+/// A wall is an edge: the mirror image of u beyond its face, with the opposite sign. The sums are taken in another order.
 #[test]
 fn a_wall_is_a_fixed_edge() {
     let (whole, part) = ([12, 9], [8, 9]);

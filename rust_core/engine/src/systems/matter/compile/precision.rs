@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use crate::forces::Space;
 use crate::forces::springs::Spring;
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::Properties;
 use crate::scene::{Item, Scene, Value};
 
@@ -12,7 +13,7 @@ use crate::scene::{Item, Scene, Value};
 const COARSEST: f64 = 1e-4;
 
 /// Refuses a scene outside the range of the precision.
-pub fn check<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<()> {
+pub fn check<V: Space>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<()> {
     refuse_large::<V::Scalar>(scene, properties.origin)?;
     refuse_coarse::<V::Scalar>(scene, springs, properties.origin)?;
     refuse_extreme_masses(properties)
@@ -48,7 +49,7 @@ fn check_item<T: Real>(item: &Item) -> Result<()> {
     Ok(())
 }
 
-/// A number that is infinite to begin with is meant so: the stiffness of a rod.
+/// Refuses a number that overflows. Infinite numbers are intended, as the stiffness of a rod, and pass.
 fn check_number<T: Real>(path: impl Fn() -> String, value: f64) -> Result<()> {
     if value.is_infinite() { Ok(()) } else { check_result::<T>(path, value, value) }
 }
@@ -57,7 +58,7 @@ fn check_vector<T: Real>(path: impl Fn() -> String, vector: DVec3) -> Result<()>
     vector.to_array().into_iter().try_for_each(|value| check_number::<T>(&path, value))
 }
 
-/// Refuses a number of which something is kept that the precision makes infinite.
+/// Refuses a number if the precision makes the part that is kept infinite.
 fn check_result<T: Real>(path: impl Fn() -> String, given: f64, kept: f64) -> Result<()> {
     if T::from_f64(kept).is_finite() {
         return Ok(());
@@ -79,7 +80,7 @@ fn refuse_coarse<T: Real>(scene: &Scene, springs: &[Spring], origin: DVec3) -> R
 }
 
 /// Refuses masses whose inverse overflows or underflows: such particles would not move correctly.
-fn refuse_extreme_masses<V: Vector>(properties: &Properties<V>) -> Result<()> {
+fn refuse_extreme_masses<V: Space>(properties: &Properties<V>) -> Result<()> {
     let held = |index: usize| {
         let inverse = properties.inverse_mass[index];
         inverse.is_finite() && (inverse > V::Scalar::ZERO || properties.is_fixed(index))

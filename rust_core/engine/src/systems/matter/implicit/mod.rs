@@ -1,13 +1,16 @@
-//! Implicit methods: backward Euler, the implicit midpoint rule and BDF2, for forces of any stiffness whose derivatives are known.
+//! Implicit methods for forces of any stiffness with known derivatives: backward Euler, the implicit midpoint rule and BDF2.
 //!
 //! With the displacement u of a step of h seconds, all three solve
 //!
 //!     σ M (u − y) = h² F(x + α u, β u/h + w)
 //!
-//! backward Euler with σ = α = β = 1, y = h v; the midpoint rule with σ = 2, α = ½, β = 1, y = h v; BDF2, from the displacement d and
-//! the velocity v₋ of the step before, with σ = 9/4, α = 1, β = 3/2, y = d/3 + 2h (4v − v₋)/9, w = −d/2h. Newton's method finds u
-//! ([`newton`]). Sources: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed., 1993, sections II.7
-//! and III.1; D. Baraff, A. Witkin, SIGGRAPH 1998, 43.
+//! - Backward Euler: σ = α = β = 1, y = h v.
+//! - Midpoint rule: σ = 2, α = ½, β = 1, y = h v.
+//! - BDF2: σ = 9/4, α = 1, β = 3/2, y = d/3 + 2h (4v − v₋)/9, w = −d/2h, with the displacement d and the velocity v₋ of the
+//!   step before.
+//!
+//! Newton's method finds u ([`newton`]). Sources: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential
+//! Equations I", 2nd ed., 1993, sections II.7 and III.1; D. Baraff, A. Witkin, SIGGRAPH 1998, 43.
 
 mod newton;
 mod stiffness;
@@ -21,8 +24,8 @@ use super::method::{About, Job, Method};
 use crate::contacts::Before;
 use crate::error::{Error, Result};
 use crate::forces::Rates;
+use crate::forces::Space;
 use crate::history::{Archive, History};
-use crate::math::Vector;
 use crate::matter::{Blocks, Matter, Power, SINKS};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Item;
@@ -31,7 +34,7 @@ use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::unknown_integrator;
 use newton::{Equation, Newton};
 
-/// A scheme.
+/// Scheme of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scheme {
     BackwardEuler,
@@ -39,31 +42,31 @@ enum Scheme {
     Bdf2,
 }
 
-/// The classes' names in Python.
+/// Names of the classes in Python.
 const NAMES: [(&str, Scheme); 3] =
     [("BackwardEuler", Scheme::BackwardEuler), ("ImplicitMidpoint", Scheme::Midpoint), ("BDF2", Scheme::Bdf2)];
 
-/// The registers of BDF2: the displacement d and the velocity v₋ of the step before.
+/// Registers of BDF2: the displacement d and the velocity v₋ of the step before.
 const DISPLACEMENT: usize = 0;
 const VELOCITY: usize = 1;
 
-/// A method.
+/// Implicit method.
 pub struct Implicit {
     name: &'static str,
     scheme: Scheme,
     newton: Newton,
-    /// The size of the step that the registers are of [s]; 0 without one, and after a contact.
+    /// Size of the step that filled the registers [s]; 0 before the first step, and after a contact.
     before: f64,
     saved: f64,
-    /// Steps, and the iterations and products in them.
+    /// Number of steps, of iterations in them, and of products.
     taken: [u64; 3],
 }
 
 impl Implicit {
-    /// The method that an item declares.
+    /// Builds the method that an item declares.
     ///
     /// # Errors
-    /// If it is none of these, or its tolerance is not above 0.
+    /// If it is none of these methods, or its tolerance is not above 0.
     pub fn declared(item: &Item) -> Result<Self> {
         let known = NAMES.iter().find(|(name, _)| *name == item.kind);
         let &(name, scheme) = known.ok_or_else(|| unknown_integrator(item))?;
@@ -74,8 +77,8 @@ impl Implicit {
         Ok(Self { name, scheme, newton: Newton::new(tolerance), before: 0.0, saved: 0.0, taken: [0; 3] })
     }
 
-    /// The equation of a step of `h` seconds, and whether it is BDF2's with a step before it.
-    fn equation<V: Vector>(&self, dynamics: &Dynamics<V>, matter: &Matter<V>, h: f64) -> (Equation, bool) {
+    /// Equation of a step of `h` seconds, and whether it is BDF2's with a step before it.
+    fn equation<V: Space>(&self, dynamics: &Dynamics<V>, matter: &Matter<V>, h: f64) -> (Equation, bool) {
         let count = matter.count();
         let velocity = |index: usize| matter.velocity.get(index).widen();
         let two_step = self.scheme == Scheme::Bdf2 && self.before == h;
@@ -92,7 +95,7 @@ impl Implicit {
                 h * velocity(index)
             }
         };
-        // Those of a fixed particle give its velocity.
+        // The offset of a fixed particle reproduces its velocity.
         let offset = |index: usize| match (two_step, dynamics.properties.is_fixed(index)) {
             (false, _) => DVec3::ZERO,
             (true, false) => old(DISPLACEMENT, index) / (-2.0 * h),
@@ -110,8 +113,8 @@ impl Implicit {
         (equation, two_step)
     }
 
-    /// One step from `time` on; returns the activity at its end.
-    fn step<V: Vector>(
+    /// Takes one step from `time` on; returns the activity at its end.
+    fn step<V: Space>(
         &mut self,
         dynamics: &mut Dynamics<V>,
         matter: &mut Matter<V>,
@@ -167,8 +170,8 @@ impl Implicit {
     }
 }
 
-/// Adds the power at the state of the workspace, times a share [s], and that of the last evaluation, times another.
-fn integrate<V: Vector>(
+/// Adds the power at the state of the workspace times `share` [s], and the power of the last evaluation times `last` [s].
+fn integrate<V: Space>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
@@ -189,8 +192,8 @@ fn integrate<V: Vector>(
     Ok(())
 }
 
-/// Resolves contacts on the way of a step; returns whether there were any.
-fn collide<V: Vector>(
+/// Resolves contacts on the path of a step; returns whether there were any.
+fn collide<V: Space>(
     dynamics: &Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
@@ -206,7 +209,7 @@ fn collide<V: Vector>(
     (0..matter.count()).any(|index| workspace.velocity.get(index) != matter.velocity.get(index))
 }
 
-/// The size of the step before; BDF2's registers are those of matter.
+/// History: the size of the step before. BDF2's registers belong to matter.
 impl History for Implicit {
     fn save(&mut self) {
         self.saved = self.before;
@@ -226,7 +229,7 @@ impl History for Implicit {
     }
 }
 
-impl<V: Vector> Method<V> for Implicit {
+impl<V: Space> Method<V> for Implicit {
     fn about(&self) -> About {
         let order = if self.scheme == Scheme::BackwardEuler { 1 } else { 2 };
         let registers = if self.scheme == Scheme::Bdf2 { 2 } else { 0 };
@@ -234,7 +237,7 @@ impl<V: Vector> Method<V> for Implicit {
             name: self.name,
             order,
             order_dissipative: order,
-            // Of a step whose equation is solved in some three iterations.
+            // For a step whose equation is solved in about three iterations.
             evaluations: 4,
             registers,
             readable: registers,
@@ -248,7 +251,7 @@ impl<V: Vector> Method<V> for Implicit {
             holds_rods: false,
             refuses_fields: None,
             smooth_only: None,
-            // The midpoint rule keeps the energy of modes faster than a step, which impulses on its paths would raise.
+            // The midpoint rule keeps the energy of modes faster than a step; impulses on its paths would raise it.
             impulses: (self.scheme != Scheme::Midpoint).then_some(Impulses::End),
         }
     }
@@ -286,7 +289,7 @@ impl<V: Vector> Method<V> for Implicit {
         bound
     }
 
-    /// No step is too long for its stability.
+    /// Limit of the time step: none, every step is stable.
     fn limit(&self, _bound: &SpectralBound, _cache: &mut LimitCache) -> Limit {
         Limit::NONE
     }

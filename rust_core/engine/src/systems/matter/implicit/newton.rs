@@ -1,52 +1,52 @@
-//! Newton's method with line search, whose linear equations are solved by preconditioned conjugate gradients.
+//! Newton's method with line search; preconditioned conjugate gradients solve its linear equations.
 //!
-//! The residual R(u) = σ M (u − y) − h² F is the gradient of a function of u, where forces have a potential: a search along p ends where
-//! the derivative R·p has fallen to a half at most, so that it needs no potential. All sums are in one fixed order. Source:
-//! J. Nocedal, S. J. Wright, "Numerical Optimization", 2nd ed., 2006, chapters 3, 5 and 7.
+//! Let the residual be R(u) = σ M (u − y) − h² F. For forces with a potential it is the gradient of a function of u. A search
+//! along p ends where the derivative R·p has fallen to a half at most; it needs no potential. All sums are in one fixed
+//! order. Source: J. Nocedal, S. J. Wright, "Numerical Optimization", 2nd ed., 2006, chapters 3, 5 and 7.
 
 use glam::DVec3;
 
 use super::stiffness::Stiffness;
 use crate::error::{Error, Result};
+use crate::forces::Space;
 use crate::forces::derivatives::{Motion, Push};
 use crate::forces::springs::Spring;
-use crate::math::Vector;
 use crate::parallel::Executor;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::projection::colored;
 
-/// The most iterations of Newton's method, and trials of a search along a direction.
+/// Maximum number of iterations of Newton's method, and of trials of a search along a direction.
 const MOST_ITERATIONS: u64 = 200;
 const MOST_TRIALS: u32 = 16;
-/// The residual over the largest force below which all derivatives are taken.
+/// Residual over the largest force below which all derivatives are used.
 const NEAR: f64 = 0.01;
-/// The derivative along a direction at the end of a search, over that at its start.
+/// Derivative along a direction at the end of a search, over the derivative at its start.
 const DESCENT: f64 = 0.5;
 /// Rounding errors of the forces on a particle, in units of ε k times the coordinates of its springs.
 const ROUNDINGS: f64 = 4.0;
 
-/// The equation of a step: σ M (u − y) = h² F(x + α u, β u/h + w).
+/// Equation of a step: σ M (u − y) = h² F(x + α u, β u/h + w).
 #[derive(Debug)]
 pub struct Equation {
-    /// h [s].
+    /// Step size h [s].
     pub h: f64,
-    /// σ, α and β.
+    /// Coefficients σ, α and β.
     pub inertia: f64,
     pub position: f64,
     pub rate: f64,
-    /// x [m].
+    /// Positions x at the start [m].
     pub from: Vec<DVec3>,
-    /// y [m].
+    /// Predicted displacements y [m].
     pub predicted: Vec<DVec3>,
-    /// w [m/s].
+    /// Offset w of the velocities [m/s].
     pub offset: Vec<DVec3>,
 }
 
-/// A solver with its buffers.
+/// Solver with its buffers.
 #[derive(Debug, Default)]
 pub struct Newton {
     tolerance: f64,
-    /// The springs, in an order in which neighbors have no common particles.
+    /// Springs, in an order in which neighbors have no common particles.
     springs: Vec<Spring>,
     /// Masses [kg], infinite where fixed.
     mass: Vec<f64>,
@@ -55,7 +55,7 @@ pub struct Newton {
     velocities: Vec<DVec3>,
     residual: Vec<DVec3>,
     direction: Vec<DVec3>,
-    /// Of conjugate gradients: the residual, the preconditioned one, the direction and its product.
+    /// Vectors of conjugate gradients: residual, preconditioned residual, direction, and product.
     vectors: [Vec<DVec3>; 4],
 }
 
@@ -64,13 +64,13 @@ fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
 }
 
 impl Newton {
-    /// A solver to a tolerance, the largest residual over the largest force.
+    /// Creates a solver for a tolerance, the largest residual over the largest force.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance, ..Self::default() }
     }
 
-    /// Takes the springs of a scene.
-    pub fn begin<V: Vector>(&mut self, dynamics: &Dynamics<V>) {
+    /// Sets the springs of a scene.
+    pub fn begin<V: Space>(&mut self, dynamics: &Dynamics<V>) {
         self.springs = colored(&dynamics.springs, dynamics.properties.count());
         self.mass.clone_from(&dynamics.properties.mass);
         let zeros = vec![DVec3::ZERO; self.mass.len()];
@@ -81,11 +81,11 @@ impl Newton {
         }
     }
 
-    /// The displacements that solve an equation, and the numbers of iterations and products.
+    /// Displacements that solve an equation, and the numbers of iterations and products.
     ///
     /// # Errors
     /// If the residual does not become small enough, or particles are too far away.
-    pub fn solve<V: Vector>(
+    pub fn solve<V: Space>(
         &mut self,
         dynamics: &mut Dynamics<V>,
         equation: &Equation,
@@ -98,13 +98,13 @@ impl Newton {
         };
         let diagonal = |index: usize| if self.mass[index].is_finite() { mobile(index) } else { 0.0 };
         self.matrix.diagonal = (0..self.mass.len()).map(diagonal).collect();
-        // From the positions, and not from the prediction, which may have turned stiff springs over to another solution.
+        // The start is the position: the prediction may have turned stiff springs over to another solution.
         let start = |index: usize| if self.mass[index].is_finite() { DVec3::ZERO } else { equation.predicted[index] };
         let mut u: Vec<DVec3> = (0..self.mass.len()).map(start).collect();
         let mut products = 0;
         let (mut worst, mut first) = (self.evaluate(dynamics, equation, &u, executor)?, None);
         for iteration in 0..MOST_ITERATIONS {
-            // A state that is not finite is found by the divergence monitor.
+            // The divergence monitor reports states that are not finite.
             if worst.1 <= self.tolerance || worst.1.is_nan() {
                 return Ok((u, [iteration, products]));
             }
@@ -116,12 +116,12 @@ impl Newton {
                 force.blocks(&at, factors, &mut |block| matrix.add(block));
             }
             matrix.complete();
-            // Superlinear convergence: the linear equations are solved the better the nearer the solution is.
+            // Superlinear convergence: the nearer the solution, the more accurately the linear equations are solved.
             let norm = dot(&self.residual, &self.residual).sqrt();
             let start = *first.get_or_insert(norm);
             let tolerance = (norm / start).sqrt().min(0.1);
-            // Near the solution, with all derivatives, convergence is quadratic; elsewhere compressed springs may make the matrix
-            // indefinite, and then their stiffness across is left out.
+            // Near the solution, with all derivatives, convergence is quadratic. Elsewhere compressed springs may make the
+            // matrix indefinite; their stiffness across is then left out.
             let exact = (worst.1 < NEAR).then(|| self.descend(tolerance, false));
             let count = exact.flatten().or_else(|| self.descend(tolerance, true));
             products += count.unwrap_or_default();
@@ -135,9 +135,9 @@ impl Newton {
         Err(Error::unsolved(dynamics.properties.caller[worst.0] as usize, cause))
     }
 
-    /// Moves displacements along the direction, in whose beginning the derivative is `slope` < 0, until it has fallen to a half of
-    /// that; a direction along which it has hardly changed is followed further, as where springs buckle.
-    fn search<V: Vector>(
+    /// Moves displacements along the direction, on which the derivative starts at `slope` < 0, until it has fallen to a half.
+    /// A direction along which the derivative has hardly changed is followed further, as where springs buckle.
+    fn search<V: Space>(
         &mut self,
         dynamics: &mut Dynamics<V>,
         equation: &Equation,
@@ -162,8 +162,9 @@ impl Newton {
         Ok(worst)
     }
 
-    /// The residual at displacements; returns the particle where it is largest, and it over the largest force.
-    fn evaluate<V: Vector>(
+    /// Computes the residual at displacements. Returns the particle with the largest residual, and that residual over the
+    /// largest force.
+    fn evaluate<V: Space>(
         &mut self,
         dynamics: &mut Dynamics<V>,
         equation: &Equation,
@@ -221,7 +222,8 @@ impl Newton {
         Ok(worst)
     }
 
-    /// The direction p with A p = −R, to a relative residual; returns the number of products, or None where A is not definite.
+    /// Solves A p = −R for the direction p, to a relative residual. Returns the number of products, or None if A is not
+    /// definite.
     fn descend(&mut self, tolerance: f64, definite: bool) -> Option<u64> {
         let Self { matrix, residual, direction, vectors: [r, z, p, product], .. } = self;
         direction.fill(DVec3::ZERO);
@@ -257,8 +259,8 @@ impl Newton {
     }
 }
 
-/// The acceleration by linear forces [m/s²].
-fn linear<V: Vector>(dynamics: &Dynamics<V>, index: usize, place: DVec3, velocity: DVec3) -> DVec3 {
+/// Acceleration by linear forces [m/s²].
+fn linear<V: Space>(dynamics: &Dynamics<V>, index: usize, place: DVec3, velocity: DVec3) -> DVec3 {
     let (place, velocity) = (place.to_array(), velocity.to_array());
     let mut acceleration = [0.0; 3];
     for axis in 0..V::DIMENSION {

@@ -1,11 +1,12 @@
-//! The matrix of Newton's method: inertia, the derivatives of linear forces, of springs in their present directions, and of others.
+//! Matrix of Newton's method: inertia, and derivatives of linear forces, of springs in their present directions, and of
+//! others.
 
 use glam::{DMat3, DVec3};
 
 use crate::forces::derivatives::Block;
 use crate::forces::springs::Spring;
 
-/// The derivative of a spring's force: along n, and across it.
+/// Derivative of a spring's force: along its direction n, and across it.
 #[derive(Debug, Clone, Copy)]
 struct Link {
     ends: [u32; 2],
@@ -14,22 +15,22 @@ struct Link {
     across: f64,
 }
 
-/// A symmetric matrix: σ m + h² (…) of each particle, and a block for each spring.
+/// Symmetric matrix: σ m + h² (…) of each particle, and a block for each spring.
 #[derive(Debug, Clone, Default)]
 pub struct Stiffness {
-    /// By particle; 0 where it is fixed.
+    /// Diagonal, by particle; 0 if the particle is fixed.
     pub diagonal: Vec<f64>,
     links: Vec<Link>,
-    /// Of all other forces: of particles alone, where there are any, and of pairs.
+    /// Blocks of all other forces: of single particles, if there are any, and of pairs.
     own: Vec<[DMat3; 2]>,
     pairs: Vec<Block>,
-    /// The inverses of its blocks on the diagonal.
+    /// Inverses of the blocks on the diagonal.
     inverse: Vec<DMat3>,
 }
 
 impl Stiffness {
-    /// Takes springs at positions, with velocities, whose derivatives by the displacement are `position` and `rate`. A spring under
-    /// compression has a negative stiffness across, which is left out of the inverse blocks, so that these are definite.
+    /// Adds springs at these positions and velocities, whose derivatives by the displacement are `position` and `rate`. A
+    /// compressed spring has a negative stiffness across. The inverse blocks leave it out, so that they are definite.
     pub fn assemble(&mut self, springs: &[Spring], places: &[DVec3], velocities: &[DVec3], [position, rate]: [f64; 2]) {
         self.links.clear();
         self.own.clear();
@@ -46,7 +47,7 @@ impl Stiffness {
                 let along = position * spring.stiffness + rate * spring.damping;
                 Link { ends: spring.ends, direction, along, across: position * pull / length }
             } else {
-                // Without a direction it is isotropic, and where its rest length is 0 this is exact.
+                // Without a direction the stiffness is isotropic; for a rest length of 0 this is exact.
                 let along = position * spring.stiffness;
                 Link { ends: spring.ends, direction: DVec3::ZERO, along, across: along }
             };
@@ -74,14 +75,15 @@ impl Stiffness {
         }
     }
 
-    /// Inverts the blocks on the diagonal, when all are added.
+    /// Inverts the blocks on the diagonal, after all are added.
     pub fn complete(&mut self) {
         for (inverse, &diagonal) in self.inverse.iter_mut().zip(&self.diagonal) {
             *inverse = if diagonal > 0.0 { inverse.inverse() } else { DMat3::ZERO };
         }
     }
 
-    /// A p into `product`; components of fixed particles are 0. `definite` leaves out what may be negative.
+    /// Writes A p into `product`; components of fixed particles are 0. If `definite`, terms that may be negative are left
+    /// out.
     pub fn multiply(&self, p: &[DVec3], product: &mut [DVec3], definite: bool) {
         let least = if definite { 0.0 } else { f64::NEG_INFINITY };
         for ((product, &p), &diagonal) in product.iter_mut().zip(p).zip(&self.diagonal) {
@@ -112,7 +114,7 @@ impl Stiffness {
         }
     }
 
-    /// The product with the inverses of the blocks on the diagonal.
+    /// Multiplies by the inverses of the blocks on the diagonal.
     pub fn precondition(&self, r: &[DVec3], z: &mut [DVec3]) {
         z.iter_mut().zip(r).zip(&self.inverse).for_each(|((z, &r), inverse)| *z = *inverse * r);
     }

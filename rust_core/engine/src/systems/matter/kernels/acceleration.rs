@@ -1,10 +1,11 @@
-//! The accelerations of a block: accumulated forces plus the linear force.
+//! Accelerations of a block: accumulated forces plus the linear force.
 
 use super::activity::kinetic;
 use super::axis_force::{AxisForce, Uniform};
 use super::power::{add_power, lanes};
+use crate::forces::Space;
 use crate::forces::linear::AxisLaw;
-use crate::math::{AXES, Real, Vector};
+use crate::math::{AXES, Real};
 use crate::matter::{EnergySink, Power, Span, View};
 use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
@@ -25,9 +26,9 @@ struct Accelerations<'a, T> {
     dissipates: bool,
 }
 
-/// Replaces the forces on the particles of a block from `start` on [N] by their accelerations [m/s²], adds the power of the
+/// Replaces the forces [N] on the particles of a block from `start` on by their accelerations [m/s²]. Adds the power of the
 /// linear force, and returns the activity.
-pub fn accelerations<V: Vector>(
+pub fn accelerations<V: Space>(
     dynamics: &Dynamics<V>,
     start: usize,
     (position, velocity): (View<'_, V>, View<'_, V>),
@@ -68,7 +69,7 @@ impl<T: Real> Kernel for Accelerations<'_, T> {
     }
 }
 
-/// The accelerations along one axis. Adds to the powers, and Σ m v² to `squares`.
+/// Accelerations along one axis. Adds to the powers, and Σ m v² to `squares`.
 #[inline(always)]
 fn along<G: Pack<Scalar: Real>, L: AxisForce<G::Scalar>>(
     law: L,

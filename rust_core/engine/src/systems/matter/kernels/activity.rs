@@ -1,6 +1,7 @@
-//! The activity of a block, and the test of its range.
+//! Activity of a block, and the test of its range.
 
-use crate::math::{Real, Vector};
+use crate::forces::Space;
+use crate::math::Real;
 use crate::matter::{Blocks, Span};
 use crate::simd::{Isa, Kernel, LANES, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
@@ -11,18 +12,18 @@ pub(super) fn kinetic<T: Real, const W: usize>(squares: &[T; W]) -> f64 {
     0.5 * squares.iter().map(|square| square.to_f64()).sum::<f64>()
 }
 
-/// The activity of a block: the kinetic energy [J], ½ Σ m v², rough in single precision, and not finite as soon as one
-/// velocity is not.
-pub fn activity<V: Vector>(dynamics: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
+/// Activity of a block: the kinetic energy [J], ½ Σ m v², rough in single precision. The activity is not finite if a velocity
+/// is not finite.
+pub fn activity<V: Space>(dynamics: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
     dispatch(Activity { columns: &blocks.velocity, weights: &dynamics.properties.inertia[blocks.range()] })
 }
 
-struct Activity<'a, 'b, V: Vector> {
+struct Activity<'a, 'b, V: Space> {
     columns: &'a Span<'b, V>,
     weights: &'a [V::Scalar],
 }
 
-impl<V: Vector> Kernel for Activity<'_, '_, V> {
+impl<V: Space> Kernel for Activity<'_, '_, V> {
     type Output = f64;
 
     #[inline(always)]
@@ -40,17 +41,17 @@ impl<V: Vector> Kernel for Activity<'_, '_, V> {
     }
 }
 
-/// 0 where all positions of a block and its kinetic energy are finite, else NaN, which is 0·∞.
-pub fn out_of_range<V: Vector>(dynamics: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
+/// Returns 0 if all positions of a block and its kinetic energy are finite, else NaN (0·∞).
+pub fn out_of_range<V: Space>(dynamics: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
     dispatch(OutOfRange { blocks, weights: &dynamics.properties.inertia[blocks.range()] })
 }
 
-struct OutOfRange<'a, 'b, V: Vector> {
+struct OutOfRange<'a, 'b, V: Space> {
     blocks: &'a Blocks<'b, V>,
     weights: &'a [V::Scalar],
 }
 
-impl<V: Vector> Kernel for OutOfRange<'_, '_, V> {
+impl<V: Space> Kernel for OutOfRange<'_, '_, V> {
     type Output = f64;
 
     #[inline(always)]

@@ -8,19 +8,19 @@ use crate::simd::{Lanes, Number};
 pub(super) trait AxisForce<T: Real>: Copy {
     /// Whether power is supplied from outside, by wind.
     const SUPPLIES: bool;
-    /// The coefficients, each a `C`: of one particle, or of several in lanes.
+    /// Coefficients, each a `C`: of one particle, or of several in lanes.
     type Coefficients<C: Copy>: Copy;
-    /// The coefficients that `read` takes from each of their columns.
+    /// Coefficients that `read` takes from each of their columns.
     fn coefficients<C: Copy>(&self, read: impl Fn(&[Lanes<T>]) -> C) -> Self::Coefficients<C>;
-    /// The acceleration.
+    /// Acceleration.
     fn acceleration<N: Number<Scalar = T>>(&self, coefficients: &Self::Coefficients<N>, x: N, v: N) -> N;
-    /// The power that drag dissipates and the power of the wind, in units of [`AxisForce::unit`].
+    /// Power that drag dissipates and power of the wind, in units of [`AxisForce::unit`].
     fn power<N: Number<Scalar = T>>(&self, coefficients: &Self::Coefficients<N>, v: N) -> [N; 2];
-    /// The unit of the powers [W].
+    /// Unit of the powers [W].
     fn unit(&self) -> f64;
 }
 
-/// Common coefficients; `DRAG` says whether there is drag.
+/// Common coefficients; `DRAG` is whether there is drag.
 #[derive(Clone, Copy)]
 pub(super) struct Uniform<T, const DRAG: bool>(pub(super) Coefficients<T>);
 
@@ -50,7 +50,7 @@ impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
 
 impl<T: Real> AxisForce<T> for Varying<'_, T> {
     const SUPPLIES: bool = true;
-    /// a₀, b, c and γ.
+    /// Coefficients a₀, b, c and γ.
     type Coefficients<C: Copy> = [C; 4];
 
     #[inline(always)]

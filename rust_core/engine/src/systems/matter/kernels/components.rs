@@ -1,12 +1,13 @@
-//! The columns of a block as groups of lanes.
+//! Columns of a block as groups of lanes.
 
+use crate::forces::Space;
 use crate::forces::linear::AxisLaw;
-use crate::math::{AXES, Vector};
+use crate::math::AXES;
 use crate::matter::{Blocks, EnergyTally, REGISTERS, Span};
 use crate::simd::LANES;
 use crate::systems::matter::dynamics::Dynamics;
 
-/// The columns of one axis of one block, as groups of `W` lanes.
+/// Columns of one axis of one block, as groups of `W` lanes.
 pub(super) struct Axis<'a, T, const W: usize = LANES> {
     pub x: &'a mut [[T; W]],
     pub v: &'a mut [[T; W]],
@@ -15,12 +16,12 @@ pub(super) struct Axis<'a, T, const W: usize = LANES> {
     pub residual: &'a mut [[T; W]],
 }
 
-/// The axes of a block with their linear forces, as many as there are dimensions. The loops use only these, so that one
-/// compiled kernel serves two and three dimensions.
+/// Axes of a block with their linear forces, as many as there are dimensions. The loops use only these: one compiled kernel
+/// serves two and three dimensions.
 pub(super) type Axes<'a, T> = [Option<(Axis<'a, T>, AxisLaw<'a, T>)>; AXES];
 
-/// The axes with their linear forces and the tally of a block.
-pub(super) fn split<'a, V: Vector>(
+/// Axes of a block with their linear forces, and tally of the block.
+pub(super) fn split<'a, V: Space>(
     dynamics: &'a Dynamics<V>,
     blocks: &'a mut Blocks<'_, V>,
 ) -> (Axes<'a, V::Scalar>, &'a mut EnergyTally) {
@@ -34,8 +35,8 @@ pub(super) fn split<'a, V: Vector>(
     (axes, &mut blocks.tallies[0])
 }
 
-/// The columns of every axis; those past the dimension are empty.
-pub(super) fn columns<'a, V: Vector, const W: usize>(
+/// Columns of every axis; those past the dimension are empty.
+pub(super) fn columns<'a, V: Space, const W: usize>(
     position: &'a mut Span<'_, V>,
     velocity: &'a mut Span<'_, V>,
     registers: &'a mut [Span<'_, V>; REGISTERS],

@@ -1,21 +1,22 @@
-//! Boris' kick: half of the acceleration by all other forces, a rotation of the velocity in the magnetic field, the other half.
+//! Boris' kick: half of the kick by all other forces, a rotation of the velocity in the magnetic field, and the other half.
 //!
-//! With t = q B h/2m the rotation about −B by 2 atan |t| is v⁺ = v⁻ + (v⁻ + v⁻ × t) × 2t/(1 + t²), which keeps |v|. By the exact
-//! angle |q B| h/m, t is lengthened to tan |t|.
+//! With t = q B h/2m the rotation about −B by 2 atan |t| is v⁺ = v⁻ + (v⁻ + v⁻ × t) × 2t/(1 + t²), which conserves |v|. For
+//! the exact angle |q B| h/m, t is lengthened to tan |t|.
 //!
-//! Sources: J. P. Boris, Proc. 4th Conf. Numerical Simulation of Plasmas (1970) 3; C. K. Birdsall, A. B. Langdon, Plasma Physics via
-//! Computer Simulation (1985), § 4-3 and § 4-4.
+//! Sources: J. P. Boris, Proc. 4th Conf. Numerical Simulation of Plasmas (1970) 3; C. K. Birdsall, A. B. Langdon, Plasma
+//! Physics via Computer Simulation (1985), § 4-3 and § 4-4.
 
 use std::ops::Range;
 
+use crate::forces::Space;
 use crate::forces::{PART, StateView, Strength};
-use crate::math::{AXES, Real, Vector};
+use crate::math::{AXES, Real};
 use crate::matter::Span;
 use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 use crate::systems::matter::dynamics::{Angle, Dynamics};
 
-/// Some particles of a block, with the accelerations by the linear force [m/s²].
-struct Gyration<'a, V: Vector> {
+/// Particles of a part of a block, with the accelerations by the linear force [m/s²].
+struct Gyration<'a, V: Space> {
     range: Range<usize>,
     strength: &'a Strength<V>,
     linear: &'a [[V::Scalar; PART]; AXES],
@@ -26,9 +27,9 @@ struct Gyration<'a, V: Vector> {
     h: f64,
 }
 
-/// Replaces the sum of all forces on a block but the magnetic ones by that which is Boris' kick of `h` seconds from the velocities
-/// `before`.
-pub fn gyrate<V: Vector>(
+/// Replaces the forces on a block by the mean force of Boris' kick of `h` seconds. On entry the forces are the sum of all but
+/// the magnetic ones. The kick starts from the velocities `before`.
+pub fn gyrate<V: Space>(
     dynamics: &Dynamics<V>,
     block: &Range<usize>,
     at: &StateView<'_, V>,
@@ -66,8 +67,8 @@ pub fn gyrate<V: Vector>(
     }
 }
 
-/// Lengthens t to tan |t|.
-fn lengthen<V: Vector>(strength: &mut Strength<V>, dynamics: &Dynamics<V>, some: &Range<usize>, h: f64) {
+/// Lengthens t to tan |t|, for the exact angle.
+fn lengthen<V: Space>(strength: &mut Strength<V>, dynamics: &Dynamics<V>, some: &Range<usize>, h: f64) {
     for (place, index) in some.clone().enumerate() {
         let half = 0.5 * h * strength.get(place).length() * dynamics.properties.inverse_mass[index].to_f64();
         if half > 0.0 {
@@ -79,7 +80,7 @@ fn lengthen<V: Vector>(strength: &mut Strength<V>, dynamics: &Dynamics<V>, some:
     }
 }
 
-impl<V: Vector> Kernel for Gyration<'_, V> {
+impl<V: Space> Kernel for Gyration<'_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -119,10 +120,10 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
                     half[axis] = f[axis] * by_mass + a[axis] * half_step;
                 }
                 let increment = kick(v, half, turn);
-                // A particle that does not turn keeps its force to the bit.
+                // A particle that does not turn keeps the exact bits of its force.
                 let turns = turn != [V::Scalar::ZERO; AXES];
                 for axis in 0..V::DIMENSION {
-                    // Divided: a rounded 1/h would lengthen or shorten the velocity by the same fraction in each step.
+                    // Division: a rounded 1/h would lengthen or shorten the velocity by the same fraction in each step.
                     let mean = increment[axis] / step - a[axis];
                     kicked[axis][lane] = if turns { mean * inertia[lane] } else { f[axis] };
                 }
@@ -134,7 +135,7 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
     }
 }
 
-/// The increment of a velocity v in Boris' kick: half of that by all other forces, twice, and that of the rotation by t between.
+/// Increment of a velocity v in Boris' kick: twice the half kick by all other forces, and the rotation by t between them.
 #[inline(always)]
 pub fn kick<T: Real>(v: [T; AXES], half: [T; AXES], t: [T; AXES]) -> [T; AXES] {
     let minus = [v[0] + half[0], v[1] + half[1], v[2] + half[2]];

@@ -2,14 +2,15 @@
 
 use super::components::columns;
 use super::gyration::kick;
+use crate::forces::Space;
 use crate::forces::{Affine, FieldLaw, Use, times};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::Blocks;
 use crate::simd::{Isa, Kernel, dispatch_wide};
 use crate::systems::matter::dynamics::{Dynamics, LoneFields};
 
-/// A block of charges, to be advanced by whole steps once its fields are known.
-struct Part<'a, 'b, V: Vector> {
+/// Block of charges that advances by whole steps once its fields are known.
+struct Part<'a, 'b, V: Space> {
     /// Charges [C] and inverse masses [1/kg].
     charges: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
@@ -19,8 +20,8 @@ struct Part<'a, 'b, V: Vector> {
     number: u64,
 }
 
-/// Advances one block by whole steps in fields alone.
-pub fn gyration_steps<V: Vector>(
+/// Advances one block by whole steps in electric and magnetic fields alone.
+pub fn gyration_steps<V: Space>(
     dynamics: &Dynamics<V>,
     LoneFields { electric, magnetic, charges }: LoneFields<'_, V::Scalar>,
     block: &mut Blocks<'_, V>,
@@ -33,7 +34,7 @@ pub fn gyration_steps<V: Vector>(
     magnetic.with(0.0, origin, Part { charges, inverse_mass, electric, block, h, number });
 }
 
-impl<V: Vector> Use<V::Scalar> for Part<'_, '_, V> {
+impl<V: Space> Use<V::Scalar> for Part<'_, '_, V> {
     fn with(self, magnetic: impl FieldLaw<V::Scalar>) {
         dispatch_wide(Steps { part: self, magnetic });
     }
@@ -45,17 +46,17 @@ struct Steps<P, B> {
     magnetic: B,
 }
 
-impl<V: Vector, B: FieldLaw<V::Scalar>> Kernel for Steps<Part<'_, '_, V>, B> {
+impl<V: Space, B: FieldLaw<V::Scalar>> Kernel for Steps<Part<'_, '_, V>, B> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Isa>(self, _isa: S) {
-        // The widest vector, as in `point_force_steps`.
+        // Widest vector, as in `point_force_steps`.
         if size_of::<V::Scalar>() == size_of::<f32>() { self.steps::<16>() } else { self.steps::<8>() }
     }
 }
 
-impl<V: Vector, B: FieldLaw<V::Scalar>> Steps<Part<'_, '_, V>, B> {
+impl<V: Space, B: FieldLaw<V::Scalar>> Steps<Part<'_, '_, V>, B> {
     /// Takes all steps, `W` charges at a time.
     #[inline(always)]
     fn steps<const W: usize>(self) {

@@ -5,9 +5,10 @@ use std::marker::PhantomData;
 use super::axis_force::{AxisForce, Uniform};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, reuses_one_of_many};
+use crate::forces::Space;
 use crate::forces::linear::AxisLaw;
 use crate::integrators::{Component, Integrator, for_each_stage};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::{Blocks, EnergySink, EnergyTally, REGISTERS};
 use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch_wide};
 use crate::systems::matter::dynamics::Dynamics;
@@ -23,7 +24,7 @@ struct Steps<'a, T, I> {
 }
 
 /// Advances one block by whole steps under the linear force alone.
-pub fn steps<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
+pub fn steps<V: Space, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
     let (axes, tally) = split(dynamics, blocks);
     dispatch_wide(Steps::<V::Scalar, I> {
         axes,
@@ -35,10 +36,10 @@ pub fn steps<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Bloc
     });
 }
 
-/// The sinks of a linear force.
+/// Sinks of a linear force.
 const OF_DRAG: [EnergySink; 2] = [EnergySink::Drag, EnergySink::Work];
 
-/// The powers through [`OF_DRAG`] [W], by lane: weighted over the stages of a step, and at its last stage.
+/// Powers through [`OF_DRAG`] [W], by lane: weighted over the stages of a step, and at its last stage.
 #[derive(Default)]
 struct Powers {
     step: [Lanes<f64>; 2],
@@ -57,7 +58,8 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
 }
 
 impl<T: Real, I: Integrator> Steps<'_, T, I> {
-    /// Takes one step: a pass over a block in the first-level cache. Two steps in a pass ask for more registers than there are.
+    /// Takes one step: a pass over a block in the first-level cache. Two steps in a pass would need more registers than there
+    /// are.
     #[inline(always)]
     fn step<P: Pack<Scalar = T>>(&mut self) {
         let (mut powers, mut sinks) = (Powers::default(), 1);
@@ -84,7 +86,8 @@ impl<T: Real, I: Integrator> Steps<'_, T, I> {
     }
 }
 
-/// One step of every lane along one axis, and its powers. Only persistent registers are read, and only readable ones are written.
+/// Takes one step of every lane along one axis, with its powers. Reads only persistent registers, and writes only readable
+/// ones.
 #[inline(always)]
 fn whole_step<P: Pack<Scalar: Real>, I: Integrator, L: AxisForce<P::Scalar>>(
     law: L,
@@ -94,10 +97,10 @@ fn whole_step<P: Pack<Scalar: Real>, I: Integrator, L: AxisForce<P::Scalar>>(
 ) {
     let (step, zero) = (P::constant(h), P::constant(0.0));
     let Axis { x, v, registers, .. } = axis;
-    // Copied, because writes to columns might change what is read through a reference.
+    // A copy: writes to columns might change the value behind a reference.
     let registers = registers.each_mut().map(|column| &mut **column);
     let (mut of_step, mut of_last) = ([[P::Scalar::ZERO; LANES]; 2], [[P::Scalar::ZERO; LANES]; 2]);
-    // One register's lanes of all groups, then the next ones.
+    // The lanes of one register in all groups, then those of the next register.
     for first in (0..LANES).step_by(P::WIDTH) {
         let (mut sums, mut lasts) = ([zero; 2], [zero; 2]);
         for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
@@ -133,7 +136,8 @@ fn whole_step<P: Pack<Scalar: Real>, I: Integrator, L: AxisForce<P::Scalar>>(
     }
 }
 
-/// One step along one axis; returns the dissipated and the supplied power, weighted over the stages, and those of the last stage.
+/// Takes one step along one axis. Returns the dissipated and the supplied power, weighted over the stages, and at the last
+/// stage.
 #[inline(always)]
 fn one_step<P: Pack<Scalar: Real>, I: Integrator, L: AxisForce<P::Scalar>>(
     law: &L,
@@ -147,7 +151,7 @@ fn one_step<P: Pack<Scalar: Real>, I: Integrator, L: AxisForce<P::Scalar>>(
         I::stage_state(stage, component, h);
         last = law.power(coefficients, component.v);
         for sink in 0..OF_DRAG.len() {
-            // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
+            // A single stage's weight is left to `integrate`; here it would cost a multiplication per lane.
             let weighted = if I::NODES.len() == 1 { last[sink] } else { P::constant(I::WEIGHTS[stage]) * last[sink] };
             sums[sink] = if stage == 0 { weighted } else { sums[sink] + weighted };
         }

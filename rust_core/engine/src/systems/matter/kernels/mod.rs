@@ -1,10 +1,12 @@
-//! The inner loops: an integrator's steps or stages over the lanes of one block.
+//! Inner loops: an integrator's steps or stages over the lanes of one block.
 //!
-//! [`linear_steps`] runs whole steps of the linear force in registers. [`stage`] runs one stage with forces that were
-//! accumulated before. Both evaluate the linear force in the same way, so only scenes with further forces pay for the
-//! general loop. [`point_force_steps`] runs whole steps under one force field, such as that of a star or a nucleus.
-//! [`gyration`] makes Boris' kick of accumulated forces, [`gyration_steps`] whole steps of it in E and B alone.
-//! [`accelerations`] serves methods that keep the stages themselves.
+//! - [`linear_steps`]: whole steps of the linear force, in registers.
+//! - [`stage`]: one stage with forces that were accumulated before. Only scenes with other forces than the linear one pay for
+//!   this general loop; both evaluate the linear force in the same way.
+//! - [`point_force_steps`]: whole steps under one force field, such as that of a star or a nucleus.
+//! - [`gyration`]: Boris' kick of accumulated forces.
+//! - [`gyration_steps`]: whole steps of Boris' method in E and B alone.
+//! - [`accelerations`]: for methods with their own stages.
 
 mod acceleration;
 mod activity;

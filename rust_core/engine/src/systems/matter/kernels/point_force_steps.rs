@@ -3,15 +3,16 @@
 use std::marker::PhantomData;
 
 use super::components::{Axis, columns};
+use crate::forces::Space;
 use crate::forces::{InverseSquare, InverseSquareLaw};
 use crate::integrators::{Component, Integrator, for_each_stage};
-use crate::math::{AXES, Vector};
+use crate::math::AXES;
 use crate::matter::{Blocks, REGISTERS};
 use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch_wide};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Whole steps of a block.
-struct PointForceSteps<'a, 'b, V: Vector, I> {
+struct PointForceSteps<'a, 'b, V: Space, I> {
     law: InverseSquareLaw<V::Scalar>,
     members: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
@@ -22,7 +23,7 @@ struct PointForceSteps<'a, 'b, V: Vector, I> {
 }
 
 /// Advances one block by whole steps under an inverse-square force alone.
-pub fn point_force_steps<V: Vector, I: Integrator>(
+pub fn point_force_steps<V: Space, I: Integrator>(
     dynamics: &Dynamics<V>,
     InverseSquare { law, members }: InverseSquare<'_, V::Scalar>,
     block: &mut Blocks<'_, V>,
@@ -34,7 +35,7 @@ pub fn point_force_steps<V: Vector, I: Integrator>(
     dispatch_wide(PointForceSteps::<V, I> { law, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
-impl<V: Vector, I: Integrator> Kernel for PointForceSteps<'_, '_, V, I> {
+impl<V: Space, I: Integrator> Kernel for PointForceSteps<'_, '_, V, I> {
     type Output = ();
 
     #[inline(always)]
@@ -48,14 +49,14 @@ impl<V: Vector, I: Integrator> Kernel for PointForceSteps<'_, '_, V, I> {
             step: Number::constant(h),
             integrator: PhantomData,
         };
-        // Some registers of particles in turn: others compute while one waits for its root and its division. Of the wider ones
-        // there are more.
+        // Several registers of particles in turn: some compute while one waits for its root and its division. Of wider
+        // registers there are more.
         if const { S::Pack::<V::Scalar>::WIDTH == LANES } { walk.steps::<4>(number) } else { walk.steps::<3>(number) }
     }
 }
 
-/// The columns of a block, and what moves its particles.
-struct Walk<'a, V: Vector, P, I> {
+/// Columns of a block, and the force that moves its particles.
+struct Walk<'a, V: Space, P, I> {
     law: InverseSquareLaw<V::Scalar>,
     members: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
@@ -64,7 +65,7 @@ struct Walk<'a, V: Vector, P, I> {
     integrator: PhantomData<I>,
 }
 
-impl<V: Vector, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
+impl<V: Space, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
     /// Takes all steps, with `TURNS` registers of particles in turn.
     #[inline(always)]
     fn steps<const TURNS: usize>(&mut self, number: u64) {
@@ -73,8 +74,8 @@ impl<V: Vector, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
         }
     }
 
-    /// Takes all steps with `TURNS` registers of particles, from the register `first` on; past the last one it is that one again,
-    /// which reads and writes the same.
+    /// Takes all steps with `TURNS` registers of particles, from the register `first` on. Past the last register the last one
+    /// is repeated; it reads and writes the same values.
     #[inline(always)]
     fn advance<const TURNS: usize>(&mut self, first: usize, number: u64) {
         let last = self.members.len() / P::WIDTH - 1;

@@ -1,18 +1,18 @@
-//! The power through the sinks of a block, integrated over the stages of its steps.
+//! Power through the sinks of a block, integrated over the stages of its steps.
 
 use crate::integrators::Integrator;
 use crate::math::Real;
 use crate::matter::{EnergySink, EnergyTally, Power};
 use crate::simd::{LANES, Lanes, Pack};
 
-/// The powers through all sinks.
+/// Powers through all sinks.
 pub fn through_all(power: &Power) -> impl Iterator<Item = (EnergySink, &Lanes<f64>)> {
     let sinks = [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity, EnergySink::Work];
     sinks.into_iter().zip(power)
 }
 
-/// Adds the energy through some sinks of a tally during one stage: the power times `span`, and the power at the last stage
-/// of the previous step times `last_span`. `keep` marks the last stage of its step.
+/// Adds the energy through some sinks of a tally during one stage. It is the power times `span`, plus the power at the last
+/// stage of the previous step times `last_span`. The flag `keep` marks the last stage of a step.
 #[inline(always)]
 pub fn integrate<'a>(
     tally: &mut EnergyTally,
@@ -33,14 +33,14 @@ pub fn integrate<'a>(
     }
 }
 
-/// Whether a method of several stages reuses the last evaluation of the previous step (FSAL). The power of that evaluation
-/// is then stored apart from the weighted sum, where two steps in one pass would overwrite it.
+/// Whether a method of several stages reuses the last evaluation of the previous step (FSAL). The power of that evaluation is
+/// then stored apart from the weighted sum: two steps in one pass would overwrite it there.
 #[inline(always)]
 pub(super) const fn reuses_one_of_many<I: Integrator>() -> bool {
     I::LAST_WEIGHT != 0.0 && I::NODES.len() > 1
 }
 
-/// The numbers of a group of lanes.
+/// Numbers of a group of lanes.
 #[inline(always)]
 pub(super) fn lanes<G: Pack<Scalar: Real>>(group: G) -> Lanes<G::Scalar> {
     let mut lanes = [G::Scalar::ZERO; LANES];
@@ -48,7 +48,7 @@ pub(super) fn lanes<G: Pack<Scalar: Real>>(group: G) -> Lanes<G::Scalar> {
     lanes
 }
 
-/// Adds the sums of a group of lanes to a power, in this unit [W].
+/// Adds the sums of a group of lanes, in the unit `unit` [W], to a power.
 #[inline(always)]
 pub(super) fn add_power<T: Real>(power: &mut Lanes<f64>, sums: &Lanes<T>, unit: f64) {
     for lane in 0..LANES {

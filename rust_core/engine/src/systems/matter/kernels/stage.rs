@@ -4,15 +4,16 @@ use super::activity::kinetic;
 use super::axis_force::{AxisForce, Uniform};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, lanes, through_all};
+use crate::forces::Space;
 use crate::forces::StateView;
 use crate::forces::linear::AxisLaw;
 use crate::integrators::{Component, Facts, Swept};
-use crate::math::{AXES, Real, Vector};
+use crate::math::{AXES, Real};
 use crate::matter::{Blocks, EnergySink, EnergyTally, Power, REGISTERS, Span};
 use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
-/// The operation of a stage on the state.
+/// Operation of a stage on the state.
 #[derive(Debug, Clone, Copy)]
 pub enum Action {
     /// Fills the persistent registers at the start of a run.
@@ -23,8 +24,9 @@ pub enum Action {
     StageUpdate(usize, Option<usize>),
 }
 
-/// The velocities from which an evaluation of the forces kicks a block, if it does; at the start of a run the present ones.
-pub fn kicked<'a, 'b, V: Vector>(method: &Facts, blocks: &'a Blocks<'b, V>, action: Action) -> Option<&'a Span<'b, V>> {
+/// Velocities from which an evaluation of the forces kicks a block; None if it does not. At the start of a run: the present
+/// ones.
+pub fn kicked<'a, 'b, V: Space>(method: &Facts, blocks: &'a Blocks<'b, V>, action: Action) -> Option<&'a Span<'b, V>> {
     match action {
         Action::Begin => Some(&blocks.velocity),
         Action::StageState => None,
@@ -32,14 +34,14 @@ pub fn kicked<'a, 'b, V: Vector>(method: &Facts, blocks: &'a Blocks<'b, V>, acti
     }
 }
 
-/// The accumulated forces and powers of one block, without the linear force.
+/// Accumulated forces and powers of one block, without the linear force.
 #[derive(Debug)]
-pub struct Evaluation<'a, V: Vector> {
-    /// The force on every particle [N].
+pub struct Evaluation<'a, V: Space> {
+    /// Force on every particle [N].
     pub force: Span<'a, V>,
-    /// The power through each sink [W].
+    /// Power through each sink [W].
     pub power: Power,
-    /// The part of the force by the damping of springs [N].
+    /// Part of the force by the damping of springs [N].
     pub damping: Option<Span<'a, V>>,
 }
 
@@ -59,13 +61,14 @@ struct Stage<'a, T, S> {
     swept: S,
 }
 
-/// The columns of a span as groups of lanes.
-fn groups<'a, V: Vector>(span: &'a Span<'_, V>) -> [&'a [Lanes<V::Scalar>]; AXES] {
+/// Columns of a span as groups of lanes.
+fn groups<'a, V: Space>(span: &'a Span<'_, V>) -> [&'a [Lanes<V::Scalar>]; AXES] {
     span.axes.each_ref().map(|axis| axis.as_chunks().0)
 }
 
-/// Runs one stage of one block, from the state `at` or else from that in the block; returns the activity at the stage.
-pub fn stage<V: Vector, S: Swept>(
+/// Runs one stage of one block, from the state `at`, or from the block's own state if None; returns the activity at the
+/// stage.
+pub fn stage<V: Space, S: Swept>(
     dynamics: &Dynamics<V>,
     method: &Facts,
     at: Option<&StateView<'_, V>>,
@@ -151,8 +154,8 @@ impl<T: Real, S: Swept> Kernel for Stage<'_, T, S> {
     }
 }
 
-/// Positions [m] and velocities [m/s] along one axis, unless they stand in the block; forces [N], maybe with their part by
-/// damping; inverse masses [1/kg] and masses [kg].
+/// Input along one axis. Positions [m] and velocities [m/s], unless they are in the block. Forces [N], with their part by
+/// damping if needed. Inverse masses [1/kg] and masses [kg].
 #[derive(Clone, Copy)]
 struct AxisInput<'a, T> {
     state: Option<[&'a [Lanes<T>]; 2]>,
@@ -162,7 +165,7 @@ struct AxisInput<'a, T> {
     inertia: &'a [Lanes<T>],
 }
 
-/// One stage of every particle along one axis. Adds to the powers, and Σ m v² at the stage to `squares`.
+/// Runs one stage of every particle along one axis. Adds to the powers, and Σ m v² at the stage to `squares`.
 #[inline(always)]
 fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
     swept: S,
@@ -175,7 +178,7 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
 ) {
     let (step, zero) = (G::constant(h), G::constant(0.0));
     let Axis { x, v, registers, residual } = axis;
-    // Copied, because writes to columns might change what is read through a reference.
+    // A copy: writes to columns might change the value behind a reference.
     let registers = registers.each_mut().map(|column| &mut **column);
     let (mut drag, mut work, mut corrected, mut moved) = (zero, zero, zero, G::load(&*squares));
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
@@ -191,7 +194,7 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
         moved += G::load(&input.inertia[group]) * (component.v * component.v);
         let linear = law.acceleration(&coefficients, component.x, component.v);
         let a = G::load(&input.force[group]) * G::load(&input.inverse_mass[group]) + linear;
-        // Integrators only add increments to a position, so they can be added to the residual instead.
+        // Integrators only add increments to a position; these can be added to the residual instead.
         let mut from = component.x;
         if let Some(residual) = residual.get(group) {
             component.x = G::load(residual);
@@ -206,7 +209,7 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
                     corrected += G::load(damping) * (predicted - component.v);
                 }
                 if let Some(next) = next {
-                    // The end of a step has the same bits, whether the next one follows in this sweep or in another batch.
+                    // The end of a step has the same bits, whether the next step follows in this sweep or in another batch.
                     if next == 0 && group < residual.len() {
                         let rest = settle::<G, S>(&mut component, from);
                         (from, component.x) = (component.x, rest);
@@ -232,8 +235,8 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
     }
 }
 
-/// Converts a position relative to `from` to a rounded position, and returns the residual (two-sum). Their sum is exact (D. E.
-/// Knuth, The Art of Computer Programming 2, 4.2.2, theorem B).
+/// Converts a position relative to `from` to a rounded position, and returns the residual (two-sum). Their sum is exact (D.
+/// E. Knuth, The Art of Computer Programming 2, 4.2.2, theorem B).
 #[inline(always)]
 fn settle<G: Pack, S: Swept>(component: &mut Component<G>, from: G) -> G {
     let by = component.x;
@@ -247,8 +250,8 @@ fn settle<G: Pack, S: Swept>(component: &mut Component<G>, from: G) -> G {
     residual
 }
 
-/// Evaluates `$body` for a stage: with a constant, where each is compiled for itself. It is written out, because a loop that the
-/// compiler does not unroll is not vectorized.
+/// Evaluates `$body` for a stage: with a constant, if each stage is compiled separately. The cases are written out, because a
+/// loop that the compiler does not unroll is not vectorized.
 macro_rules! at_stage {
     ($S:ty, $number:ident, $stage:ident => $body:expr) => {
         at_stage!(@ $S, $number, $stage, $body; 0 1 2 3 4 5)

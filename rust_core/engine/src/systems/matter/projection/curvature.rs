@@ -4,10 +4,10 @@
 
 use glam::DVec3;
 
-/// The number of changes that are remembered.
+/// Number of stored changes.
 const REMEMBERED: usize = 5;
 
-/// A change s of the displacements, that of the residual, and 1 over their product.
+/// Change s of the displacements, change of the residual, and the inverse of their product.
 #[derive(Debug)]
 struct Change {
     step: Vec<DVec3>,
@@ -15,13 +15,13 @@ struct Change {
     weight: f64,
 }
 
-/// The last changes, oldest first.
+/// Stored changes, oldest first.
 #[derive(Debug, Default)]
 pub struct Curvature {
     changes: Vec<Change>,
 }
 
-/// The scalar product, in one fixed order.
+/// Scalar product, in one fixed order.
 pub fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one.dot(*other)).sum()
 }
@@ -31,12 +31,12 @@ fn add(sum: &mut [DVec3], factor: f64, vector: &[DVec3]) {
 }
 
 impl Curvature {
-    /// Forgets all changes.
+    /// Removes all changes.
     pub fn clear(&mut self) {
         self.changes.clear();
     }
 
-    /// Remembers a change, if the residual falls along it.
+    /// Stores a change, if the residual falls along it.
     pub fn remember(&mut self, step: Vec<DVec3>, residual: Vec<DVec3>) {
         let product = dot(&step, &residual);
         if product > 0.0 {
@@ -45,7 +45,7 @@ impl Curvature {
         }
     }
 
-    /// Turns a residual into the direction in which it falls; `solve` multiplies by the inverse of the constant matrix.
+    /// Converts a residual into a direction of descent; `solve` multiplies by the inverse of the constant matrix.
     pub fn direct(&self, residual: &mut Vec<DVec3>, solve: impl FnOnce(&mut Vec<DVec3>)) {
         let mut shares = [0.0; REMEMBERED];
         for (change, share) in self.changes.iter().zip(&mut shares).rev() {

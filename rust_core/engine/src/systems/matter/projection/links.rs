@@ -1,27 +1,28 @@
-//! Springs in an order in which neighbors have no common particles, so that the processor computes several at once.
+//! Springs in an order in which neighbors have no common particles: the processor computes several at once.
 
+use crate::forces::Space;
 use crate::forces::springs::Spring;
-use crate::math::{AXES, Real, Vector};
+use crate::math::{AXES, Real};
 use crate::matter::{Columns, Properties};
 use crate::rods;
 
-/// A vector of a particle, with a component 0 that fills a register.
+/// Vector of a particle; a fourth component 0 fills a register.
 pub type Point<T> = [T; 4];
 
-/// A spring, for steps of h seconds.
+/// Spring, for steps of h seconds.
 #[derive(Debug, Clone, Copy)]
 pub struct Link<T> {
-    /// Its ends, as indices of particles.
+    /// Ends, as indices of particles.
     pub ends: [u32; 2],
-    /// k h² and c h [kg]; of a rod 1 and 0.
+    /// Stiffness k h² and damping c h [kg]; 1 and 0 for a rod.
     stiffness: T,
     damping: T,
     rest_length: T,
-    /// 1/m of both ends [1/kg].
+    /// Inverse masses 1/m of both ends [1/kg].
     pub inverse_mass: [T; 2],
-    /// 1/(1 + (1/m₁ + 1/m₂) (k h² + c h)); of a rod 1/(1/m₁ + 1/m₂), and 0 between fixed particles.
+    /// Factor 1/(1 + (1/m₁ + 1/m₂) (k h² + c h)); 1/(1/m₁ + 1/m₂) for a rod, and 0 between fixed particles.
     pub share: T,
-    /// 1, but of a rod 0.
+    /// 1 for a spring, 0 for a rod.
     pub compliant: T,
 }
 
@@ -44,8 +45,8 @@ impl<T: Real> Link<T> {
         }
     }
 
-    /// The unit vector n from its first end to the second, 0 where these coincide, and h² [k (r − L) + c n·Δu/h], the force of the
-    /// displacements u times h² [kg·m].
+    /// Unit vector n from the first end to the second, 0 if these coincide, and h² times the force of the displacements u, h²
+    /// [k (r − L) + c n·Δu/h] [kg·m].
     #[inline(always)]
     pub fn pull(&self, from: &[Point<T>], moved: &[Point<T>]) -> (Point<T>, T) {
         let [one, other] = self.ends.map(|end| end as usize);
@@ -60,8 +61,8 @@ impl<T: Real> Link<T> {
     }
 }
 
-/// All springs between different particles, of which there are `count`, color by color, in which no two share a particle: each has the
-/// first color that is free at both ends.
+/// Springs between different ones of `count` particles, color by color. No two springs of a color share a particle. Each
+/// spring has the first color that is free at both ends.
 pub fn colored(springs: &[Spring], count: usize) -> Vec<Spring> {
     let mut taken: Vec<Vec<u64>> = vec![Vec::new(); count];
     let mut colors: Vec<Vec<Spring>> = Vec::new();
@@ -85,13 +86,13 @@ pub fn colored(springs: &[Spring], count: usize) -> Vec<Spring> {
     colors.concat()
 }
 
-/// The links of all springs, for steps of `h` seconds.
-pub fn links<V: Vector>(springs: &[Spring], properties: &Properties<V>, h: f64) -> Vec<Link<V::Scalar>> {
+/// Links of all springs, for steps of `h` seconds.
+pub fn links<V: Space>(springs: &[Spring], properties: &Properties<V>, h: f64) -> Vec<Link<V::Scalar>> {
     colored(springs, properties.count()).iter().map(|spring| Link::new(spring, &properties.inverse_mass, h)).collect()
 }
 
 /// Copies columns into points.
-pub fn gather<V: Vector>(columns: &Columns<V>, points: &mut Vec<Point<V::Scalar>>) {
+pub fn gather<V: Space>(columns: &Columns<V>, points: &mut Vec<Point<V::Scalar>>) {
     points.resize(columns.count(), Point::default());
     for axis in 0..V::DIMENSION.min(AXES) {
         points.iter_mut().zip(columns.axis(axis)).for_each(|(point, &value)| point[axis] = value);
@@ -99,7 +100,7 @@ pub fn gather<V: Vector>(columns: &Columns<V>, points: &mut Vec<Point<V::Scalar>
 }
 
 /// Copies points into columns.
-pub fn scatter<V: Vector>(points: &[Point<V::Scalar>], columns: &mut Columns<V>) {
+pub fn scatter<V: Space>(points: &[Point<V::Scalar>], columns: &mut Columns<V>) {
     let span = columns.span();
     for axis in 0..V::DIMENSION {
         span.axes[axis].iter_mut().zip(points).for_each(|(value, point)| *value = point[axis]);

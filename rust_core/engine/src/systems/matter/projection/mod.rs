@@ -1,9 +1,9 @@
-//! Methods that move particles onto their springs: extended position-based dynamics and projective dynamics.
+//! Projection methods, which move particles onto their springs: extended position-based dynamics and projective dynamics.
 //!
-//! A step of h seconds predicts displacements y = h v + h² a with the accelerations a of all other forces at its start, finds
-//! displacements u that a projector makes of them, and ends with x + u and the velocity u/h. Both projectors approach backward Euler's
-//! equation for the springs, M (u − y) = h² F(x + u, u/h): stable at any stiffness, of order 1, and with its damping, which is an error
-//! of the method and no dissipation. Contacts are resolved on the way from x to x + u.
+//! A step of h seconds predicts displacements y = h v + h² a, with the accelerations a of all other forces at its start. A
+//! projector converts them to displacements u. The step ends at x + u with the velocity u/h. Both projectors approach
+//! backward Euler's equation for the springs, M (u − y) = h² F(x + u, u/h). This method is stable at any stiffness and of
+//! order 1. Its damping is an error of the method and no dissipation. Contacts are resolved on the path from x to x + u.
 
 mod curvature;
 mod links;
@@ -21,42 +21,43 @@ use super::method::{About, Job, Method};
 use crate::contacts::Before;
 use crate::error::Result;
 use crate::forces::Rates;
+use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::{Facts, Integrator, SemiImplicitEuler};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::matter::{Blocks, Columns, Matter, Power, SINKS};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::matter::coupled::BlocksWithForces;
 
-/// Finds displacements for springs.
-pub trait Projector<V: Vector>: Send + Sync {
-    /// What is known of it.
+/// Projector: finds displacements for springs.
+pub trait Projector<V: Space>: Send + Sync {
+    /// Properties of the method.
     fn about(&self) -> About;
-    /// The number of steps that a step of the method consists of.
+    /// Number of steps of the projector within a step of the method.
     fn substeps(&self) -> usize;
     /// Prepares for the springs of a scene.
     fn begin(&mut self, dynamics: &Dynamics<V>);
-    /// Turns predicted displacements over `h` seconds [m] of particles in a state into those that it finds.
+    /// Converts predicted displacements over `h` seconds [m], of particles in a state, into projected ones.
     fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64);
     /// Memory [bytes].
     fn bytes(&self) -> usize;
 }
 
-/// The method of a projector.
-pub struct Projection<V: Vector, P> {
+/// Method of a projector.
+pub struct Projection<V: Space, P> {
     projector: P,
     displacement: Columns<V>,
 }
 
-impl<V: Vector, P: Projector<V>> Projection<V, P> {
-    /// The method.
+impl<V: Space, P: Projector<V>> Projection<V, P> {
+    /// Creates the method.
     pub fn new(projector: P) -> Self {
         Self { projector, displacement: Columns::zeros(0) }
     }
 
-    /// One step of `h` seconds at a time; returns the activity at its end.
+    /// Takes one step of `h` seconds; returns the activity at its end.
     fn step(
         &mut self,
         dynamics: &mut Dynamics<V>,
@@ -75,7 +76,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
         }
         for index in 0..matter.count() {
             let change = self.displacement.get(index).widen();
-            // Fixed particles keep their velocities to the bit.
+            // Fixed particles keep the exact bits of their velocities.
             if !dynamics.properties.is_fixed(index) {
                 matter.velocity.set(index, V::narrow(change / h));
             }
@@ -115,7 +116,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
 }
 
 /// Resolves contacts, integrates the power of springs at the end of the step, and records the activity.
-fn finish<V: Vector>(
+fn finish<V: Space>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
@@ -144,7 +145,7 @@ fn finish<V: Vector>(
     Ok(())
 }
 
-/// What all projectors have in common: one sweep over all particles, of order 1, forces other than those of springs explicit.
+/// Common properties of all projectors: one sweep over all particles, of order 1, explicit in forces other than springs.
 fn about(name: &'static str, evaluations: usize) -> About {
     About {
         name,
@@ -153,7 +154,7 @@ fn about(name: &'static str, evaluations: usize) -> About {
         evaluations,
         registers: 0,
         readable: 0,
-        // The displacements.
+        // Displacements.
         own: 1,
         drifts_first: false,
         sweeps: true,
@@ -168,9 +169,9 @@ fn about(name: &'static str, evaluations: usize) -> About {
     }
 }
 
-impl<V: Vector, P> History for Projection<V, P> {}
+impl<V: Space, P> History for Projection<V, P> {}
 
-impl<V: Vector, P: Projector<V>> Method<V> for Projection<V, P> {
+impl<V: Space, P: Projector<V>> Method<V> for Projection<V, P> {
     fn about(&self) -> About {
         self.projector.about()
     }
@@ -195,7 +196,7 @@ impl<V: Vector, P: Projector<V>> Method<V> for Projection<V, P> {
         bound.stepped_by(&Facts::of::<SemiImplicitEuler>())
     }
 
-    /// That of the forces other than springs, which are taken at the start of each part of a step.
+    /// Limit of the forces other than springs, which are evaluated at the start of each part of a step.
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit {
         bound.limit_after(&Facts::of::<SemiImplicitEuler>(), cache).in_parts(self.projector.substeps())
     }

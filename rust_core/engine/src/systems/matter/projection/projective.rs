@@ -1,14 +1,14 @@
 //! Projective dynamics: a quasi-Newton iteration for backward Euler's equation with one matrix for all steps.
 //!
-//! With r = x + u of a spring and its projection L n, the elastic energy is that of a linear spring between both, so that
+//! With r = x + u of a spring and its projection L n, the elastic energy is that of a linear spring between both. Therefore
 //!
 //!     (M + h² Σ (k + c/h) Dᵀ D) Δu = −M (u − y) + h² F(x + u, u/h)
 //!
-//! decreases the incremental energy in every iteration. D takes differences of positions, so that the matrix is the same for all axes;
-//! it is factorized once for each step size. It is stiff across springs too, where a swinging cloth is not: what iterations learn of
-//! that corrects it ([`super::curvature`]). They start from u = h v, with which a state of rest remains, and motion too. Sources:
-//! S. Bouaziz et al., ACM Trans. Graph. 33, 154 (2014); T. Liu, S. Bouaziz, L. Kavan, ACM Trans. Graph. 36, 23 (2017) for the
-//! quasi-Newton form.
+//! decreases the incremental energy in every iteration. D takes differences of positions, so that the matrix is the same for
+//! all axes. It is factorized once for each step size. The matrix is stiff across springs too, where a swinging cloth is not.
+//! Quasi-Newton updates from the iterations correct this ([`super::curvature`]). Iterations start from u = h v, which
+//! conserves a state of rest, and motion too. Sources: S. Bouaziz et al., ACM Trans. Graph. 33, 154 (2014); T. Liu, S.
+//! Bouaziz, L. Kavan, ACM Trans. Graph. 36, 23 (2017) for the quasi-Newton form.
 
 use glam::{DVec3, DVec4};
 
@@ -17,7 +17,8 @@ use super::links::{Link, Point, gather, links, scatter};
 use super::sweep::count;
 use super::{Projector, about};
 use crate::error::Result;
-use crate::math::{Real, Vector};
+use crate::forces::Space;
+use crate::math::Real;
 use crate::matter::{Columns, Matter};
 use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
@@ -25,25 +26,25 @@ use crate::sparse::Factorization;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::method::About;
 
-/// The class's name in Python.
+/// Name of the class in Python.
 pub const NAME: &str = "ProjectiveDynamics";
 
-/// The most halvings of a step, and the part of the descent of the energy at its start that may have become an ascent at its end. A
-/// step that is too short is one: the energy falls along it, though hardly more slowly at its end.
+/// Maximum number of halvings of a step. Largest ascent of the energy at the end of a step, over its descent at the start. A
+/// step that is too short is accepted: the energy falls along it, though hardly more slowly at its end.
 const MOST_HALVINGS: usize = 6;
 const DESCENT: f64 = 0.95;
 
-/// The projector.
-pub struct Projective<V: Vector> {
+/// Projector of projective dynamics.
+pub struct Projective<V: Space> {
     iterations: usize,
-    /// What belongs to a step size [s].
+    /// Data prepared for a step size [s].
     prepared: Option<(f64, Prepared<V::Scalar>)>,
     /// Positions, predicted displacements y and displacements u [m], and forces h² F [kg·m].
     from: Vec<Point<V::Scalar>>,
     predicted: Vec<Point<V::Scalar>>,
     displacements: Vec<Point<V::Scalar>>,
     forces: Vec<Point<V::Scalar>>,
-    /// Residuals of the free particles, and what is known of their changes.
+    /// Residuals of the free particles, and their stored changes.
     residual: Vec<DVec3>,
     curvature: Curvature,
     buffer: Vec<DVec4>,
@@ -51,13 +52,13 @@ pub struct Projective<V: Vector> {
 
 struct Prepared<T> {
     links: Vec<Link<T>>,
-    /// The particles that are not fixed.
+    /// Particles that are not fixed.
     free: Vec<u32>,
     factorization: Factorization,
 }
 
-impl<V: Vector> Projective<V> {
-    /// The projector that an item declares.
+impl<V: Space> Projective<V> {
+    /// Builds the projector that an item declares.
     ///
     /// # Errors
     /// If its iterations are missing or below 1.
@@ -70,8 +71,8 @@ impl<V: Vector> Projective<V> {
     }
 }
 
-/// The factorized matrix M + h² Σ (k + c/h) Dᵀ D of the free particles, and these.
-fn prepare<V: Vector>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
+/// Factorized matrix M + h² Σ (k + c/h) Dᵀ D of the free particles, and these particles.
+fn prepare<V: Space>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
     let mass = &dynamics.properties.mass;
     let free: Vec<u32> = (0..mass.len() as u32).filter(|&index| mass[index as usize].is_finite()).collect();
     let row = |particle: u32| free.binary_search(&particle).ok().map(|row| row as u32);
@@ -101,7 +102,7 @@ fn prepare<V: Vector>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
     Prepared { links: links(&dynamics.springs, &dynamics.properties, h), free, factorization }
 }
 
-impl<V: Vector> Projector<V> for Projective<V> {
+impl<V: Space> Projector<V> for Projective<V> {
     fn about(&self) -> About {
         about(NAME, 1)
     }
@@ -146,7 +147,7 @@ impl<V: Vector> Projector<V> for Projective<V> {
     }
 }
 
-impl<V: Vector> Projective<V> {
+impl<V: Space> Projective<V> {
     /// Sets the residual −M (u − y) + h² F of the free particles.
     fn balance(&mut self, dynamics: &Dynamics<V>, Prepared { links, free, .. }: &Prepared<V::Scalar>) {
         let Self { from, predicted, displacements, forces, residual, .. } = self;
@@ -159,9 +160,9 @@ impl<V: Vector> Projective<V> {
         residual.extend(free.iter().map(|&index| inertial(index as usize) + vector(&forces[index as usize])));
     }
 
-    /// One iteration: a step along the corrected direction, halved until the residual has fallen along it; false where there is none.
-    /// The first one is whole, and leaves a residual without a sum where nothing is held: with it momentum is kept, by the later ones
-    /// too as long as they do not remember the first.
+    /// Takes a step along the corrected direction, halved until the residual has fallen along it; false if there is none. The
+    /// first step is whole. If nothing is held, it leaves a residual whose sum is 0, which conserves momentum. Later steps
+    /// conserve momentum too, as long as the first is not stored.
     fn iterate(&mut self, dynamics: &Dynamics<V>, prepared: &Prepared<V::Scalar>, first: bool) -> bool {
         let before = self.residual.clone();
         let mut direction = before.clone();
@@ -188,7 +189,7 @@ impl<V: Vector> Projective<V> {
             part *= 0.5;
         }
         if !falls {
-            // What is left is rounding, of which no direction is known.
+            // The remainder is rounding, for which no direction is known.
             prepared.free.iter().zip(start).for_each(|(&particle, point)| self.displacements[particle as usize] = point);
             self.balance(dynamics, prepared);
             return false;
@@ -203,12 +204,12 @@ impl<V: Vector> Projective<V> {
     }
 }
 
-/// The components of a point.
+/// Components of a point.
 fn vector<T: Real>(point: &Point<T>) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|axis| point[axis].to_f64()))
 }
 
-/// Adds the forces of all springs, times h².
+/// Kernel that adds the forces of all springs, times h².
 struct Pulls<'a, T> {
     links: &'a [Link<T>],
     from: &'a [Point<T>],

@@ -1,31 +1,33 @@
-//! Extended position-based dynamics: sweeps over the springs, each of which takes the displacements that satisfy it alone.
+//! Extended position-based dynamics: sweeps over the springs, with the displacements that satisfy each spring alone.
 //!
-//! With the multiplier q = h² F of a spring, from 0 at the start of each part of a step,
+//! Let q = h² F be the multiplier of a spring, from 0 at the start of each part of a step. A sweep computes
 //!
 //!     Δq = (h² [k (r − L) + c n·Δu/h] − q) / (1 + (w₁ + w₂) (k h² + c h)),   u₁ ← u₁ + w₁ n Δq,  u₂ ← u₂ − w₂ n Δq
 //!
-//! which for c = 0 is Δλ = (−C − α̃ λ)/(w + α̃) with the compliance α̃ = 1/(k h²): Gauss and Seidel's iteration, in one fixed order. For a
-//! rod, of which α̃ = 0, it is Δq = (r − L)/(w₁ + w₂). Sources: M. Macklin, M. Müller, N. Chentanez, "XPBD", MIG 2016; M. Macklin et al., "Small steps in physics simulation", SCA 2019.
+//! For c = 0 this is Δλ = (−C − α̃ λ)/(w + α̃) with the compliance α̃ = 1/(k h²): the Gauss–Seidel iteration, in one fixed
+//! order. For a rod α̃ = 0, and Δq = (r − L)/(w₁ + w₂). Sources: M. Macklin, M. Müller, N. Chentanez, "XPBD", MIG 2016; M.
+//! Macklin et al., "Small steps in physics simulation", SCA 2019.
 
 use super::links::{Link, Point, gather, links, scatter};
 use super::{Projector, about};
 use crate::error::{Error, Result};
-use crate::math::{Real, Vector};
+use crate::forces::Space;
+use crate::math::Real;
 use crate::matter::{Columns, Matter};
 use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::method::About;
 
-/// The class's name in Python.
+/// Name of the class in Python.
 pub const NAME: &str = "XPBD";
 
-/// The projector.
+/// Projector of extended position-based dynamics.
 #[derive(Debug)]
 pub struct Sweeps<T> {
     substeps: usize,
     iterations: usize,
-    /// The step size [s] of the links.
+    /// Step size of the links [s].
     h: f64,
     links: Vec<Link<T>>,
     /// Multipliers q of the links [kg·m].
@@ -36,7 +38,7 @@ pub struct Sweeps<T> {
 }
 
 impl<T> Sweeps<T> {
-    /// The projector that an item declares.
+    /// Builds the projector that an item declares.
     ///
     /// # Errors
     /// If a number is missing or below 1.
@@ -47,7 +49,7 @@ impl<T> Sweeps<T> {
     }
 }
 
-/// A whole number of an item, at least 1.
+/// Whole number of an item, at least 1.
 pub fn count(item: &Item, name: &str) -> Result<usize> {
     match item.number(name)? {
         number if number >= 1.0 && number.fract() == 0.0 => Ok(number as usize),
@@ -55,7 +57,7 @@ pub fn count(item: &Item, name: &str) -> Result<usize> {
     }
 }
 
-impl<V: Vector> Projector<V> for Sweeps<V::Scalar> {
+impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
     fn about(&self) -> About {
         About { holds_rods: true, ..about(NAME, self.substeps) }
     }

@@ -1,31 +1,31 @@
-//! The series of one block on their way through a step.
+//! Series of one block during a step.
 
+use crate::forces::Space;
 use crate::integrators::gauss_radau_15::{self, COEFFICIENTS, Node, STAGES, Series};
-use crate::math::Vector;
 use crate::matter::{Span, View};
 use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
-/// The data that persist, of a group of lanes along one axis.
+/// Persistent data of a group of lanes along one axis.
 pub type Memory = gauss_radau_15::Memory<LANES>;
 
-/// The largest |values| that say how an iteration converges and how accurate a step is.
+/// Largest |values|, which measure the convergence of an iteration and the accuracy of a step.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Largest {
-    /// The last change of b₆ [m/s²].
+    /// Last change of b₆ [m/s²].
     pub change: f64,
-    /// The acceleration at the last node [m/s²].
+    /// Acceleration at the last node [m/s²].
     pub acceleration: f64,
-    /// b₀ [m/s²].
+    /// Coefficient b₀ [m/s²].
     pub first: f64,
-    /// b₆ [m/s²].
+    /// Coefficient b₆ [m/s²].
     pub last: f64,
-    /// The position [m] and the velocity [m/s] at the step's start.
+    /// Position [m] and velocity [m/s] at the start of the step.
     pub position: f64,
     pub velocity: f64,
 }
 
 impl Largest {
-    /// The larger of each.
+    /// Larger of each value.
     pub fn max(self, other: Self) -> Self {
         Self {
             change: self.change.max(other.change),
@@ -37,8 +37,8 @@ impl Largest {
         }
     }
 
-    /// The error of a step of `h` seconds, |b₆| over |a|, and what rounding makes of it at most: that of the accelerations, and
-    /// that of the positions times their gradient, which is b₀ over the way h v.
+    /// Error of a step of `h` seconds, |b₆| over |a|, and the largest contribution of rounding to it. Rounding errors are
+    /// those of the accelerations, and those of the positions times the gradient. The gradient is b₀ over the path h v.
     pub fn error(&self, h: f64) -> [f64; 2] {
         if self.last == 0.0 {
             return [0.0; 2];
@@ -48,24 +48,25 @@ impl Largest {
     }
 }
 
-/// What is done with the accelerations of a stage.
+/// Use of the accelerations of a stage.
 #[derive(Debug, Clone, Copy)]
 pub enum Task {
-    /// Begins a step with that of its start, after one that it is this many times as long as, and moves to its first node.
+    /// Begins a step with the acceleration at its start, and moves to its first node. The ratio is the size of the step over
+    /// that of the step before.
     Open(Option<f64>),
-    /// Takes in that of a node, and moves to the next one, or from the last one to the first.
+    /// Corrects the series by the acceleration of a node, and moves to the next node, or from the last one to the first.
     Correct(usize),
     /// Ends the step.
     Close,
 }
 
-/// One block; groups of lanes, of each the axes one after the other.
-pub struct Block<'a, 'b, V: Vector> {
-    /// Its first particle.
+/// One block, as groups of lanes; in each group the axes one after the other.
+pub struct Block<'a, 'b, V: Space> {
+    /// First particle of the block.
     pub start: usize,
     /// Positions [m] and velocities [m/s], to be written.
     pub state: [&'a mut Span<'b, V>; 2],
-    /// The same at the step's start.
+    /// Positions [m] and velocities [m/s] at the start of the step.
     pub origin: [View<'a, V>; 2],
     /// Accelerations [m/s²].
     pub acceleration: View<'a, V>,
@@ -77,12 +78,12 @@ pub struct Block<'a, 'b, V: Vector> {
     pub task: Task,
 }
 
-/// Does what a stage asks for, at the best level.
-pub fn advance<V: Vector<Scalar = f64>>(block: Block<'_, '_, V>) {
+/// Performs the task of a stage, at the best SIMD level.
+pub fn advance<V: Space<Scalar = f64>>(block: Block<'_, '_, V>) {
     dispatch(block);
 }
 
-impl<V: Vector<Scalar = f64>> Kernel for Block<'_, '_, V> {
+impl<V: Space<Scalar = f64>> Kernel for Block<'_, '_, V> {
     type Output = ();
 
     #[inline(always)]

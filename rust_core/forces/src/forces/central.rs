@@ -1,0 +1,328 @@
+//! Central force: F = −s rᵖ d/r toward the center for d = x − center, with r² = |d|² + ε² (Plummer softening).
+//!
+//! With q = r² the force is F = −s q^((p−1)/2) d. The potential is U = s q^((p+1)/2)/(p+1), or (s/2) ln q for p = −1. A harmonic
+//! force (p = 1) is fused.
+//!
+//! Source for the softening: H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::derivatives::{Block, Derivatives, Directed, Motion, Push};
+use super::linear::Fusion;
+use super::pointwise::{self, ForceField, PointRate};
+use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity};
+use crate::error::Result;
+use crate::history::History;
+use crate::math::{AXES, Real, Vector};
+use crate::matter::Properties;
+use crate::scene::Item;
+use crate::simd::Number;
+use crate::stability::{Horizon, SpectralBound};
+
+/// Name in the scene.
+const NAME: &str = "CentralForce";
+
+/// Steps per period of the fastest orbit at an automatic time step.
+const STEPS_PER_TURN: f64 = 100.0;
+
+/// A central force with a power law of the distance.
+#[derive(Debug)]
+pub struct Central<V: Vector> {
+    /// The center [m].
+    center: DVec3,
+    /// Strength s [N at r = 1 m], positive for attraction.
+    strength: f64,
+    /// Exponent p.
+    exponent: f64,
+    /// Softening length ε [m].
+    softening: f64,
+    /// Weights of the particles: 1 if affected, else 0; padded.
+    members: Vec<V::Scalar>,
+}
+
+/// Entry in the registry of forces.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
+        Ok(vec![Box::new(Central::<V>::new(declared.item, declared.mask())?)])
+    };
+    Kind { name: NAME, reach: Reach::Pointwise, charges: false, build }
+}
+
+/// Speed [m/s] of particles of this mass that fall to the center from the particle farthest from it. If the potential is
+/// unbounded at the center, they fall to the nearest particle. None if the item is another force.
+pub fn fall(item: &Item, mass: f64, positions: &[DVec3]) -> Result<Option<f64>> {
+    if item.kind != NAME {
+        return Ok(None);
+    }
+    let law = Central::<DVec3>::new(item, Vec::new())?;
+    let potential = |distance: f64| law.potential_at(distance * distance + law.softening * law.softening);
+    let distances = || positions.iter().map(|x| (*x - law.center).length());
+    let (nearest, farthest) = (distances().fold(f64::INFINITY, f64::min), distances().fold(0.0, f64::max));
+    let lowest = if law.exponent > -1.0 || law.softening > 0.0 { 0.0 } else { nearest };
+    let drop = if positions.is_empty() { 0.0 } else { (potential(farthest) - potential(lowest)).abs() };
+    Ok(Some((2.0 * drop / mass).sqrt()))
+}
+
+impl<V: Vector> Central<V> {
+    /// Central force of an item.
+    fn new(item: &Item, members: Vec<V::Scalar>) -> Result<Self> {
+        let (strength, exponent) = (item.number("strength")?, item.number("exponent")?);
+        Ok(Self { center: item.vector("center")?, strength, exponent, softening: item.non_negative("softening")?, members })
+    }
+
+    fn members(&self, block: Range<usize>) -> impl Iterator<Item = usize> {
+        block.filter(|&index| self.members[index] != V::Scalar::ZERO)
+    }
+
+    fn law<P>(&self, origin: DVec3, power: P) -> CentralLaw<V::Scalar, P> {
+        let [strength, square] = [self.strength, self.softening * self.softening].map(V::Scalar::from_f64);
+        CentralLaw { strength, square, center: (self.center - origin).to_array().map(V::Scalar::from_f64), power }
+    }
+
+    fn potential_at(&self, q: f64) -> f64 {
+        // The force at the center is set to 0. The energy, which may have no limit there, is set to 0 too.
+        if self.strength == 0.0 || q == 0.0 {
+            0.0
+        } else if self.exponent == -1.0 {
+            0.5 * self.strength * libm::log(q)
+        } else {
+            self.strength * half_power(q, self.exponent + 1.0) / (self.exponent + 1.0)
+        }
+    }
+
+    /// Periapsis of a particle under this force alone [m]. At this radius the effective potential U(r) + L²/(2mr²) equals the
+    /// energy of the particle. Found by bisection between 0 and the present distance.
+    fn closest(&self, mass: f64, from_center: DVec3, velocity: DVec3) -> f64 {
+        let potential = |r: f64| self.potential_at(r * r + self.softening * self.softening);
+        let here = from_center.length();
+        let spin = from_center.cross(velocity).length_squared();
+        let energy = 0.5 * mass * velocity.length_squared() + potential(here);
+        let (mut inside, mut outside) = (0.0, here);
+        for _ in 0..20 {
+            let middle = 0.5 * (inside + outside);
+            if potential(middle) + 0.5 * mass * spin / (middle * middle) > energy { inside = middle } else { outside = middle }
+        }
+        outside
+    }
+}
+
+impl<V: Vector> History for Central<V> {}
+
+impl<V: Vector> Force<V> for Central<V> {
+    fn about(&self) -> About {
+        About { bytes: std::mem::size_of_val(self.members.as_slice()), ..About::new("central", Reach::Pointwise) }
+    }
+
+    fn fuse(&self, properties: &Properties<V>, fusion: &mut Fusion) -> bool {
+        if self.exponent != 1.0 {
+            return false;
+        }
+        for index in self.members(0..properties.count()) {
+            let rate = self.strength / properties.mass[index];
+            fusion.well[index] -= rate;
+            fusion.acceleration[index] += self.center * rate;
+        }
+        true
+    }
+
+    fn inverse_square(&self, properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
+        (self.exponent == -2.0).then(|| {
+            let law = self.law(properties.origin, InverseCube);
+            InverseSquare { law, members: &self.members }
+        })
+    }
+
+    fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        let half_power = 0.5 * (self.exponent - 1.0);
+        macro_rules! run {
+            ($power:expr) => {
+                pointwise::accumulate::<V>(self.law(at.properties.origin, $power), &self.members, block, at, rates)
+            };
+        }
+        // The inverse square takes a root and a division; any other exponent takes a call of pow.
+        if self.exponent == -2.0 {
+            run!(InverseCube);
+        } else {
+            run!(General(half_power));
+        }
+    }
+
+    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
+        let offset = at.properties.origin - self.center;
+        let square = self.softening * self.softening;
+        self.members(block)
+            .map(|index| self.potential_at((at.position.get(index).widen() + offset).length_squared() + square))
+            .sum()
+    }
+
+    /// A harmonic force limits the stability. Other exponents have no largest stiffness, and limit the accuracy to a hundred
+    /// steps per period. The period is that of the frequency at the periapsis, or at the present distance.
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
+        let properties = at.properties;
+        for index in self.members(0..properties.count()) {
+            let mass = properties.mass[index];
+            if self.exponent == 1.0 {
+                bound.point(index, "central", self.strength.max(0.0), 0.0);
+                bound.steady(index, self.strength, 0.0);
+            } else if self.strength != 0.0 {
+                let from_center = properties.origin + at.position.get(index).widen() - self.center;
+                let distance = if bound.horizon() == Horizon::Present {
+                    from_center.length()
+                } else {
+                    self.closest(mass, from_center, at.velocity.get(index).widen())
+                };
+                let q = distance * distance + self.softening * self.softening;
+                if q == 0.0 {
+                    continue;
+                }
+                let stiffness = self.strength.abs() * half_power(q, self.exponent - 1.0) * self.exponent.abs().max(1.0);
+                bound.accuracy("central", TAU * (mass / stiffness).sqrt() / STEPS_PER_TURN);
+            }
+        }
+        Ok(())
+    }
+
+    fn validity(&self, _at: &StateView<'_, V>, horizon: Horizon) -> Validity {
+        if horizon == Horizon::Present && self.exponent != 1.0 { Validity::Now } else { Validity::Always }
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        Some(self)
+    }
+}
+
+impl<V: Vector> Central<V> {
+    /// Displacement d from the center of each affected particle, with the stiffness along and across d. With w = s q^((p−1)/2),
+    /// the stiffness is w across d, and w (1 + (p − 1) |d|²/q) along it.
+    fn stiffness(&self, at: &Motion<'_>) -> impl Iterator<Item = (usize, DVec3, Directed)> {
+        let (center, square) = (self.center - at.origin, self.softening * self.softening);
+        self.members(0..at.position.len()).filter_map(move |index| {
+            let d = at.position[index] - center;
+            let q = d.length_squared() + square;
+            let across = self.strength * half_power(q, self.exponent - 1.0);
+            let along = across * (1.0 + (self.exponent - 1.0) * d.length_squared() / q);
+            (q > 0.0 && self.strength != 0.0).then_some((index, d, Directed { along, across }))
+        })
+    }
+}
+
+impl<V: Vector> Derivatives for Central<V> {
+    fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
+        for (particle, d, stiffness) in self.stiffness(at) {
+            push(Push { particle, force: -stiffness.across * d, stiffness: stiffness.largest() });
+        }
+    }
+
+    fn blocks(&self, at: &Motion<'_>, [position, _]: [f64; 2], add: &mut dyn FnMut(Block)) {
+        for (particle, d, stiffness) in self.stiffness(at) {
+            let [exact, definite] =
+                [stiffness, stiffness.definite()].map(|stiffness| position * stiffness.matrix(d.normalize_or_zero()));
+            add(Block::of(particle, exact, definite));
+        }
+    }
+}
+
+/// Computes q^(n/2). Small integers n take roots and products, a hundred times as fast as pow.
+fn half_power(q: f64, n: f64) -> f64 {
+    if n.fract() != 0.0 || n.abs() > 8.0 {
+        return libm::pow(q, 0.5 * n);
+    }
+    let root = q.sqrt();
+    let power = (0..n.abs() as u32).fold(1.0, |product, _| product * root);
+    if n < 0.0 { 1.0 / power } else { power }
+}
+
+/// The power law q ↦ q^((p−1)/2).
+pub trait Power<T>: Copy {
+    /// Returns a factor times the power of q; 0 at q = 0 and for a factor of 0. The power is always computed, because a selection
+    /// can be vectorized and a branch cannot.
+    fn times(self, factor: T, q: T) -> T;
+}
+
+/// The power q^(−3/2), for p = −2.
+#[derive(Debug, Clone, Copy)]
+pub struct InverseCube;
+
+impl InverseCube {
+    /// Returns a factor times q^(−3/2), or 0 where the power is infinite.
+    #[inline(always)]
+    fn times<N: Number>(factor: N, q: N) -> N {
+        let cube = q * q.sqrt();
+        (factor / cube).masked(N::constant(0.0).less(cube))
+    }
+}
+
+impl<T: Real> Power<T> for InverseCube {
+    #[inline(always)]
+    fn times(self, factor: T, q: T) -> T {
+        Self::times(factor, q)
+    }
+}
+
+/// Any power of q.
+#[derive(Clone, Copy)]
+struct General(f64);
+
+impl<T: Real> Power<T> for General {
+    #[inline(always)]
+    fn times(self, factor: T, q: T) -> T {
+        let power = T::from_f64(libm::pow(q.to_f64(), self.0));
+        if factor != T::ZERO && q > T::ZERO { factor * power } else { T::ZERO }
+    }
+}
+
+/// An inverse-square force and the particles that it acts on.
+#[derive(Debug, Clone, Copy)]
+pub struct InverseSquare<'a, T> {
+    /// The force field.
+    pub law: InverseSquareLaw<T>,
+    /// Weights of the particles: 1 if affected, else 0; padded.
+    pub members: &'a [T],
+}
+
+/// The law of an inverse-square force.
+pub type InverseSquareLaw<T> = CentralLaw<T, InverseCube>;
+
+impl<T: Real> InverseSquareLaw<T> {
+    /// Force on particles of these weights at these positions. The result equals that of [`ForceField::at`] bit by bit.
+    #[inline(always)]
+    pub fn force<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, weight: N, place: [N; AXES]) -> [N; AXES] {
+        let (mut force, mut q) = (place, N::of(self.square));
+        for axis in 0..V::DIMENSION {
+            force[axis] = place[axis] - N::of(self.center[axis]);
+            q += force[axis] * force[axis];
+        }
+        let push = InverseCube::times(weight * N::of(-self.strength), q);
+        for axis in 0..V::DIMENSION {
+            force[axis] = push * force[axis];
+        }
+        force
+    }
+}
+
+/// The central force on one particle.
+#[derive(Debug, Clone, Copy)]
+pub struct CentralLaw<T, P> {
+    strength: T,
+    square: T,
+    center: [T; AXES],
+    power: P,
+}
+
+impl<V: Vector, P: Power<V::Scalar>> ForceField<V> for CentralLaw<V::Scalar, P> {
+    #[inline(always)]
+    fn at(&self, weight: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
+        let mut d = [V::Scalar::ZERO; AXES];
+        let mut q = self.square;
+        for axis in 0..V::DIMENSION {
+            d[axis] = x[axis] - self.center[axis];
+            q += d[axis] * d[axis];
+        }
+        // At the center the direction is undefined and the force is 0.
+        let push = self.power.times(-(weight * self.strength), q);
+        PointRate { force: d.map(|d| push * d), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
+    }
+}

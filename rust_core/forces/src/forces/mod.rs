@@ -1,0 +1,410 @@
+//! Forces, one file each. To add one: write its file, and add its line to [`kinds`].
+
+use std::ops::Range;
+
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+use crate::error::Result;
+use crate::history::History;
+use crate::ledger::{Class, Ledger};
+use crate::math::{Real, Vector};
+use crate::matter::{Power, Properties, Span, View};
+use crate::parallel::Executor;
+use crate::scene::{self, Item, Scene};
+use crate::simd::padded;
+use crate::stability::{Horizon, SpectralBound};
+
+mod all_pairs;
+mod central;
+mod corners;
+mod custom;
+pub mod density;
+pub mod derivatives;
+mod dihedral;
+mod drag;
+mod electromagnetic;
+mod gravity;
+mod lennard_jones;
+pub mod linear;
+mod neighbor_list;
+mod pairs;
+mod pointwise;
+mod soft_spheres;
+pub mod sph;
+pub mod springs;
+mod strength;
+mod wind;
+
+pub use central::{InverseSquare, InverseSquareLaw};
+pub use density::{DensityEvolution, Drift, Fields, Scheme};
+use derivatives::Derivatives;
+pub use electromagnetic::ReadyField;
+pub use electromagnetic::{Affine, FieldLaw, Law, Use, times};
+use linear::Fusion;
+pub use pointwise::ForceField;
+use springs::{Spring, Springs};
+pub use strength::{PART, Strength};
+
+/// State of matter at an evaluation of the forces.
+#[derive(Debug, Clone, Copy)]
+pub struct StateView<'a, V: Vector> {
+    /// Positions relative to the origin [m]; for pointwise forces those of the block, for others of all particles.
+    pub position: View<'a, V>,
+    /// Velocities [m/s].
+    pub velocity: View<'a, V>,
+    /// Rounding residuals of the positions [m]: exact position = position + residual. Empty where no force needs them.
+    pub residual: View<'a, V>,
+    /// Mass and all other constant properties.
+    pub properties: &'a Properties<V>,
+    /// The time [s].
+    pub time: f64,
+    /// Threads for long operations, and the stop request.
+    pub executor: &'a Executor,
+}
+
+impl<V: Vector> StateView<'_, V> {
+    /// The exact position of a particle relative to the origin along one axis [m].
+    #[inline(always)]
+    pub fn exact_position(&self, axis: usize, index: usize) -> f64 {
+        let residual = self.residual.axis(axis).get(index).map_or(0.0, |residual| residual.to_f64());
+        self.position.axis(axis)[index].to_f64() + residual
+    }
+
+    /// The exact position of a particle relative to the origin [m].
+    pub fn exact_point(&self, index: usize) -> DVec3 {
+        let mut point = [0.0; 3];
+        point[..V::DIMENSION].iter_mut().enumerate().for_each(|(axis, slot)| *slot = self.exact_position(axis, index));
+        DVec3::from_array(point)
+    }
+}
+
+/// Forces and powers on one block of particles.
+#[derive(Debug)]
+pub struct Rates<'a, V: Vector> {
+    /// The force on every particle of the block [N], padding included. Each force adds to it.
+    pub force: Span<'a, V>,
+    /// The power that passes through each sink [W]. Each force adds to it.
+    pub power: &'a mut Power,
+    /// Force of the damping of springs alone [N], if an integrator asks for it.
+    pub damping: Option<Span<'a, V>>,
+}
+
+impl<'a, V: Vector> Rates<'a, V> {
+    /// Forces and powers, without separate damping.
+    pub fn new(force: Span<'a, V>, power: &'a mut Power) -> Self {
+        Self { force, power, damping: None }
+    }
+
+    /// A reborrow of all fields.
+    pub fn reborrow(&mut self) -> Rates<'_, V> {
+        Rates { force: self.force.reborrow(), power: &mut *self.power, damping: self.damping.as_mut().map(Span::reborrow) }
+    }
+}
+
+/// Range of a force: the particles that the force on one particle depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Reach {
+    /// The particle alone.
+    Pointwise,
+    /// Given partners of the particle.
+    Network,
+    /// Particles near it.
+    Pairs,
+    /// All other particles at any distance. Evaluated for all particles at once, in [`Force::prepare`].
+    Far,
+    /// The whole state. Evaluated for all particles at once, in [`Force::prepare`].
+    Whole,
+}
+
+/// Dependence of a force on velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum VelocityDependence {
+    /// No dependence.
+    None,
+    /// Rotation of velocities, without work.
+    Gyroscopic,
+    /// Dissipation of energy.
+    Dissipative,
+}
+
+/// States at which a force's term of the time-step bound stays valid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Validity {
+    /// Always.
+    Always,
+    /// While `validity` says so.
+    Here,
+    /// At this state only.
+    Now,
+}
+
+/// Metadata of a force, known before the first evaluation.
+#[derive(Debug, Clone)]
+pub struct About {
+    /// Name in the plan and in the energy budget, such as `gravity`.
+    pub name: &'static str,
+    /// Range of the force.
+    pub reach: Reach,
+    /// Dependence on velocity.
+    pub velocity: VelocityDependence,
+    /// Largest order of convergence in time that the force permits.
+    pub order: u32,
+    /// Name of its potential energy in the energy budget, if it has one.
+    pub potential: Option<&'static str>,
+    /// Whether a user-defined function is called, which requires calls in the order of time.
+    pub callback: bool,
+    /// Approximate number of springs or other pairs.
+    pub pairs: usize,
+    /// Relative rms error of the force in the initial state; 0 for an exact force.
+    pub force_error: f64,
+    /// Memory [bytes].
+    pub bytes: usize,
+    /// Layout in memory, for the plan; empty if none.
+    pub layout: String,
+    /// Further remarks in the plan.
+    pub remarks: Vec<String>,
+    /// Term of the last time-step bound, for the plan; empty if none.
+    pub findings: String,
+}
+
+impl About {
+    /// Metadata of a conservative force without pairs or memory.
+    pub fn new(name: &'static str, reach: Reach) -> Self {
+        Self {
+            name,
+            reach,
+            velocity: VelocityDependence::None,
+            order: u32::MAX,
+            potential: Some(name),
+            callback: false,
+            pairs: 0,
+            force_error: 0.0,
+            bytes: 0,
+            layout: String::new(),
+            remarks: Vec::new(),
+            findings: String::new(),
+        }
+    }
+}
+
+/// A law that accelerates matter, with its share of the energy budget.
+pub trait Force<V: Vector>: History + Send + Sync {
+    /// Metadata, known before the first evaluation.
+    fn about(&self) -> About;
+
+    /// Prepares the evaluation for all particles, before any block is accumulated.
+    /// # Errors
+    /// If the preparation fails.
+    fn prepare(&mut self, _at: &StateView<'_, V>, _executor: &Executor) -> Result<()> {
+        Ok(())
+    }
+
+    /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
+    fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
+
+    /// Adds charge times magnetic field, q B, of the particles of `block` to `strength`, for a gyroscopic force F = v × q B.
+    fn magnetic(&self, _block: Range<usize>, _at: &StateView<'_, V>, _strength: &mut Strength<V>) {}
+
+    /// Potential energy of the particles of `block` [J]. The energy of a pair is split between its particles, or counts at one of
+    /// them.
+    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
+        0.0
+    }
+
+    /// Adds the potential energy of each particle in the force [J]. The energy of a pair counts in full for both particles.
+    fn potentials(&self, at: &StateView<'_, V>, sums: &mut [f64]) {
+        (0..at.properties.count()).for_each(|index| sums[index] += self.potential(index..index + 1, at));
+    }
+
+    /// Adds the energies of the force to the energy budget.
+    ///
+    /// # Errors
+    /// If a user-defined function fails, or the executor was asked to stop.
+    fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
+        if let Some(name) = self.about().potential {
+            ledger.add_blocks(Class::Potential, name, |block| self.potential(block, at));
+        }
+        Ok(())
+    }
+
+    /// Removes the elements that depend on torn edges; returns their potential energy [J]. Edges are given by their ends in
+    /// ascending order.
+    fn tear(&mut self, _torn: &dyn Fn([u32; 2]) -> bool, _at: &StateView<'_, V>) -> f64 {
+        0.0
+    }
+
+    /// Adds the stiffness and damping in this state to the time-step bound. A [certified](Horizon::Certified) bound includes
+    /// those known to follow.
+    ///
+    /// # Errors
+    /// If a user-defined function fails.
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()>;
+
+    /// States at which the force's term of the time-step bound equals that of this state.
+    fn validity(&self, at: &StateView<'_, V>, horizon: Horizon) -> Validity;
+
+    /// Adds the force to the linear force if possible; returns whether it did. A fused force is not accumulated.
+    fn fuse(&self, _properties: &Properties<V>, _fusion: &mut Fusion) -> bool {
+        false
+    }
+
+    /// The force as an inverse-square force, if it is one. Of the forces that cannot be fused, this one has a kernel of its own.
+    /// In that kernel, independent particles run through whole steps.
+    fn inverse_square(&self, _properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
+        None
+    }
+
+    /// The force as an electric or magnetic field, if the field is constant in time and computed by the engine.
+    fn ready_field(&self) -> Option<ReadyField<'_, V::Scalar>> {
+        None
+    }
+
+    /// Derivatives of the force, if implemented.
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        None
+    }
+
+    /// Evolution of density that belongs to the force, if there is one.
+    fn density(&self) -> Option<&dyn DensityEvolution<V>> {
+        None
+    }
+
+    /// Mutable access to the evolution of density.
+    fn density_mut(&mut self) -> Option<&mut dyn DensityEvolution<V>> {
+        None
+    }
+}
+
+/// A force that a scene declares, and the particles that it acts on.
+struct Declared<'a, V: Vector> {
+    scene: &'a Scene,
+    item: &'a Item,
+    properties: &'a Properties<V>,
+    /// Whether the force acts on each particle, in the engine's order.
+    chosen: Vec<bool>,
+    /// Threads for long operations, and the stop request.
+    executor: &'a Executor,
+}
+
+impl<V: Vector> Declared<'_, V> {
+    /// The particles that the force acts on, in the caller's order.
+    fn members(&self) -> Vec<usize> {
+        self.properties.engine().into_iter().map(|index| index as usize).filter(|&index| self.chosen[index]).collect()
+    }
+
+    /// Whether each of these particles is movable. Pointwise forces act on no others; pair forces count fixed particles too.
+    fn mobile(&self) -> Vec<bool> {
+        self.chosen.iter().enumerate().map(|(index, &chosen)| chosen && !self.properties.is_fixed(index)).collect()
+    }
+
+    /// [`Declared::mobile`] as 1 and 0, padded.
+    fn mask(&self) -> Vec<V::Scalar> {
+        let mut mask = vec![V::Scalar::ZERO; padded(self.chosen.len())];
+        mask.iter_mut().zip(self.mobile()).filter(|(_, mobile)| *mobile).for_each(|(slot, _)| *slot = V::Scalar::ONE);
+        mask
+    }
+}
+
+/// The forces that one item declares.
+type Forces<V> = Vec<Box<dyn Force<V>>>;
+
+/// A kind of force that a scene can declare.
+struct Kind<V: Vector> {
+    /// Name in the scene.
+    name: &'static str,
+    /// Range of the force.
+    reach: Reach,
+    /// Whether the force acts on charges.
+    charges: bool,
+    /// Builds the forces that an item of this kind declares.
+    build: fn(&Declared<'_, V>) -> Result<Forces<V>>,
+}
+
+/// The registry of forces.
+fn kinds<V: Vector>() -> [Kind<V>; 11] {
+    [
+        gravity::kind(),
+        drag::kind(),
+        central::kind(),
+        custom::kind(),
+        soft_spheres::kind(),
+        lennard_jones::kind(),
+        all_pairs::gravitation(),
+        all_pairs::coulomb(),
+        dihedral::kind(),
+        electromagnetic::kind(),
+        wind::kind(),
+    ]
+}
+
+/// Range of a force of the scene.
+fn reach(item: &Item) -> Option<Reach> {
+    kinds::<DVec2>().iter().find(|kind| kind.name == item.kind).map(|kind| kind.reach)
+}
+
+/// Whether a force of the scene acts on charges.
+pub fn feels_charges(item: &Item) -> bool {
+    kinds::<DVec2>().iter().any(|kind| kind.name == item.kind && kind.charges)
+}
+
+/// Whether a force of the scene acts between particles.
+pub fn is_between_pairs(item: &Item) -> bool {
+    matches!(reach(item), Some(Reach::Network | Reach::Pairs | Reach::Far))
+}
+
+/// Whether any force of the scene acts between all near particles.
+pub fn are_between_neighbors(scene: &Scene) -> bool {
+    sph::is_in(scene) || scene.forces.iter().any(|item| reach(item) == Some(Reach::Pairs))
+}
+
+/// A vector for which this crate compiles all forces. Callers use these functions; generic ones would be compiled with them.
+pub trait Space: Vector {
+    /// Builds the forces that an item of the scene declares.
+    ///
+    /// # Errors
+    /// If there is no such force, or a parameter is out of range.
+    fn forces(scene: &Scene, item: &Item, properties: &Properties<Self>, executor: &Executor) -> Result<Forces<Self>>;
+
+    /// Builds the force of springs between `count` particles.
+    fn springs(springs: &[Spring], count: usize) -> Box<dyn Force<Self>>;
+
+    /// Builds the fluids of a scene and their obstacles, if it has fluids.
+    ///
+    /// # Errors
+    /// If their parameters are inconsistent.
+    fn fluid(scene: &Scene, properties: &Properties<Self>, executor: &Executor) -> Result<Option<Box<dyn Force<Self>>>>;
+}
+
+macro_rules! compile_forces {
+    ($($vector:ty),+) => {
+        $(impl Space for $vector {
+            fn forces(scene: &Scene, item: &Item, properties: &Properties<Self>, executor: &Executor) -> Result<Forces<Self>> {
+                build(scene, item, properties, executor)
+            }
+
+            fn springs(springs: &[Spring], count: usize) -> Box<dyn Force<Self>> {
+                Box::new(Springs::<Self>::new(springs, count))
+            }
+
+            fn fluid(
+                scene: &Scene,
+                properties: &Properties<Self>,
+                executor: &Executor,
+            ) -> Result<Option<Box<dyn Force<Self>>>> {
+                sph::fluid(scene, properties, executor)
+            }
+        })+
+    };
+}
+
+compile_forces!(Vec2, Vec3, DVec2, DVec3);
+
+/// Builds the forces that an item of the scene declares.
+fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, executor: &Executor) -> Result<Forces<V>> {
+    let Some(kind) = kinds().into_iter().find(|kind| kind.name == item.kind) else {
+        return Err(scene::unknown(item, "a force"));
+    };
+    let in_scene = scene.members(item);
+    let chosen = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
+    (kind.build)(&Declared { scene, item, properties, chosen, executor })
+}

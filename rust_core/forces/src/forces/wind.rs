@@ -1,0 +1,224 @@
+//! Wind on the faces of a surface: quasi-steady forces on a plate in a uniform stream.
+//!
+//! A face has the area A and the unit normal n; its centroid moves with the velocity u. The air has the density ρ and the
+//! velocity w. The relative velocity r = w − u has the normal part q n and the tangential part t. With the coefficients `C_n` of
+//! normal force and `C_t` of skin friction, the force on the face is
+//!
+//! F = ½ ρ A (`C_n` |q| q n + `C_t` |t| t),
+//!
+//! a third of it at each corner. Its power F·u splits into the power of the wind, F·w, and the dissipated power, F·r ≥ 0. All
+//! quantities are computed in double precision.
+//!
+//! Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3, the cross-flow principle.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3};
+
+use super::corners::Corners;
+use super::derivatives::{Block, Derivatives, Directed, Motion, Push, outer};
+use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use crate::error::{Error, Result};
+use crate::history::History;
+use crate::math::Vector;
+use crate::matter::{EnergySink, View};
+use crate::parallel::Executor;
+use crate::stability::{Horizon, SpectralBound};
+
+/// Air in uniform motion.
+#[derive(Debug)]
+struct Air {
+    /// Velocity w [m/s].
+    velocity: DVec3,
+    /// Density ρ [kg/m³].
+    density: f64,
+    /// Coefficient `C_n` of normal force.
+    normal: f64,
+    /// Coefficient `C_t` of skin friction.
+    tangential: f64,
+}
+
+/// Wind on networks with faces.
+#[derive(Debug)]
+pub struct Wind<V: Vector> {
+    air: Air,
+    /// Corners of the faces, in the engine's order.
+    faces: Vec<[u32; 3]>,
+    /// Whether a side of each face is torn; such a face feels no force.
+    torn: Vec<bool>,
+    /// Forces on the corners, with the dissipated and supplied powers.
+    corners: Corners<V, 3, 2>,
+}
+
+/// Entry in the registry of forces.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Wind::<V>::new(declared)?)]) };
+    Kind { name: "Wind", reach: Reach::Network, charges: false, build }
+}
+
+/// Positions or velocities of the corners of a face.
+fn gather<V: Vector>(face: [u32; 3], columns: &View<'_, V>) -> [DVec3; 3] {
+    face.map(|corner| columns.get(corner as usize).widen())
+}
+
+/// Area times unit normal [m²].
+fn area([a, b, c]: [DVec3; 3]) -> DVec3 {
+    0.5 * (b - a).cross(c - a)
+}
+
+impl Air {
+    /// Velocity r of the air relative to a face [m/s].
+    fn relative(&self, velocities: [DVec3; 3]) -> DVec3 {
+        self.velocity - velocities.iter().sum::<DVec3>() / 3.0
+    }
+
+    /// Force on a face [N], from its area times its unit normal and the relative velocity.
+    fn force(&self, area: DVec3, relative: DVec3) -> DVec3 {
+        let size = area.length();
+        if size == 0.0 {
+            return DVec3::ZERO;
+        }
+        let normal = area / size;
+        let across = normal.dot(relative);
+        let along = relative - across * normal;
+        let pressure = self.normal * across.abs() * across * normal + self.tangential * along.length() * along;
+        0.5 * self.density * size * pressure
+    }
+
+    /// Derivative ∂F/∂r = ½ ρ A (2 `C_n` |q| nnᵀ + `C_t` (|t| (1 − nnᵀ) + ttᵀ/|t|)), symmetric and positive semidefinite.
+    fn damping(&self, area: DVec3, relative: DVec3) -> DMat3 {
+        let normal = area.normalize_or_zero();
+        let across = normal.dot(relative);
+        let along = relative - across * normal;
+        let friction = Directed { along: 2.0 * self.normal * across.abs(), across: self.tangential * along.length() };
+        let turned = self.tangential * outer(along, along.normalize_or_zero());
+        0.5 * self.density * area.length() * (friction.matrix(normal) + turned)
+    }
+}
+
+impl<V: Vector> Wind<V> {
+    fn new(declared: &Declared<'_, V>) -> Result<Self> {
+        let Declared { scene, item, properties, .. } = declared;
+        if V::DIMENSION != 3 {
+            return Err(Error::parameter(&item.path, "a scene in 3D", format!("{}D", V::DIMENSION)));
+        }
+        let air = Air {
+            velocity: item.vector("velocity")?,
+            density: item.non_negative("density")?,
+            normal: item.non_negative("normal")?,
+            tangential: item.non_negative("tangential")?,
+        };
+        let engine = properties.engine();
+        let named = item.on.clone().unwrap_or_else(|| (0..scene.bodies.len()).collect());
+        let mut faces = Vec::new();
+        for body in named {
+            let number = |corner: u32| engine[scene.first(body) + corner as usize];
+            let own = scene.bodies[body].item.tuples::<3>("faces").unwrap_or(&[]);
+            faces.extend(own.iter().map(|face| face.map(number)));
+        }
+        let corners = Corners::new(properties.count(), faces.iter().copied());
+        Ok(Self { air, torn: vec![false; faces.len()], corners, faces })
+    }
+}
+
+impl<V: Vector> History for Wind<V> {}
+
+impl<V: Vector> Force<V> for Wind<V> {
+    fn about(&self) -> About {
+        About {
+            velocity: VelocityDependence::Dissipative,
+            potential: None,
+            pairs: self.faces.len(),
+            bytes: size_of_val(self.faces.as_slice()) + size_of_val(self.torn.as_slice()) + self.corners.bytes(),
+            layout: format!("{} faces", self.faces.len()),
+            ..About::new("wind", Reach::Network)
+        }
+    }
+
+    fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+        let (air, faces, torn) = (&self.air, &self.faces, &self.torn);
+        self.corners.evaluate(executor, |face| {
+            if torn[face] {
+                return Default::default();
+            }
+            let relative = air.relative(gather(faces[face], &at.velocity));
+            let force = air.force(area(gather(faces[face], &at.position)), relative);
+            ([force / 3.0; 3], [force.dot(relative), force.dot(air.velocity)])
+        })
+    }
+
+    fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        self.corners.accumulate(&block, [EnergySink::Drag, EnergySink::Work], rates);
+    }
+
+    fn tear(&mut self, torn: &dyn Fn([u32; 2]) -> bool, _at: &StateView<'_, V>) -> f64 {
+        for (face, gone) in self.faces.iter().zip(&mut self.torn) {
+            *gone = [[0, 1], [1, 2], [2, 0]].iter().any(|&[one, other]| {
+                let [one, other] = [face[one], face[other]];
+                torn([one.min(other), one.max(other)])
+            });
+        }
+        0.0
+    }
+
+    /// A symmetric block matrix is bounded above by the diagonal matrix of its row sums. ∂F/∂u is at most ρ A c, where c is the
+    /// larger of `C_n` |q| and `C_t` |t|. Each corner feels a third of F, and moves the centroid by a third of its displacement.
+    ///
+    /// Let a corner j move by δ, and let hⱼ be its height. The normal turns by at most δ/hⱼ, and the area changes by at most the
+    /// fraction δ/hⱼ. With q² + t² = r², F then changes by at most ½ ρ A r² (5/2 `C_n` + 7/2 `C_t`) δ/hⱼ. A Σ 1/hⱼ is half the
+    /// perimeter.
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
+        for face in self.faces.iter().zip(&self.torn).filter_map(|(face, torn)| (!torn).then_some(*face)) {
+            let x = gather(face, &at.position);
+            let (area, relative) = (area(x), self.air.relative(gather(face, &at.velocity)));
+            let across = area.normalize_or_zero().dot(relative).abs();
+            let along = (relative.length_squared() - across * across).max(0.0).sqrt();
+            let damping = self.air.density * area.length() * (self.air.normal * across).max(self.air.tangential * along) / 3.0;
+            let perimeter = (0..3).map(|side| (x[(side + 1) % 3] - x[side]).length()).sum::<f64>();
+            let pressure = 0.5 * self.air.density * relative.length_squared();
+            let stiffness = pressure * (2.5 * self.air.normal + 3.5 * self.air.tangential) * perimeter / 6.0;
+            face.iter().for_each(|&corner| bound.point(corner as usize, "wind", stiffness, damping));
+        }
+        Ok(())
+    }
+
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        if self.faces.is_empty() { Validity::Always } else { Validity::Now }
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        Some(self)
+    }
+}
+
+impl<V: Vector> Wind<V> {
+    /// The corners of each face that is not torn, its area times unit normal, and the velocity of the air relative to it.
+    fn met(&self, at: &Motion<'_>) -> impl Iterator<Item = ([u32; 3], DVec3, DVec3)> {
+        let of = |values: &[DVec3], face: [u32; 3]| face.map(|corner| values[corner as usize]);
+        let there = self.faces.iter().zip(&self.torn).filter(|(_, torn)| !**torn);
+        there.map(move |(&face, _)| (face, area(of(at.position, face)), self.air.relative(of(at.velocity, face))))
+    }
+}
+
+/// A third of F acts on each corner, and each corner moves the centroid by a third of its displacement. −∂Fᵢ/∂vⱼ is therefore a
+/// ninth of ∂F/∂r for all corners i and j. The derivatives by position have a negligible symmetric part, and are omitted.
+impl<V: Vector> Derivatives for Wind<V> {
+    fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
+        for (face, area, relative) in self.met(at) {
+            let force = self.air.force(area, relative) / 3.0;
+            // The relative uncertainty of an area is that of its sides.
+            let stiffness = force.length() / area.length().sqrt();
+            face.iter().for_each(|&corner| push(Push { particle: corner as usize, force, stiffness }));
+        }
+    }
+
+    fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+        for (face, area, relative) in self.met(at) {
+            let matrix = rate / 9.0 * self.air.damping(area, relative);
+            for (place, &corner) in face.iter().enumerate() {
+                add(Block::of(corner as usize, 3.0 * matrix, 3.0 * matrix));
+                face[..place].iter().for_each(|&other| add(Block { ends: [corner, other], exact: -matrix, definite: -matrix }));
+            }
+        }
+    }
+}

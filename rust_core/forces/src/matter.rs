@@ -1,0 +1,273 @@
+//! The state of all particles, in fixed blocks.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+pub use crate::columns::{Columns, Span, View};
+pub use crate::integrators::REGISTERS;
+use crate::math::{Real, Vector};
+use crate::parallel::Split;
+use crate::simd::padded;
+pub use crate::tally::{EnergySink, EnergyTally, Power, SINKS};
+
+/// The constant properties of particles.
+#[derive(Debug, Clone)]
+pub struct Properties<V: Vector> {
+    /// 1/m [1/kg], 0 for a fixed particle; padded with zeros to whole groups of lanes.
+    pub inverse_mass: Vec<V::Scalar>,
+    /// Mass m [kg] in the precision of the forces, 0 for a fixed particle; padded with zeros.
+    pub inertia: Vec<V::Scalar>,
+    /// Mass m [kg], infinite for a fixed particle.
+    pub mass: Vec<f64>,
+    /// Charge [C].
+    pub charge: Vec<f64>,
+    /// Radius [m].
+    pub radius: Vec<f64>,
+    /// Body of each particle.
+    pub body: Vec<u32>,
+    /// Index of each particle in the caller's order.
+    pub caller: Vec<u32>,
+    /// Origin of the positions [m]; the third component is 0 in 2D.
+    pub origin: DVec3,
+}
+
+impl<V: Vector> Properties<V> {
+    /// Properties of particles with these masses [kg], infinite where fixed, in the caller's order. All belong to one body
+    /// about the origin, without charge or radius.
+    pub fn new(mass: Vec<f64>) -> Self {
+        let column = |value: &dyn Fn(f64) -> f64| {
+            let mut column: Vec<V::Scalar> = mass.iter().map(|&mass| V::Scalar::from_f64(value(mass))).collect();
+            column.resize(padded(mass.len()), V::Scalar::ZERO);
+            column
+        };
+        let count = mass.len();
+        Self {
+            inverse_mass: column(&|mass| 1.0 / mass),
+            inertia: column(&|mass| if mass.is_finite() { mass.min(V::Scalar::MAX) } else { 0.0 }),
+            mass,
+            charge: vec![0.0; count],
+            radius: vec![0.0; count],
+            body: vec![0; count],
+            caller: (0..count as u32).collect(),
+            origin: DVec3::ZERO,
+        }
+    }
+
+    /// Index in the engine's order of each particle of the caller's order.
+    pub fn engine(&self) -> Vec<u32> {
+        let mut engine = vec![0; self.caller.len()];
+        self.caller.iter().zip(0..).for_each(|(&caller, index)| engine[caller as usize] = index);
+        engine
+    }
+
+    /// Converts positions [m] from the caller's order to the engine's order, relative to the origin.
+    pub fn relative(&self, positions: &[DVec3]) -> Vec<DVec3> {
+        self.caller.iter().map(|&caller| positions[caller as usize] - self.origin).collect()
+    }
+
+    /// Number of particles.
+    pub fn count(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Whether a particle has a prescribed velocity.
+    pub fn is_fixed(&self, index: usize) -> bool {
+        self.mass[index].is_infinite()
+    }
+}
+
+/// The state of all particles.
+#[derive(Debug, Clone)]
+pub struct Matter<V: Vector> {
+    /// Positions relative to the origin [m].
+    pub position: Columns<V>,
+    /// Velocities [m/s].
+    pub velocity: Columns<V>,
+    /// Registers of the integrator, persistent or between its stages.
+    pub registers: Vec<Columns<V>>,
+    /// Low-order part of the positions [m]: exact = position + residual. For forces that need separations beyond the
+    /// precision of the state; else empty.
+    pub residual: Columns<V>,
+    /// Energy dissipated and supplied, one tally per block.
+    pub tallies: Vec<EnergyTally>,
+    /// The number of particles in a block.
+    pub block: usize,
+}
+
+/// Exact position [m]: a position plus its residual, if there is one.
+fn exact<V: Vector>(position: V, residual: Option<V>) -> DVec3 {
+    position.widen() + residual.map_or(DVec3::ZERO, V::widen)
+}
+
+/// Splits a position [m] into its rounded value and the residual.
+fn parts<V: Vector>(exact: DVec3) -> (V, V) {
+    let position = V::narrow(exact);
+    (position, V::narrow(exact - position.widen()))
+}
+
+impl<V: Vector> Matter<V> {
+    /// Matter at rest at the origin.
+    pub fn zeros(count: usize, registers: usize, block: usize) -> Self {
+        Self {
+            position: Columns::zeros(count),
+            velocity: Columns::zeros(count),
+            registers: vec![Columns::zeros(count); registers],
+            residual: Columns::zeros(0),
+            tallies: vec![EnergyTally::ZERO; count.div_ceil(block)],
+            block,
+        }
+    }
+
+    /// Number of particles.
+    pub fn count(&self) -> usize {
+        self.position.count()
+    }
+
+    /// Copies the state of `other`, which has the same shape.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.position.copy_from(&other.position);
+        self.velocity.copy_from(&other.velocity);
+        for (mine, theirs) in self.registers.iter_mut().zip(&other.registers) {
+            mine.copy_from(theirs);
+        }
+        self.residual.copy_from(&other.residual);
+        self.tallies.copy_from_slice(&other.tallies);
+    }
+
+    /// Exact position of a particle relative to the origin [m].
+    pub fn exact_position(&self, index: usize) -> DVec3 {
+        exact(self.position.get(index), (self.residual.count() > 0).then(|| self.residual.get(index)))
+    }
+
+    /// Sets the position of a particle relative to the origin [m], as exactly as the state can hold it.
+    pub fn set_exact_position(&mut self, index: usize, exact: DVec3) {
+        let (position, residual) = parts(exact);
+        self.position.set(index, position);
+        if self.residual.count() > 0 {
+            self.residual.set(index, residual);
+        }
+    }
+
+    /// Energy through one sink so far [J], summed block by block.
+    pub fn tallied(&self, sink: EnergySink) -> f64 {
+        self.tallies.iter().map(|tally| tally.total(sink)).sum()
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        let registers: usize = self.registers.iter().map(Columns::bytes).sum();
+        self.position.bytes()
+            + self.velocity.bytes()
+            + registers
+            + self.residual.bytes()
+            + std::mem::size_of_val(self.tallies.as_slice())
+    }
+
+    /// All blocks, mutable.
+    pub fn blocks(&mut self) -> Blocks<'_, V> {
+        let mut registers = self.registers.iter_mut();
+        Blocks {
+            start: 0,
+            count: self.position.count(),
+            size: self.block,
+            position: self.position.span(),
+            velocity: self.velocity.span(),
+            registers: std::array::from_fn(|_| registers.next().map_or_else(Span::empty, Columns::span)),
+            residual: self.residual.span(),
+            tallies: &mut self.tallies,
+        }
+    }
+}
+
+/// Consecutive mutable blocks of matter.
+#[derive(Debug)]
+pub struct Blocks<'a, V: Vector> {
+    /// Index of the first particle.
+    pub start: usize,
+    /// Number of particles, without the padding.
+    pub count: usize,
+    size: usize,
+    /// Positions relative to the origin [m].
+    pub position: Span<'a, V>,
+    /// Velocities [m/s].
+    pub velocity: Span<'a, V>,
+    /// Registers of the integrator.
+    pub registers: [Span<'a, V>; REGISTERS],
+    /// Low-order part of the positions [m]; empty if unused.
+    pub residual: Span<'a, V>,
+    /// One tally per block.
+    pub tallies: &'a mut [EnergyTally],
+}
+
+impl<'a, V: Vector> Blocks<'a, V> {
+    /// One block of `count` particles that begins at `start`.
+    pub fn new(
+        start: usize,
+        count: usize,
+        position: Span<'a, V>,
+        velocity: Span<'a, V>,
+        registers: [Span<'a, V>; REGISTERS],
+        tallies: &'a mut [EnergyTally],
+    ) -> Self {
+        Self { start, count, size: position.len(), position, velocity, registers, residual: Span::empty(), tallies }
+    }
+
+    /// Exact position of a particle of these blocks, relative to the origin [m].
+    pub fn exact_position(&self, lane: usize) -> DVec3 {
+        exact(self.position.get(lane), (!self.residual.is_empty()).then(|| self.residual.get(lane)))
+    }
+
+    /// Sets the position of a particle of these blocks relative to the origin [m], as exactly as the state can hold it.
+    pub fn set_exact_position(&mut self, lane: usize, exact: DVec3) {
+        let (position, residual) = parts(exact);
+        self.position.set(lane, position);
+        if !self.residual.is_empty() {
+            self.residual.set(lane, residual);
+        }
+    }
+
+    /// Range of the particles' indices, padding included.
+    #[inline(always)]
+    pub fn range(&self) -> Range<usize> {
+        self.start..self.start + self.position.len()
+    }
+}
+
+impl<V: Vector> Split for Blocks<'_, V> {
+    fn blocks(&self) -> usize {
+        self.tallies.len()
+    }
+
+    fn split_at(self, blocks: usize) -> (Self, Self) {
+        let length = (blocks * self.size).min(self.position.len());
+        let count = length.min(self.count);
+        let (position, other_position) = self.position.split_at(length);
+        let (velocity, other_velocity) = self.velocity.split_at(length);
+        let (residual, other_residual) = self.residual.split_at(length);
+        let (tallies, other_tallies) = self.tallies.split_at_mut(blocks);
+        let mut others: [Span<'_, V>; REGISTERS] = std::array::from_fn(|_| Span::empty());
+        let registers = {
+            let mut other = others.iter_mut();
+            self.registers.map(|span| {
+                let (first, rest) = span.split_at(length);
+                if let Some(slot) = other.next() {
+                    *slot = rest;
+                }
+                first
+            })
+        };
+        let first = Self { start: self.start, count, size: self.size, position, velocity, registers, residual, tallies };
+        let rest = Self {
+            start: self.start + length,
+            count: self.count - count,
+            size: self.size,
+            position: other_position,
+            velocity: other_velocity,
+            registers: others,
+            residual: other_residual,
+            tallies: other_tallies,
+        };
+        (first, rest)
+    }
+}
