@@ -18,7 +18,7 @@ CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo tes
 TESTED := --locked --workspace --exclude physcore-benches
 
 .DEFAULT_GOAL := help
-.PHONY: help check install demo test test-rust test-python test-long fuzz edges asan validate tradeoff lint format bench clean
+.PHONY: help check install dev demo test test-rust test-python test-long fuzz edges asan validate tradeoff lint format bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -31,6 +31,11 @@ demo: $(VENV)/package.stamp ## build, install, run a demo (DEMO=name), say where
 	@$(BIN)/physcore demo $(DEMO) -o $(OUT)/$(or $(DEMO),demo).gif
 
 install: $(VENV)/package.stamp ## build the release wheel and install it into .venv
+
+# The stamp of the wheel goes: `make test` and `make install` then install the wheel again.
+dev: $(VENV)/maturin.stamp ## build for editing, in seconds after the first time: the same behaviour, but slow
+	@rm -f $(VENV)/package.stamp
+	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --profile editing --locked
 
 test: test-rust test-python ## run every test, Rust and Python, in a few minutes
 
@@ -51,17 +56,18 @@ test-long: $(VENV)/tools.stamp ## run every test with the full number of example
 fuzz: $(VENV)/tools.stamp ## call everything with hostile values, CALLS=1000000 times on all cores, and say what was found
 	$(BIN)/python tests/fuzz --calls $(CALLS)
 
-edges: $(VENV)/tools.stamp ## write docs/reports/edges.md: what becomes of the edge values of every argument
-	$(BIN)/python tests/fuzz/edges.py docs/reports/edges.md
+edges: $(VENV)/tools.stamp ## write out/edges.md: what becomes of the edge values of every argument
+	@mkdir -p $(OUT)
+	$(BIN)/python tests/fuzz/edges.py $(OUT)/edges.md
 
 asan: ## run the tests of the engine and the canvas under AddressSanitizer, where a nightly Rust is installed
 	scripts/address-sanitizer
 
-validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md
-	$(BIN)/python -m pytest -m validation --numprocesses auto --dist loadfile --report=docs/reports/validation.md
+validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write out/validation.md
+	$(BIN)/python -m pytest -m validation --numprocesses auto --dist loadfile --report=$(OUT)/validation.md
 
-tradeoff: $(VENV)/tools.stamp ## measure error against time and the extremes, and write docs/tradeoff.md, in ten minutes
-	$(BIN)/python benches/tradeoff.py
+tradeoff: $(VENV)/tools.stamp ## measure error against time and the extremes, and write out/tradeoff.md, in ten minutes
+	$(BIN)/python benches/tradeoff.py $(OUT)
 
 lint: $(VENV)/tools.stamp ## check format, style, types and licenses, Rust and Python
 	cargo fmt --all --check

@@ -1,7 +1,7 @@
-"""What speed costs in accuracy, on six scenes, in demos and at the extremes: writes docs/tradeoff.md and its figures.
+"""What speed costs in accuracy, on six scenes, in demos and at the extremes: writes out/tradeoff.md and its diagrams.
 
 make tradeoff, or python benches/tradeoff.py [FOLDER] [--seconds N]; --only "Stiff cloth" measures that scene alone, and
-puts it in its place in the report.
+puts it in its place in the report. docs/tradeoff.md quotes a report; it is edited by hand, and never written here.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from physcore.gallery import caption, demo
 
 DECADES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
 """The errors for which the cheapest row is looked for, as fractions of the scene's size."""
+QUOTED = Path(__file__).resolve().parents[1] / "docs" / "tradeoff.md"
+"""The page that quotes figures of a report."""
 SECTION, RULE = "\n\n## ", "|---|" + "---|" * len(DECADES) + "\n"
 """What stands before each section of the report, and before the rows of its tables of advice."""
 
@@ -168,23 +170,28 @@ def main() -> None:
     """Measure everything, or some scenes, and write the report."""
     studies = [kepler(), pendulum(), cloth(), stiff_cloth(), gas(), dam(), *map(demonstration, DEMOS)]
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
-    parser.add_argument("folder", nargs="?", type=Path, default=Path("docs"))
+    parser.add_argument("folder", nargs="?", type=Path, default=Path("out"), help="default: out")
     parser.add_argument("--seconds", type=float, default=420.0, help="for all scenes together (default: 420)")
     parser.add_argument(
         "--only", action="append", metavar="NAME", choices=[study.name for study in studies], help="a scene; repeatable"
     )
     options = parser.parse_args()
+    path = options.folder / "tradeoff.md"
+    if path.resolve() == QUOTED:
+        parser.error(f"{path} is edited by hand: name another folder")
     (options.folder / "images").mkdir(parents=True, exist_ok=True)
     begin = time.perf_counter()
     chosen = [study for study in studies if options.only is None or study.name in options.only]
     whole = sum(study.share for study in studies)
     trades = {study.name: _measured(study, options.seconds * study.share / whole) for study in chosen}
-    path = options.folder / "tradeoff.md"
-    if options.only is None:
-        parts = [_head(next(iter(trades.values()))), _advice(studies, trades)]
-        parts += [_section(study, trades[study.name], options.folder) for study in studies]
-        print("Extremes …", flush=True)
-        report = "\n\n".join([*parts, extremes.table()]) + "\n"
+    if options.only is None or not path.exists():
+        command = "make tradeoff" if options.only is None else _command(*options.only)
+        parts = [_head(next(iter(trades.values())), command), _advice(chosen, trades)]
+        parts += [_section(study, trades[study.name], options.folder) for study in chosen]
+        if options.only is None:
+            print("Extremes …", flush=True)
+            parts.append(extremes.table())
+        report = "\n\n".join(parts) + "\n"
     else:
         report = path.read_text(encoding="utf-8")
         for study in chosen:
@@ -208,10 +215,15 @@ def _measured(study: Study, budget: float) -> pc.Tradeoff:
     )
 
 
-def _head(trade: pc.Tradeoff) -> str:
+def _command(*names: str) -> str:
+    """The command that measures these scenes alone."""
+    return " ".join(["python benches/tradeoff.py", *(f'--only "{name}"' for name in names)])
+
+
+def _head(trade: pc.Tradeoff, command: str) -> str:
     return (
         "# What speed costs in accuracy\n\n"
-        f"{_measured_where(trade, 'make tradeoff')} Do not edit.\n\n"
+        f"{_measured_where(trade, command)} Do not edit.\n\n"
         "Every figure is of one call, `pc.tradeoff(scene, duration)`: errors are largest distances from a reference, "
         "times are medians of five whole runs in random order with the audit on, evaluations those of the forces. A "
         "question mark stands behind a time whose median is 5 % above the least of its repetitions."
@@ -246,7 +258,7 @@ def _replaced(report: str, study: Study, trade: pc.Tradeoff, names: list[str], f
     """A report with what was found of one scene in its place, among those of all `names`."""
     before = names[: names.index(study.name)]
     head, advice, *sections = report.rstrip("\n").split(SECTION)
-    note = _measured_where(trade, f'python benches/tradeoff.py --only "{study.name}"')
+    note = _measured_where(trade, _command(study.name))
     new = _section(study, trade, folder, note).removeprefix("## ")
     titles = [section.partition("\n")[0] for section in sections]
     first = next((at for at, title in enumerate(titles) if title not in before), len(sections))

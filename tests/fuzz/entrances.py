@@ -105,7 +105,7 @@ RECEIVERS = {"Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)", "Recordin
 """Instances whose methods are called."""
 
 SLOW = ("lyapunov", "film", "gif_bytes", "export", "simulate", "tradeoff", "record", "save", "stability_limit")
-"""What takes milliseconds."""
+"""Calls that take milliseconds."""
 
 LONG = (
     "step",
@@ -127,7 +127,7 @@ LONG = (
     "rope",
     "soft_body",
 )
-"""What may be asked for a long run, or for millions of particles."""
+"""Calls that may be asked for a long run, or for millions of particles."""
 
 PARTS = (
     "Amount",
@@ -147,9 +147,6 @@ PARTS = (
 )
 """Results: nobody but physcore makes them, and they take what they are given."""
 
-DEPRECATED = ("runaway",)
-"""Arguments that warn; `test_deprecated.py` gives them."""
-
 INTERNAL = ("from_content", "packed")
 """Methods that only physcore calls."""
 
@@ -159,14 +156,14 @@ class Entrance:
     """Something to call."""
 
     source: str
-    """What stands before the parentheses."""
+    """The text before the parentheses."""
     name: str
     parameters: dict[str, str | None]
     """By name: a valid argument as a text; None: left out."""
     rest: str | None
     """The parameter that takes all positional arguments, if there is one."""
     numerics: tuple[str, ...] = ()
-    """Those of them that it hands on to Simulation."""
+    """The parameters that are handed on to Simulation."""
     keys: bool = False
     """Whether it raises KeyError for what is not there."""
 
@@ -222,16 +219,12 @@ def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = Fa
     for parameter in inspect.signature(thing).parameters.values():
         match parameter.kind:
             case parameter.VAR_KEYWORD:
-                numerics = tuple(
-                    option
-                    for option in inspect.signature(pc.Simulation).parameters
-                    if option not in ("scene", *DEPRECATED)
-                )
+                numerics = tuple(option for option in inspect.signature(pc.Simulation).parameters if option != "scene")
                 parameters |= dict.fromkeys(numerics)
             case parameter.VAR_POSITIONAL:
                 rest = parameter.name
                 parameters[rest] = VALID[rest]
-            case _ if parameter.name not in ("self", *DEPRECATED):
+            case _ if parameter.name != "self":
                 needed = parameter.default is parameter.empty
                 valid = VALID.get(f"{owner}.{parameter.name}", VALID.get(parameter.name, "1.0"))
                 parameters[parameter.name] = valid if needed else None
@@ -239,9 +232,9 @@ def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = Fa
 
 
 def prepare() -> None:
-    """What the texts name: a scene, a recording, and files of them in the present folder.
+    """Make what the texts name: a scene, a recording, and files of them in the present folder.
 
-    What is imported late is imported here: a call that is stopped in the middle of an import leaves half a module.
+    Modules that are imported late are imported here: a call that is stopped during an import leaves half a module.
     """
     for name in (
         "matplotlib.pyplot",
