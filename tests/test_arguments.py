@@ -279,7 +279,6 @@ def parameters(function: Callable[..., object]) -> list[str]:
     """The arguments that can be given by name."""
     given = inspect.signature(function).parameters.values()
     names = [each.name for each in given if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]
-    names = [name for name in names if name != "runaway"]  # the deprecated name of max_energy_growth
     return [*names, *(NUMERICS if any(each.kind == each.VAR_KEYWORD for each in given) else ())]
 
 
@@ -292,7 +291,6 @@ def test_what_is_right_is_taken(call, tmp_path, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
-@pytest.mark.filterwarnings("ignore:Fluid.*is numerics now:DeprecationWarning")
 @pytest.mark.parametrize(
     ("call", "parameter"), [(call, name) for call, (function, _) in CALLS.items() for name in parameters(function)]
 )

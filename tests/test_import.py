@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from importlib import import_module
 
 import physcore as pc
 
@@ -35,3 +36,9 @@ def test_everything_public_is_there_and_documented():
 
 def test_the_version_is_that_of_the_package():
     assert pc.__version__.count(".") == 2
+
+
+def test_integrators_are_importable_under_their_public_name():
+    public = import_module("physcore.integrators")
+    assert public.INTEGRATORS == import_module("physcore.numerics.integrators").INTEGRATORS
+    assert public.PEFRL is pc.PEFRL

@@ -6,13 +6,12 @@
     recording = pc.simulate(pc.Scene(cloth, pc.Gravity()), duration=4.0)
     pc.film(recording, "cloth.gif")
 
-A Scene says what is there; the numerics (integrator, dt, precision, threads) stand beside it; a Simulation owns state
-and clock; a Recording is arrays and the audit; `film` draws them.
+A Scene describes the bodies and the forces. The numerics (integrator, dt, precision, threads) are given beside it. A
+Simulation owns state and clock, a Recording holds arrays and the energy audit, and `film` draws them.
 """
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -29,7 +28,6 @@ from physcore.errors import (
     SceneWarning,
     SimulationDiverged,
     StabilityWarning,
-    warn,
 )
 from physcore.film import film
 from physcore.forces import (
@@ -288,18 +286,13 @@ _LATER = {
     "physcore.studies.tradeoff": ("Tradeoff", "tradeoff"),
 }
 """Names that few scripts use, by module: each module is imported when one of its names is asked for."""
-_BEFORE = {"Repulsion": "SoftSpheres", "evidence": "provenance"}
-"""Names of before."""
 
 spell(globals()[name] for name in __all__ if name in globals())
 Recording.film = film  # Here, because what draws films imports recordings.
 
 
 def __getattr__(name: str) -> object:
-    """The version, names whose module is imported when they are asked for, and names of before."""
-    if name in _BEFORE:
-        warn(f"{name} is now {_BEFORE[name]}", DeprecationWarning)
-        return getattr(sys.modules[__name__], _BEFORE[name])
+    """The version, and names whose module is imported when they are asked for."""
     for module, names in _LATER.items():
         if name in names:
             return getattr(import_module(module), name)

@@ -18,13 +18,13 @@ from physcore.errors import PhyscoreError
 from physcore.spelling import did_you_mean
 
 INTERRUPTED = 130
-"""The exit code after Ctrl-C, as shells have it."""
+"""Exit code after Ctrl-C: 128 + 2 (SIGINT), the convention of shells."""
 QUICK = 6.0
-"""The processor time of a demo that is quick [s]."""
+"""Largest processor time of a demo that `physcore gallery --quick` runs [s]."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; give its exit code: 0, 1 when it failed, 2 when the arguments made no sense."""
+    """Run a command and return its exit code: 0, 1 when it failed, 2 when the arguments are not valid."""
     options = _parser().parse_args(arguments)
     try:
         return int(options.run(options))
@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("physcore: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        sys.stderr.close()  # The reader has left (`physcore list | head`); there is nobody to complain to.
+        sys.stderr.close()  # The reader closed the pipe (`physcore list | head`): no message reaches anybody.
         return 0
 
 
@@ -136,10 +136,10 @@ def _demo(options: argparse.Namespace) -> int:
 
 
 def _ahead(chosen: Any, particles: int) -> str:
-    """What a demo of so many particles will take, before it begins.
+    """Estimate the time and the memory of a demo with `particles` particles, before it begins.
 
-    Its first steps are not all: as the flow breaks up, steps become shorter. A rehearsal with few particles says by how
-    much the whole takes longer.
+    The first steps alone underestimate the time: as the flow breaks up, the steps become shorter. A rehearsal with few
+    particles measures by which factor the whole run takes longer.
     """
     from physcore.studies.forecast import forecast, rehearsed, words
 
@@ -167,7 +167,7 @@ def _gallery(options: argparse.Namespace) -> int:
         slow = [name for name in names if known.get(name, math.inf) > QUICK]
         names = [name for name in names if name not in slow]
         print(f"Left out: {', '.join(slow) or 'nothing'}.")
-    # What was never measured counts as an average one.
+    # A demo without a measured time counts as an average one.
     weights = {name: known.get(name, sum(known.values()) / max(len(known), 1)) for name in names}
     failed, done, start = [], 0.0, time.monotonic()
     for number, entry in enumerate(gallery(options.output, names, progress=True, jobs=options.jobs), 1):
@@ -186,7 +186,7 @@ def _gallery(options: argparse.Namespace) -> int:
 
 
 def _minutes(seconds: float) -> str:
-    """A time as people say it."""
+    """A time in seconds, from 100 s on in minutes, as text."""
     return f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min"
 
 
@@ -208,7 +208,7 @@ def _tradeoff(options: argparse.Namespace) -> int:
     print(caption(options.name))
     chosen = demo(options.name)
     duration = chosen.DURATION if options.duration is None else options.duration
-    method = getattr(chosen, "METHOD", None)  # of those with a fluid, where it is not the default
+    method = getattr(chosen, "METHOD", None)  # the method of a fluid demo, where it is not the default
     fluids = None if method is None else [method]
     trade = physcore.tradeoff(chosen.scene(), duration, fluids=fluids, budget=options.budget, progress=True)
     print(f"\n{trade}\n\n{trade.explain()}")
@@ -221,12 +221,12 @@ def _tradeoff(options: argparse.Namespace) -> int:
 
 
 def _written(path: Path) -> str:
-    """The whole name of a file; bytes in it that are no text are shown as such."""
+    """The absolute path of a file as text; bytes that are not valid text are written as escape sequences."""
     return os.fsencode(path.resolve()).decode(errors="backslashreplace")
 
 
 def _exists(name: str) -> bool:
-    """Whether there is such a demo; if not, say which ones there are."""
+    """Whether a demo of this name exists; if not, print the names of all demos."""
     from physcore.gallery import DEMOS
 
     if name in DEMOS:

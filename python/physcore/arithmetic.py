@@ -1,8 +1,8 @@
-"""Elementary functions and small products whose bits are the same on every processor.
+"""Elementary functions and small products that give the same bits on every processor.
 
 The exponentials, powers and angles of NumPy and of `math` depend on the vector instructions and the C library of the
-machine, as the products and factorizations of BLAS and LAPACK do. What is computed from a user's numbers uses these
-functions; `tests/test_arithmetic.py` holds that.
+machine. The products and factorizations of BLAS and LAPACK do so too. All computations with a user's numbers use these
+functions; `tests/test_arithmetic.py` checks this.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def exp(x: ArrayLike) -> FloatArray:
 
 
 def log(x: ArrayLike) -> FloatArray:
-    """The natural logarithm ln x, of positive numbers."""
+    """The natural logarithm ln x of positive numbers."""
     return _of(_core.log, x)
 
 
@@ -37,7 +37,7 @@ def cos(x: ArrayLike) -> FloatArray:
 
 
 def arctan2(y: ArrayLike, x: ArrayLike) -> FloatArray:
-    """The angle of (x, y) from the x axis [rad], from −π to π."""
+    """The angle of the point (x, y) from the x axis [rad], from −π to π."""
     return _of(_core.arctan2, y, x)
 
 
@@ -47,18 +47,18 @@ def power(x: ArrayLike, exponent: ArrayLike) -> FloatArray:
 
 
 def dots(one: FloatArray, other: FloatArray) -> FloatArray:
-    """The dot products (…) of vectors (…, D)."""
+    """Dot products (…) of vectors (…, D)."""
     products: FloatArray = (one * other).sum(axis=-1)
     return products
 
 
 def lengths(vectors: FloatArray) -> FloatArray:
-    """The lengths (…) of vectors (…, D)."""
+    """Lengths (…) of vectors (…, D)."""
     return np.sqrt(dots(vectors, vectors))
 
 
 def combined(coefficients: FloatArray, rows: FloatArray) -> FloatArray:
-    """The linear combinations (N, D) of rows (K, D) with coefficients (N, K)."""
+    """Linear combinations (N, D) of rows (K, D) with coefficients (N, K)."""
     total = np.zeros((len(coefficients), rows.shape[1]))
     for column, row in zip(coefficients.T, rows, strict=True):
         total += column[:, np.newaxis] * row
@@ -66,8 +66,10 @@ def combined(coefficients: FloatArray, rows: FloatArray) -> FloatArray:
 
 
 def orthonormal(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Orthonormal rows (…, K, P) that span the same spaces as the first 1, 2, …, K of linearly independent ones, by the
-    modified Gram–Schmidt process, and the lengths (…, K) that were left of each: the diagonal of a QR decomposition.
+    """Orthonormalize linearly independent rows (…, K, P) by the modified Gram–Schmidt process.
+
+    The first 1, 2, …, K rows of the result span the same spaces as those of `rows`. The second result (…, K) is the
+    length of each row before its normalization: the diagonal of R in a QR decomposition.
     """
     basis = rows.copy()
     left = np.empty(rows.shape[:-1])
@@ -79,11 +81,11 @@ def orthonormal(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def row_space(rows: FloatArray, smallest: float) -> FloatArray:
-    """An orthonormal basis (R, P) of what rows (M, P) span, of which none is longer than 1, by the Gram–Schmidt process with pivoting.
+    """Orthonormal basis (R, P) of the span of rows (M, P) of length at most 1, by the pivoted Gram–Schmidt process.
 
     Args:
-        rows: changed.
-        smallest: what is shorter once the basis is removed is rounding.
+        rows: overwritten.
+        smallest: rows whose remainder is not longer than this count as rounding errors.
     """
     basis: list[FloatArray] = []
     while len(rows):
@@ -92,7 +94,7 @@ def row_space(rows: FloatArray, smallest: float) -> FloatArray:
         if not left[longest] > smallest:
             break
         row = rows[longest] / left[longest]
-        # A second pass removes what rounding has left along the basis.
+        # Reorthogonalization: a second pass removes the components that rounding has left along the basis.
         for known in basis:
             row -= dots(row, known) * known
         basis.append(row / lengths(row))
@@ -101,12 +103,12 @@ def row_space(rows: FloatArray, smallest: float) -> FloatArray:
 
 
 def _remove(rows: FloatArray, direction: FloatArray) -> None:
-    """Subtract the components of rows (…, K, P) along unit vectors (…, P), in place."""
+    """Subtract from rows (…, K, P) their components along unit vectors (…, P), in place."""
     along = direction[..., np.newaxis, :]
     rows -= dots(rows, along)[..., np.newaxis] * along
 
 
 def _of(function: Callable[..., FloatArray], *arguments: ArrayLike) -> FloatArray:
-    """A function of the engine at every entry of arrays that broadcast."""
+    """Evaluate a function of the engine at every entry of arrays, after broadcasting them."""
     arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=np.float64) for argument in arguments))
     return function(*(np.ascontiguousarray(values).ravel() for values in arrays)).reshape(arrays[0].shape)

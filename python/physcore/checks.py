@@ -1,7 +1,7 @@
-"""The boundary where arguments enter: what a user passes becomes checked numbers, words, paths and read-only arrays.
+"""Validation of arguments: converts a user's values to checked numbers, words, paths and read-only arrays.
 
-Whatever is passed, an object of any kind included, the answer is a value of the declared type or a SceneError that
-names the parameter: nothing else compares, converts or indexes what a user has passed.
+For any object, the result is a value of the declared type or a SceneError that names the parameter. No other module
+compares, converts or indexes values from a user.
 """
 
 from __future__ import annotations
@@ -31,33 +31,35 @@ Word = TypeVar("Word", bound=str)
 DIMENSIONS = (2, 3)
 
 MOST = 2**53
-"""The largest count: up to here every whole number is a float, so that times are right."""
+"""Largest count. Every whole number up to here is exact as a float, so that times are exact."""
 
 SHORTEST, LONGEST = 1e-100, 1e100
-"""The range of lengths [m], times [s] and rates [1/s]: products and quotients of two are neither zero nor infinite."""
+"""Range of lengths [m], times [s] and rates [1/s]. Products and quotients of two such values neither overflow nor
+underflow.
+"""
 
 MANY = 10**6
-"""The number of entries from which the free memory is looked at."""
+"""Number of entries from which on the free memory is checked."""
 
 DEEPEST = 8
-"""How deep lists are nested at most."""
+"""Largest depth of nested lists."""
 
 DIGITS_PER_BIT = 0.30103
 """The decimal logarithm of 2."""
 
 LONG_INTEGER = 10**40
-"""Whole numbers beyond are quoted by their number of digits: Python refuses to write out very long ones."""
+"""Integers beyond this size are quoted by their number of digits: Python refuses to convert very long ones to text."""
 
 
 class _Short(Repr):
-    """Cuts long lists and texts."""
+    """Shortens long lists and texts."""
 
     def __init__(self) -> None:
         super().__init__()
         self.maxstring = self.maxother = 120
 
     def repr_int(self, x: int, level: int) -> str:
-        """A whole number, or how long it is."""
+        """A whole number, or its number of digits if it is too long."""
         if abs(x) < LONG_INTEGER:
             return super().repr_int(x, level)
         return f"a whole number of about {math.ceil(x.bit_length() * DIGITS_PER_BIT)} digits"
@@ -67,7 +69,7 @@ _SHORT = _Short()
 
 
 def shown(value: object) -> str:
-    """A value as a message quotes it: in one line, and cut where it is long."""
+    """A value as quoted in a message: on one line, and shortened if it is long."""
     try:
         text = _SHORT.repr(value)
     except Exception:
@@ -76,14 +78,14 @@ def shown(value: object) -> str:
 
 
 def written(point: Sequence[float]) -> str:
-    """A point or a vector as people write it: (0, 2.5)."""
+    """A point or a vector in the usual notation: (0, 2.5)."""
     return f"({', '.join(f'{component:g}' for component in point)})"
 
 
 def number(
     value: object, path: str, *, above: float = -math.inf, least: float = -math.inf, most: float = math.inf
 ) -> float:
-    """A finite float with `value > above` and `least <= value <= most`."""
+    """A finite float x with `x > above` and `least <= x <= most`."""
     result = _real(value, path)
     if not math.isfinite(result):
         raise SceneError(f"{path}: must be finite, got {result}")
@@ -97,10 +99,10 @@ def number(
 
 
 def called(function: Callable[..., T], path: str, *arguments: object) -> T:
-    """What a function of the user's gives.
+    """Call a user's function and return its result.
 
     Raises:
-        SceneError: it raised an exception, which is the cause.
+        SceneError: the function raised an exception, which is the cause of this one.
     """
     try:
         return function(*arguments)
@@ -109,13 +111,13 @@ def called(function: Callable[..., T], path: str, *arguments: object) -> T:
 
 
 def span(value: object, path: str, *, empty: bool = False) -> float:
-    """A length, a time or a rate from SHORTEST to LONGEST; 0 too where it may be empty."""
+    """A length, a time or a rate from SHORTEST to LONGEST; with `empty`, 0 is valid too."""
     result = number(value, path, above=-math.inf if empty else 0.0, least=0.0, most=LONGEST)
     return result if result == 0.0 else number(result, path, least=SHORTEST)
 
 
 def count(value: object, path: str, *, least: int = 0, most: int = MOST) -> int:
-    """A whole number from `least` to `most`."""
+    """An integer from `least` to `most`."""
     if isinstance(value, (bool, np.timedelta64)) or not isinstance(value, (int, np.integer)):
         raise SceneError(f"{path}: must be a whole number, got {shown(value)}{_nature(value)}")
     if value < least:
@@ -126,26 +128,26 @@ def count(value: object, path: str, *, least: int = 0, most: int = MOST) -> int:
 
 
 def flag(value: object, path: str) -> bool:
-    """True or False."""
+    """A Boolean value."""
     if not isinstance(value, (bool, np.bool_)):
         raise SceneError(f"{path}: must be True or False, got {shown(value)}")
     return bool(value)
 
 
 def word(value: object, path: str, known: Collection[Word]) -> Word:
-    """One of some words."""
+    """One of the known words."""
     if not isinstance(value, str) or value not in known:
         raise SceneError(f"{path}: must be {_alternatives(known)}, got {shown(value)}{did_you_mean(value, known)}")
     return next(each for each in known if each == value)
 
 
 def is_word(value: object, expected: str) -> bool:
-    """Whether it is a certain word; arrays compare entry by entry, and so are not asked."""
+    """Whether a value is a certain string. Arrays are never compared, because `==` compares them entry by entry."""
     return isinstance(value, str) and value == expected
 
 
 def words(value: object, path: str, known: Collection[Word], hint: str = "") -> tuple[Word, ...]:
-    """Some of some words, each once."""
+    """A tuple of known words, without repetitions."""
     if not isinstance(value, (tuple, list, set, frozenset)) or not all(
         isinstance(each, str) and each in known for each in value
     ):
@@ -157,7 +159,7 @@ def words(value: object, path: str, known: Collection[Word], hint: str = "") -> 
 
 
 def text(value: object, path: str) -> str:
-    """A text that can be written into a file."""
+    """A string that can be encoded as UTF-8."""
     if not isinstance(value, str):
         raise SceneError(f"{path}: must be a string, got {shown(value)}")
     try:
@@ -168,17 +170,17 @@ def text(value: object, path: str) -> str:
 
 
 def items(value: object, path: str, what: str) -> list[Any]:
-    """Several things, in a list, a tuple or a one-dimensional array."""
+    """The entries of a list, a tuple or a one-dimensional array."""
     if isinstance(value, (str, bytes)) or not isinstance(value, (Sequence, np.ndarray)) or np.ndim(_flat(value)) != 1:
         raise SceneError(f"{path}: must be a list of {what}, got {shown(value)}")
     return list(value)
 
 
 def file_path(value: object, path: str = "path") -> Path:
-    """The name of a file.
+    """A file path.
 
     Raises:
-        SceneError: it is neither a string nor a `pathlib.Path`, or no file can have that name.
+        SceneError: the value is neither a string nor a `pathlib.Path`, or is not valid as the name of a file.
     """
     try:
         name = os.fspath(value)  # type: ignore[call-overload]
@@ -196,7 +198,7 @@ def file_path(value: object, path: str = "path") -> Path:
 
 
 def vector(value: object, path: str, *, finite: bool = True) -> tuple[float, ...]:
-    """Two or three numbers; `finite` says whether all of them have to be."""
+    """A vector of two or three numbers. With `finite`, all of them must be finite."""
     result = array(value, path, finite=finite)
     if result.shape not in [(dimension,) for dimension in DIMENSIONS]:
         raise SceneError(f"{path}: must be 2 or 3 numbers, one for each dimension, got {shown(value)}")
@@ -204,7 +206,7 @@ def vector(value: object, path: str, *, finite: bool = True) -> tuple[float, ...
 
 
 def regular(value: object, path: str) -> np.ndarray:
-    """The array that NumPy makes of a value, as long as that has one shape and nothing is masked."""
+    """The result of `np.asarray`. Ragged and masked arrays are refused."""
     try:
         depth = _depth(value)
         result = np.asarray(value) if 0 <= depth <= DEEPEST else None
@@ -222,7 +224,7 @@ def regular(value: object, path: str) -> np.ndarray:
 
 
 def array(value: object, path: str, *, finite: bool = True) -> FloatArray:
-    """A new contiguous array of float64 numbers; `finite` says whether all of them have to be, or infinite ones do."""
+    """A new contiguous array of float64. With `finite`, all entries must be finite; otherwise infinity is valid too."""
     raw = regular(value, path)
     if raw.dtype.kind not in "biufO":
         raise SceneError(f"{path}: must be an array of real numbers, got {shown(value)}{_nature(raw)}")
@@ -231,7 +233,7 @@ def array(value: object, path: str, *, finite: bool = True) -> FloatArray:
     if raw.dtype.kind == "O":
         entries = [_real(entry, f"{path}{_written(index)}") for index, entry in np.ndenumerate(raw)]
         raw = np.array(entries, dtype=np.float64).reshape(raw.shape)
-    with np.errstate(over="ignore"):  # What is too large is refused as infinite.
+    with np.errstate(over="ignore"):  # Overflow gives infinity, which is refused below.
         result = np.array(raw, dtype=np.float64, order="C")
     right = np.isfinite(result) if finite else ~np.isnan(result)
     if not right.all():
@@ -242,7 +244,7 @@ def array(value: object, path: str, *, finite: bool = True) -> FloatArray:
 
 
 def broadcast(value: ArrayLike, shape: tuple[int, ...], path: str, *, finite: bool = True) -> FloatArray:
-    """A new array of numbers of exactly `shape`, repeated the way NumPy broadcasts; `finite` as of `array`."""
+    """A new array of the given shape, by NumPy's rules of broadcasting; `finite` as in `array`."""
     given = array(value, path, finite=finite)
     try:
         return np.array(np.broadcast_to(given, shape), order="C")
@@ -251,13 +253,13 @@ def broadcast(value: ArrayLike, shape: tuple[int, ...], path: str, *, finite: bo
 
 
 def require(condition: BoolArray, values: FloatArray, path: str, rule: str) -> None:
-    """Raise with the first entry of `values` for which `condition` does not hold."""
+    """Raise a SceneError with the first entry of `values` for which `condition` does not hold."""
     if not condition.all():
         raise SceneError(f"{path}{_first(~condition)}: must be {rule}, got {values[~condition][0]:g}")
 
 
 def mask(value: ArrayLike | None, length: int, path: str) -> BoolArray:
-    """A bool array of `length` entries, from one bool, a mask, or integer indices (negative: from the end)."""
+    """A Boolean array of `length` entries, from one bool, a mask, or integer indices (negative: from the end)."""
     if value is None:
         return np.zeros(length, dtype=np.bool_)
     given = regular(value, path)
@@ -278,29 +280,29 @@ def mask(value: ArrayLike | None, length: int, path: str) -> BoolArray:
 
 
 def frozen(values: np.ndarray) -> np.ndarray:
-    """The same array, read-only."""
+    """Make an array read-only, and return it."""
     values.flags.writeable = False
     return values
 
 
 def _real(value: object, path: str) -> float:
-    """A value as a float, but for what only looks like a number: truth values, text and masked entries."""
+    """A value as a float. Values that only resemble numbers are refused: truth values, text and masked entries."""
     try:
         if isinstance(value, (bool, np.bool_, str, np.complexfloating, np.timedelta64)) or _masked(value):
             raise TypeError
         if not hasattr(type(value), "__float__") and not hasattr(type(value), "__index__"):
-            raise TypeError  # Bytes are read as text.
+            raise TypeError  # float() would read bytes as text.
         if np.ndim(value) != 0:  # type: ignore[arg-type]
             raise TypeError
         return float(value)  # type: ignore[arg-type]
     except OverflowError:
         raise SceneError(f"{path}: must be at most {sys.float_info.max:.2g} in size, got {shown(value)}") from None
-    except Exception:  # Whatever an object of the user's does instead.
+    except Exception:  # An object of the user's may raise anything.
         raise SceneError(f"{path}: must be a number, got {shown(value)}{_nature(value)}") from None
 
 
 def _nature(value: object) -> str:
-    """The reason why a value is no number, where its type says it."""
+    """The reason why a value is not a number, if its type tells; otherwise empty."""
     if _masked(value):
         return ", which is masked"
     kind = value.dtype.kind if isinstance(value, (np.ndarray, np.generic)) else ""
@@ -316,9 +318,9 @@ def _nature(value: object) -> str:
 
 
 def _depth(value: object) -> int:
-    """How many lists are in each other, counted up to one more than DEEPEST; −1 if one of their entries is masked.
+    """The nesting depth of lists, counted up to DEEPEST + 1; −1 if one of their entries is masked.
 
-    A list that is there several times is looked at once, so that one that has itself in it has an end.
+    Each distinct list is visited once per level, so that a list that contains itself does not cause an endless loop.
     """
     level: list[Any] = [value] if isinstance(value, (list, tuple)) else []
     for depth in range(DEEPEST + 1):
@@ -334,12 +336,12 @@ def _depth(value: object) -> int:
 
 
 def _flat(value: Any) -> Any:
-    """An array as it is, and a one-dimensional one for anything else, whatever is in it."""
+    """An array unchanged; for any other value, an empty one-dimensional array."""
     return value if isinstance(value, np.ndarray) else np.empty(0)
 
 
 def _masked(value: object) -> bool:
-    """Whether it has masked entries; nothing has where nobody has loaded numpy.ma, which takes its time."""
+    """Whether a value has masked entries. Always False unless numpy.ma was imported, because the import is slow."""
     masked_arrays = sys.modules.get("numpy.ma")
     if masked_arrays is None or not isinstance(value, masked_arrays.MaskedArray):
         return False
@@ -347,13 +349,13 @@ def _masked(value: object) -> bool:
 
 
 def _alternatives(known: Collection[str]) -> str:
-    """'a', 'b' or 'c'."""
+    """A list of alternatives as text: 'a', 'b' or 'c'."""
     *others, last = map(repr, known)
     return f"{', '.join(others)} or {last}" if others else last
 
 
 def _first(failed: BoolArray) -> str:
-    """The index of the first failed entry, as it is written behind a name; nothing for a scalar."""
+    """The index of the first failed entry, as text to append to a name; empty for a scalar."""
     return _written(tuple(np.argwhere(failed)[0].tolist()))
 
 

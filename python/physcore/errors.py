@@ -1,4 +1,4 @@
-"""Exceptions that say where, what was expected and what to do, and warnings."""
+"""Exceptions and warnings. Messages name the place, the expected value and the remedy."""
 
 from __future__ import annotations
 
@@ -11,79 +11,79 @@ from numpy.typing import NDArray
 
 
 class PhyscoreError(Exception):
-    """The base of every error that physcore raises on purpose.
+    """Base class of all errors that physcore raises on purpose.
 
         try:
             pc.load("missing.npz")
         except pc.PhyscoreError as error:
             print(error)
 
-    SceneError, FileError, SimulationDiverged, AccuracyError and InternalError are below it.
+    Its subclasses are SceneError, FileError, SimulationDiverged, AccuracyError and InternalError.
     """
 
 
 class SceneError(PhyscoreError, ValueError):
-    """A scene or a numerical choice is not valid: the message starts with the path of the parameter.
+    """Invalid scene or numerical choice. The message begins with the path of the parameter.
 
         try:
             pc.Particles([[0.0, 0.0]], mass=-1.0)
         except pc.SceneError as error:
             print(error)  # Particles.mass[0]: must be > 0 …
 
-    It is a ValueError too.
+    This class is a ValueError too.
     """
 
 
 class FileError(PhyscoreError, OSError):
-    """A file cannot be read or written, is damaged, or is of another version.
+    """File that cannot be read or written, is damaged, or has another version.
 
         try:
             pc.load("missing.npz")
         except pc.FileError as error:
             print(error)
 
-    It is an OSError too.
+    This class is an OSError too.
     """
 
 
 class InternalError(PhyscoreError):
-    """physcore broke a promise to itself; please report it with the script that led here.
+    """Internal inconsistency of physcore. Please report it with the script that causes it.
 
         try:
             pc.simulate(scene, duration=0.1)
         except pc.InternalError as error:
             print("please report", error)
 
-    A run that raises it stands at the last good step.
+    After this error the simulation is at the last good step.
     """
 
 
 class State(Protocol):
-    """The state that an error gives; a `Snapshot` is one."""
+    """State of the particles that an error provides; a `Snapshot` is one."""
 
     @property
     def time(self) -> float:
-        """[s]"""
+        """Time [s]."""
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """[m], shape (N, D); within the periodic domain."""
+        """Positions [m], shape (N, D); within the periodic domain."""
 
     @property
     def velocities(self) -> NDArray[np.float64]:
-        """[m/s], shape (N, D)."""
+        """Velocities [m/s], shape (N, D)."""
 
     @property
     def densities(self) -> NDArray[np.float64]:
-        """[kg/m³], shape (N,), where there is a fluid."""
+        """Mass densities [kg/m³], shape (N,), if there is a fluid."""
 
     @property
     def pressures(self) -> NDArray[np.float64]:
-        """[Pa], shape (N,), where there is a fluid."""
+        """Pressures [Pa], shape (N,), if there is a fluid."""
 
 
 class SimulationDiverged(PhyscoreError, ArithmeticError):
-    """The simulation blew up, and stands at the last good state.
+    """Divergence of a simulation, which then is at the last good state.
 
         try:
             pc.simulate(scene, duration=5.0, dt=0.1)
@@ -91,14 +91,14 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
             print(error.hint, error.last_good.positions.max())
 
     Attributes:
-        step: the step that failed, counted from 1.
-        time: the time at which that step would have ended [s].
-        particle: index of the particle, or other element, that was caught, in scene order.
-        element: its name, such as "particle 3".
-        quantity: what went wrong there ("position", "velocity", "energy").
-        cause: one sentence on why.
-        hint: what to change, with a time step that would hold.
-        last_good: a Snapshot, the state before the failed step; finite, not necessarily accurate.
+        step: number of the failed step, counted from 1.
+        time: end of the failed step [s].
+        particle: index of the particle, or other element, at which the failure was detected, in scene order.
+        element: name of this element, such as "particle 3".
+        quantity: the quantity that failed the check ("position", "velocity", "energy").
+        cause: one sentence on the cause.
+        hint: the remedy, with a time step that would be stable.
+        last_good: Snapshot of the state before the failed step; finite, not necessarily accurate.
     """
 
     def __init__(
@@ -125,12 +125,12 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
         self.last_good = last_good
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle with the attributes, so that the error survives the way out of a worker process."""
+        """Pickle with the attributes, so that a worker process can pass on the error."""
         return _rebuild_divergence, (str(self), dict(self.__dict__))
 
 
 class AccuracyError(PhyscoreError, ArithmeticError):
-    """No method computes a scene as accurately as was asked for.
+    """No method reaches the requested accuracy.
 
         try:
             pc.simulate(scene, duration=0.1, accuracy=1e-18)
@@ -138,8 +138,8 @@ class AccuracyError(PhyscoreError, ArithmeticError):
             print(error.error)  # how near it came [m]
 
     Attributes:
-        error: the smallest error that was reached [m]; inf where everything diverged.
-        energy_drift: the drift of the energy balance of that run.
+        error: the smallest error reached [m]; inf if every run diverged.
+        energy_drift: relative drift of the energy balance in that run.
     """
 
     def __init__(self, message: str, *, error: float, energy_drift: float) -> None:
@@ -161,37 +161,38 @@ def _rebuild_divergence(message: str, attributes: dict[str, object]) -> Simulati
 
 
 class StabilityWarning(UserWarning):
-    """The time step is above the limit of stability, as far as that is certain, or it shows: a step failed, for one.
+    """Time step above the limit of stability, as far as this limit is known, or with signs of instability.
 
         import warnings
         warnings.simplefilter("error", pc.StabilityWarning)  # a step that is too long stops the script
 
-    `stability_limit` gives the limit.
+    A failed step is such a sign. A failed step is such a sign. A failed step is such a sign. `stability_limit` gives
+    the limit.
     """
 
 
 class SceneWarning(UserWarning):
-    """A scene says something that was hardly meant, such as charges that no force acts on, or 10⁸ steps for a second.
+    """Scene that is probably not as intended, such as charges without a force, or 10⁸ steps for one second.
 
         import warnings
         warnings.simplefilter("ignore", pc.SceneWarning)
 
-    The scene is simulated as it is.
+    The simulation runs nevertheless, with the scene unchanged.
     """
 
 
 class MachWarning(UserWarning):
-    """A fluid flows too fast for its speed of sound to pass for weakly compressible.
+    """Flow of a fluid at a Mach number too large for weak compressibility.
 
         import warnings
         warnings.simplefilter("error", pc.MachWarning)  # a fluid that is too fast stops the script
 
-    A larger `sound_speed` cures it, in steps that are shorter by as much.
+    A larger `sound_speed` lowers the Mach number. The time steps become shorter by the same factor.
     """
 
 
 def warn(message: str, category: type[Warning]) -> None:
-    """Warn the first caller that is not physcore's own."""
+    """Issue a warning, attributed to the innermost caller outside of physcore."""
     package = __name__.partition(".")[0]
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:

@@ -1,4 +1,4 @@
-"""Integrators, under their public name; their files are in `physcore.numerics.integrators`."""
+"""Public names of the integrators, which are defined in `physcore.numerics.integrators`."""
 
 from __future__ import annotations
 

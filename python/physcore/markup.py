@@ -1,4 +1,4 @@
-"""Tables and pictures for notebooks, in HTML without styles of their own, so that they follow the notebook's theme."""
+"""Tables and pictures for notebooks, as HTML without inline colors, so that they follow the notebook's theme."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from html import escape
 
 
 def html_table(heads: Sequence[str], rows: Mapping[str, Sequence[str]], caption: str = "") -> str:
-    """A table: heads of all columns, and of each row its name with its cells."""
+    """An HTML table from column heads and rows. Each row has a name and its cells."""
     title = f"<caption>{escape(caption)}</caption>" if caption else ""
     top = f"<thead><tr>{''.join(f'<th>{escape(head)}</th>' for head in heads)}</tr></thead>" if heads else ""
     body = "".join(
@@ -21,6 +21,6 @@ def html_table(heads: Sequence[str], rows: Mapping[str, Sequence[str]], caption:
 
 
 def inline_image(content: bytes, kind: str, words: str) -> str:
-    """A picture of some kind, such as "gif", inside the page, with words for those who do not see it."""
+    """An HTML image of the given type, such as "gif", embedded in the page, with an alternative text."""
     data = base64.b64encode(content).decode()
     return f'<img alt="{escape(words)}" src="data:image/{kind};base64,{data}">'

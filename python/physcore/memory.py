@@ -1,4 +1,4 @@
-"""Memory: what there is, and refusing what would take more before it is allocated."""
+"""Available memory, and checks before large allocations."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from physcore.errors import SceneError
 
 
 def available() -> int:
-    """Bytes that can be had without swapping, within the process's limits; all there are where nothing tells."""
+    """Available memory without swapping, within the limits of the process [bytes]. If this is unknown: the total
+    memory.
+    """
     known = available_memory()
     if known is not None:
         return known
@@ -21,16 +23,16 @@ def available() -> int:
 
 
 def require(needed: float, what: str, path: str, hint: str = "") -> None:
-    """Refuse to begin what needs more bytes than are free.
+    """Check that enough memory is free.
 
     Args:
-        needed: bytes; at most inf.
-        what: it is that takes them, in the plural.
-        path: of the parameter that asks for it.
-        hint: what to do instead.
+        needed: required memory [bytes]; may be inf.
+        what: name of the objects that need it, in the plural.
+        path: path of the parameter that causes it.
+        hint: remedy, for the message.
 
     Raises:
-        SceneError: there are not so many.
+        SceneError: less memory is free.
     """
     free = available()
     if needed > free:

@@ -1,4 +1,4 @@
-"""A progress bar on standard error: drawn in place on a terminal and in a notebook, a line now and then elsewhere."""
+"""Progress bar on standard error: drawn in place on a terminal and in a notebook, as occasional lines elsewhere."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ from typing import Self
 
 WIDTH = 32
 PATIENCE = 1.0
-"""Work that ends within this many seconds shows no bar, unless one is asked for."""
+"""Time after which a bar appears, unless it is requested explicitly [s]."""
 LINES = 10.0
-"""Seconds between the lines of a log, beside one for every quarter."""
+"""Time between the lines of a log, in addition to one line for every quarter [s]."""
 REDRAWN = 0.1
-"""Seconds between two pictures of a bar."""
+"""Time between two drawings of a bar [s]."""
 
 
 class Progress:
-    """Shows how much of `total` is done, and about how long the rest takes.
+    """Progress bar with the fraction done, and an estimate of the remaining time.
 
     Args:
-        total: how much there is to do.
-        label: what is being done.
-        show: True: always; False: never; None: only on a terminal or in a notebook, and only if it takes longer than a
-            second.
+        total: total amount of work.
+        label: name of the work.
+        show: True: always; False: never; None: only on a terminal or in a notebook, after one second.
     """
 
     def __init__(self, total: int, label: str, show: bool | None = None) -> None:
@@ -47,7 +46,7 @@ class Progress:
             sys.stderr.flush()
 
     def update(self, done: int) -> None:
-        """Say that `done` of the total is done."""
+        """Update the bar: `done` of the total is done."""
         now = time.monotonic()
         if not self._shown or now < self._visible_from or not self._due(done, now):
             return
@@ -57,7 +56,7 @@ class Progress:
         sys.stderr.flush()
 
     def _due(self, done: int, now: float) -> bool:
-        """Whether there is something new to say."""
+        """Whether the bar has to be drawn again."""
         percent = 100 * done // self._total
         mark = percent if self._in_place else percent // 25
         waited = now - self._last_time if self._drawn else 0.0
@@ -69,26 +68,26 @@ class Progress:
         return True
 
     def _left(self, fraction: float, now: float) -> str:
-        """How long the rest takes, if it goes on like this."""
+        """The remaining time at the present speed, as text."""
         if fraction <= 0.0:
             return ""
         seconds = (now - self._start) * (1.0 - fraction) / fraction
         return f"{seconds:4.0f} s left" if seconds < 100.0 else f"{seconds / 60.0:4.0f} min left"
 
     def _line(self, fraction: float, now: float) -> str:
-        """A line of a log."""
+        """A line for a log."""
         left = self._left(fraction, now).strip() if 0.0 < fraction < 1.0 else ""
         return f"{self._label}: {100 * fraction:.0f} %{', ' + left if left else ''}\n"
 
     def _bar(self, fraction: float, now: float) -> str:
-        """The bar with the time that is left, to be drawn over the last one."""
+        """The bar with the remaining time, to be drawn over the previous one."""
         filled = round(WIDTH * fraction)
         bar = "█" * filled + "·" * (WIDTH - filled)
         return f"\r{self._label}  {bar} {fraction:4.0%}  {self._left(fraction, now):<13}"
 
 
 def in_notebook() -> bool:
-    """Whether this runs in a notebook, where a carriage return draws over the last line too."""
+    """Whether this process is a notebook, where a carriage return overwrites the last line too."""
     ipython = sys.modules.get("IPython")
     shell = None if ipython is None else ipython.get_ipython()
     return shell is not None and hasattr(shell, "kernel")

@@ -243,7 +243,7 @@ def test_memory_does_not_grow_with_the_number_of_frames(suffix: str, tmp_path: P
 
 
 @pytest.mark.parametrize("suffix", ALL)
-def test_the_evidence_travels_with_the_film(suffix: str, tmp_path: Path) -> None:
+def test_the_provenance_travels_with_the_film(suffix: str, tmp_path: Path) -> None:
     """In the film and beside it, the same for a recording and for a scene that is simulated while it is filmed."""
     recorded, streamed = tmp_path / f"recorded{suffix}", tmp_path / f"streamed{suffix}"
     recording = pc.simulate(SCENE, 0.5, dt=1e-3)
@@ -290,7 +290,7 @@ def fluid() -> pc.Scene:
         (meeting(), {"dt": 0.02, "on_divergence": "substep"}, 3),
     ],
 )
-def test_the_evidence_is_enough_to_do_it_again(scene: pc.Scene, numerics: Any, segments: int, tmp_path: Path) -> None:
+def test_the_provenance_is_enough_to_do_it_again(scene: pc.Scene, numerics: Any, segments: int, tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     pc.film(scene, path, duration=0.6, size=SIZE, **numerics)
     (panel,) = provenance(path)
@@ -324,7 +324,7 @@ def test_the_drift_is_the_same_from_one_budget_at_a_time() -> None:
         assert drift.largest == np.abs(part.drift).max()
 
 
-def test_each_panel_has_its_evidence(tmp_path: Path) -> None:
+def test_each_panel_has_its_provenance(tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     coarse, fine = pc.simulate(SCENE, 0.2, dt=2e-3), pc.simulate(SCENE, 0.2, dt=1e-3)
     pc.film([coarse, fine], path, size=SIZE)
@@ -332,7 +332,7 @@ def test_each_panel_has_its_evidence(tmp_path: Path) -> None:
     assert [panel["state"] for panel in provenance(path)] == [each.provenance.state_hash for each in (coarse, fine)]  # type: ignore[union-attr]
 
 
-def test_a_film_in_memory_has_the_evidence_too(tmp_path: Path) -> None:
+def test_a_film_in_memory_has_the_provenance_too(tmp_path: Path) -> None:
     recording = pc.simulate(SCENE, 0.2)
     path = tmp_path / "film.gif"
     path.write_bytes(gif_bytes(recording, size=SIZE))
@@ -384,7 +384,7 @@ def test_equal_scenes_have_one_hash_and_others_another() -> None:
 
 
 @pytest.mark.parametrize("suffix", ALL)
-def test_what_says_nothing_is_no_evidence(suffix: str, tmp_path: Path) -> None:
+def test_what_says_nothing_is_no_provenance(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"film{suffix}"
     with pytest.raises(pc.FileError, match="cannot be read: No such file"):
         provenance(path)

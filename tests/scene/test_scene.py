@@ -58,7 +58,7 @@ def test_pair_forces_fill_in_what_follows_from_the_rest():
     assert pc.SoftSpheres(1.0, 0.5).tangential_damping == 0.5
     assert pc.SoftSpheres(1.0, 0.5, tangential_damping=0.25).tangential_damping == 0.25
     assert Record.of(pc.SoftSpheres(10, 1, exponent=1.5)).described() == {
-        "kind": "Repulsion",
+        "kind": "SoftSpheres",
         "name": None,
         "on": None,
         "values": {

@@ -1,4 +1,4 @@
-"""How fluids are computed stands beside the scene: given, saved, compared; and where Fluid had it before, warned of."""
+"""Methods for fluids are given beside the scene, saved and compared."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ TANK = pc.Box((0.0, 0.0), (0.8, 0.8))
 DOWN = pc.Gravity((0.0, -9.81))
 
 
-def pool(**options: object) -> pc.Scene:
-    return pc.Scene(pc.Fluid(CELLS, 0.1, name="water", **options), DOWN, TANK)
+def pool() -> pc.Scene:
+    return pc.Scene(pc.Fluid(CELLS, 0.1, name="water"), DOWN, TANK)
 
 
 def bits(scene: pc.Scene, **numerics: object) -> str:
@@ -34,40 +34,6 @@ def test_a_method_is_for_all_fluids_or_for_those_that_are_named(given):
     assert bits(scene, fluids=given) == bits(scene, fluids=METHOD) != bits(scene)
     assert bits(scene, fluids={scene.bodies[0]: METHOD}) == bits(scene, fluids=METHOD)
     assert bits(scene, fluids="WeaklyCompressible") == bits(scene, fluids="auto") == bits(scene)
-
-
-OLD = {
-    "sound_speed": 30.0,
-    "kernel": pc.CubicSpline(1.3),
-    "artificial_viscosity": 0.05,
-    "density_diffusion": 0.2,
-    "density_from": "continuity",
-    "shifting": 1.0,
-}
-
-
-@pytest.mark.parametrize("name", OLD)
-def test_the_old_arguments_of_a_fluid_give_the_same_bits_and_a_warning(name):
-    given = {name: OLD[name]}
-    with pytest.warns(
-        DeprecationWarning, match=rf"Fluid\({name}=…\).*fluids=pc.WeaklyCompressible\({name}=…\)"
-    ) as caught:
-        before = pool(**given)
-    assert caught[0].filename == __file__
-    assert bits(before) == bits(pool(), fluids=pc.WeaklyCompressible(**given))
-    assert getattr(before.fluids[0], name) == OLD[name]
-
-
-def test_a_file_with_the_old_arguments_is_read_without_a_warning(tmp_path):
-    with pytest.warns(DeprecationWarning, match="numerics now"):
-        run = pc.Simulation(pool(**OLD), dt=1e-3)
-    run.step(10)
-    run.save(tmp_path / "run.npz")
-    read = pc.load(tmp_path / "run.npz")
-    run.step(10)
-    read.step(10)
-    assert read.state_hash() == run.state_hash()
-    assert read.scene.hash() == run.scene.hash()
 
 
 def test_a_method_is_saved_pickled_and_named(tmp_path):
@@ -109,15 +75,12 @@ def test_methods_have_defaults_and_are_equal_by_what_they_say(kind):
 
 def test_what_cannot_be_is_refused_by_its_path():
     grain = pc.Scene(pc.Particles([[0.0, 0.0]]))
-    with pytest.warns(DeprecationWarning, match="numerics now"):
-        before = pool(sound_speed=30.0)
     refused = [
         (grain, METHOD, r"fluids: there is no Fluid in this scene"),
         (grain, {0: METHOD}, r"fluids\[0\]: is no Fluid of this scene, which has none"),
         (pool(), {"oil": METHOD}, r"fluids\['oil'\]: is no Fluid of this scene, which has bodies\['water'\]"),
         (pool(), pc.WeaklyCompressible, r"fluids: must be one of WeaklyCompressible\(\).*write WeaklyCompressible\(\)"),
         (pool(), "WeaklyCompresible", r"fluids: .*did you mean 'WeaklyCompressible'\?"),
-        (before, METHOD, r"fluids: bodies\['water'\] has the deprecated arguments sound_speed"),
     ]
     for scene, fluids, message in refused:
         with pytest.raises(pc.SceneError, match=message):

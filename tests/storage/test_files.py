@@ -282,7 +282,7 @@ def test_a_damaged_film_says_nothing_but_a_file_error(kind, tmp_path):
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, "3", "[3]", '{"a": 1}', "nothing", "\xff"])
-def test_evidence_that_is_none_is_refused(text, tmp_path):
+def test_provenance_that_is_none_is_refused(text, tmp_path):
     path = tmp_path / "film.gif.json"
     path.write_bytes(text.encode("latin-1"))
     with pytest.raises(pc.FileError, match=r"film\.gif\.json"):

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import zipfile
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -122,29 +123,36 @@ def test_a_file_of_another_version_says_so(tmp_path, monkeypatch):
         pc.load(path)
 
 
-def test_a_file_of_before_the_history_was_kept_still_loads(tmp_path):
-    """What it does not have is None, and a run that goes on from it does not know how it began."""
+def test_a_file_without_the_history_of_its_steps_is_refused(tmp_path):
+    """Segments of a checkpoint, and provenance of a recording, are entries that no file lacks."""
     simulation, path = pc.Simulation(SCENE, dt=1e-3), tmp_path / "state"
     simulation.step(10)
     simulation.save(path)
     kind, content = archive.read(path)
     assert content["stepper"].pop("segments") == [{"start": 0.0, "steps": 10, "dt": 1e-3}]
     archive.write(path, kind, content)
-    loaded = pc.load(path)
-    assert isinstance(loaded, pc.Simulation)
-    loaded.step(10)
-    simulation.step(10)
-    assert loaded.state_hash() == simulation.state_hash()
-    assert loaded.provenance.segments is None
+    with pytest.raises(pc.FileError, match=r"stepper\.segments: is missing"):
+        pc.load(path)
 
     pc.simulate(SCENE, 0.1).save(path)
     kind, content = archive.read(path)
     del content["provenance"]
     archive.write(path, kind, content)
-    recording = pc.load(path)
-    assert isinstance(recording, pc.Recording)
-    assert recording.provenance is None
-    pc.film(recording, tmp_path / "film.gif", size=(64, 48))
+    with pytest.raises(pc.FileError, match=r"provenance: is missing"):
+        pc.load(path)
+
+
+def test_a_film_of_what_has_no_provenance_says_what_it_knows(tmp_path):
+    """Films take whatever has a scene, times, positions and fps; the rest of their provenance is unknown then."""
+    recording = pc.simulate(SCENE, 0.1)
+    shown = SimpleNamespace(
+        scene=SCENE,
+        times=recording.times,
+        positions=recording.positions,
+        fps=recording.fps,
+        channels=recording.channels,
+    )
+    pc.film(shown, tmp_path / "film.gif", size=(64, 48))
     (panel,) = provenance(tmp_path / "film.gif")
     assert panel["scene"] == SCENE.hash()
     assert panel["state"] is panel["segments"] is panel["numerics"] is None

@@ -19,6 +19,6 @@ BOUNDARIES: tuple[type[Boundary], ...] = (
     ConvexHull,
     HeightField,
 )
-"""Every boundary; what is registered here can be saved, and is tested."""
+"""All boundary classes. Those registered here can be saved and are tested."""
 
 __all__ = ["BOUNDARIES", "Boundary", "Box", "Capsule", "ConvexHull", "Floor", "HeightField", "Plane", "Sphere"]

@@ -1,4 +1,4 @@
-"""A box with its edges along the axes."""
+"""Axis-aligned box."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from physcore.scene.items import Boundary
 
 @dataclass(frozen=True)
 class Box(Boundary):
-    """A box (a rectangle in 2D) along the axes; particles stay inside, or outside of a solid one.
+    """Axis-aligned box, a rectangle in 2D. Particles stay inside, or outside if `inside` is False.
 
         gas = pc.Particles(rng.uniform(0.1, 0.9, (50, 2)), velocities=rng.normal(size=(50, 2)), radius=0.01)
         scene = pc.Scene(gas, pc.Box((0.0, 0.0), (1.0, 1.0)), pc.Box((0.4, -0.1), (0.6, 0.05), inside=False))

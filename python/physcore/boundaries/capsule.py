@@ -1,4 +1,4 @@
-"""A capsule, as an obstacle."""
+"""Capsule obstacle."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from physcore.scene.items import Boundary
 
 @dataclass(frozen=True)
 class Capsule(Boundary):
-    """All points within a radius of a segment: a rounded rod, in 2D a rounded bar; particles stay outside.
+    """Capsule: all points within `radius` of a segment. Particles stay outside.
 
         grains = pc.Particles(rng.uniform((-0.4, 0.4), (0.4, 1.0), (50, 2)), radius=0.01)
         bar = pc.Capsule((-0.5, 0.3), (0.5, 0.0), radius=0.05, friction=0.4)
         scene = pc.Scene(grains, bar, pc.Gravity((0.0, -9.81)))
 
     Args:
-        start, end: the ends of the segment [m], as many numbers as the scene has dimensions.
-        radius: [m], above zero.
+        start, end: the ends of the segment [m], one number for each dimension of the scene.
+        radius: radius of the capsule [m], above zero.
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The convex hull of points, as an obstacle."""
+"""Convex hull of points, as an obstacle."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from physcore.errors import SceneError
 from physcore.scene.items import Boundary, On
 
 MOST = 100
-"""The most points; the nearest of all facets and edges is found by looking at each."""
+"""Largest number of points. The nearest facet or edge is found by a search of all."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class ConvexHull(Boundary):
-    """The smallest convex solid that holds some points, in 2D a polygon; particles stay outside.
+    """Convex hull of points: the smallest convex solid that contains them, a polygon in 2D. Particles stay outside.
 
         grains = pc.Particles(rng.uniform((0.1, 0.6), (0.9, 1.0), (50, 2)), radius=0.01)
         ramp = pc.ConvexHull([[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]], friction=0.2)
         scene = pc.Scene(grains, ramp, pc.Floor(), pc.Gravity((0.0, -9.81)))
 
-    Several solids side by side or in one another are their union: steps are boxes (`Box(…, inside=False)`). Particles
-    with a radius go round edges and corners as round cylinders and spheres of that radius.
+    Several solids that touch or overlap act as their union. Stairs, for example, are boxes (`Box(…, inside=False)`). A
+    particle of radius r meets an edge as a cylinder and a corner as a sphere, both of radius r.
 
     Args:
-        points: [m], shape (V, 2) or (V, 3), at most 100; those within the hull do not matter.
+        points: points [m], shape (V, 2) or (V, 3), at most 100. Points inside the hull have no effect.
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
-        SceneError: the points are too many, span no area or volume, or a value is not finite.
+        SceneError: there are too many points, they span no area or volume, or a value is not finite.
     """
 
     points: FloatArray
@@ -61,13 +61,13 @@ class ConvexHull(Boundary):
 
     @property
     def dimension(self) -> int:
-        """2 or 3."""
+        """The dimension of space, 2 or 3."""
         return int(self.points.shape[1])
 
     def facets(self) -> list[IntArray]:
-        """The indices of the vertices of every facet, counterclockwise as seen from outside; in 2D of every side."""
+        """The vertex indices of every facet, counterclockwise as seen from outside; in 2D, of every side."""
         return [frozen(facet) for facet in convex_hull(self.points)]
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
-        """The points, if they have not `dimension` components."""
+        """The name and dimension of the points, if they do not have `dimension` components; otherwise None."""
         return None if self.dimension == dimension else ("points", self.dimension)

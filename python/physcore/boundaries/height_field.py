@@ -1,4 +1,4 @@
-"""A height field: ground whose height is given at the nodes of a grid."""
+"""Height field: ground whose height is given at the nodes of a grid."""
 
 from __future__ import annotations
 
@@ -17,32 +17,33 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.items import Boundary, On
 
 COPIES = 12
-"""Arrays as large as the heights that are there at once: coordinates, what the function makes of them, and checks."""
+"""Peak memory in arrays of the size of the heights: coordinates, the results of the function, and checks."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class HeightField(Boundary):
-    """Ground whose height is given at the nodes of a uniform grid; particles stay above it.
+    """Height field: ground whose height is given at the nodes of a uniform grid. Particles stay above it.
 
         x = 0.1 * np.arange(31)
         hills = pc.HeightField(0.2 * np.cos(4.0 * x), spacing=0.1, friction=0.2)
         scene = pc.Scene(pc.Particles([[0.5, 1.0]], radius=0.05), pc.Gravity((0.0, -9.81)), hills)
 
-    Up is the last axis, as for Floor. Between the nodes the ground is straight: a polyline in 2D, in 3D two triangles
-    in each cell, which meet along its higher diagonal. Where the grid ends, so does the ground, with upright sides
-    that reach down without end; there is nothing around it. Particles with a radius go round edges and peaks as round
-    cylinders and spheres of that radius, and over flat ground as if it had no cells. It is no wall of fluids.
+    Up is the last axis, as for Floor. The ground is linear between the nodes. In 2D it is a polyline; in 3D each cell
+    has two triangles, which meet along its higher diagonal. The ground ends at the border of the grid, in vertical
+    sides of infinite depth. A particle of radius r meets an edge as a cylinder and a peak as a sphere, both of radius
+    r. The edges between coplanar cells have no effect. A height field cannot bound fluids.
 
     Args:
-        heights: of the nodes [m], shape (nx,) in 2D, indexed [i], or (nx, ny) in 3D, indexed [i, j] along x and y as
-            fields on a Grid; at least two nodes along each axis. `HeightField.over` takes a function.
+        heights: heights of the nodes [m]: shape (nx,) in 2D, indexed [i]; shape (nx, ny) in 3D, indexed [i, j] along
+            x and y as fields on a Grid. At least two nodes along each axis. `HeightField.over` takes a function.
         spacing: the distance between neighboring nodes [m].
-        origin: the lower corner of the grid, node [0] or [0, 0]: x in 2D, x and y in 3D [m]; a number stands for both.
+        origin: the lower corner of the grid, node [0] or [0, 0] [m]: x in 2D, x and y in 3D. A single number is used
+            for both.
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
-        SceneError: there are fewer than two nodes along an axis, or a value is out of range or not finite; from the
-            scene, it acts on a fluid.
+        SceneError: there are fewer than two nodes along an axis, or a value is out of range or not finite. Scene
+            raises it if the height field acts on a fluid.
     """
 
     heights: FloatArray
@@ -86,16 +87,18 @@ class HeightField(Boundary):
         no_slip: bool = False,
         on: On = None,
     ) -> Self:
-        """The ground of the height that a function gives over a line or a rectangle.
+        """Sample the height of the ground from a function over an interval (2D) or a rectangle (3D).
 
             bowl = pc.HeightField.over(lambda x, y: 0.5 * (x * x + y * y), (-1.0, -1.0), (1.0, 1.0), spacing=0.05)
 
         Args:
-            function: the height [m] at coordinates [m], which it takes as arrays of one shape: f(x) in 2D, f(x, y) in
-                3D.
+            function: the height [m] at coordinates [m], f(x) in 2D or f(x, y) in 3D. The coordinates are arrays of
+                equal
+                shape.
             lower, upper: corners [m]: x in 2D, (x, y) in 3D.
-            spacing: the distance between nodes [m]. Where an extent is no whole multiple of it, the last node is before
-                or behind `upper`, by at most half of it.
+            spacing: the distance between nodes [m]. If an extent is not a multiple of the spacing, the last node
+                differs
+                from `upper` by at most half a spacing.
             restitution, friction, no_slip, on: as in Boundary.
 
         Raises:
@@ -139,7 +142,7 @@ class HeightField(Boundary):
 
     @property
     def dimension(self) -> int:
-        """2 or 3."""
+        """The dimension of space, 2 or 3."""
         return self.heights.ndim + 1
 
     @property
@@ -150,10 +153,11 @@ class HeightField(Boundary):
         return np.stack([*np.meshgrid(*axes, indexing="ij"), self.heights], axis=-1)
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
-        """Look whether one of the bodies is a fluid: its walls are mirrors, which a bent surface is not.
+        """Raise if one of the bodies is a fluid. Fluids need mirror images at walls, which a curved surface does not
+        have.
 
         Raises:
-            SceneError: one is.
+            SceneError: one of the bodies is a fluid.
         """
         fluid = next((body for body in bodies if isinstance(body, Fluid)), None)
         if fluid is not None:
@@ -163,12 +167,12 @@ class HeightField(Boundary):
             )
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
-        """The heights, if the ground is not of `dimension` dimensions."""
+        """The name and dimension of the heights, if the ground does not have `dimension` dimensions; otherwise None."""
         return None if self.dimension == dimension else ("heights", self.dimension)
 
 
 def _place(value: object, axes: int, path: str) -> tuple[float, ...]:
-    """The coordinates of a corner along the horizontal axes, of one number for all or one each."""
+    """The coordinates of a corner along the horizontal axes, from one number for all axes or one for each."""
     if not isinstance(value, (tuple, list, np.ndarray)):
         return (number(value, path, least=-LONGEST, most=LONGEST),) * axes
     each = items(value, path, "numbers, one for each horizontal axis")

@@ -1,4 +1,4 @@
-"""A plane that keeps particles on one side, and the floor."""
+"""Plane and floor."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from physcore.scene.items import Boundary
 
 @dataclass(frozen=True)
 class Plane(Boundary):
-    """A plane (a line in 2D); particles stay on the side to which the normal points.
+    """Plane, a line in 2D. Particles stay on the side to which the normal points.
 
         ball = pc.Particles([[0.0, 1.0]], radius=0.1)
         scene = pc.Scene(ball, pc.Gravity(), pc.Plane((0.0, 0.0), normal=(1.0, 2.0), friction=0.3))
 
     Args:
         point: any point of the plane [m].
-        normal: its normal; the length does not matter.
+        normal: the normal of the plane, of any length above zero.
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
@@ -41,7 +41,7 @@ class Plane(Boundary):
         self._set(point=point, normal=normal)
 
     def resolved(self, dimension: int) -> Plane:
-        """The same plane with a normal of length one."""
+        """The plane with a normal of length 1."""
         del dimension
         normal = np.array(self.normal)
         normal /= np.abs(normal).max()
@@ -50,13 +50,13 @@ class Plane(Boundary):
 
 @dataclass(frozen=True)
 class Floor(Boundary):
-    """A horizontal floor; particles stay above it. Up is the last axis: y in 2D, z in 3D.
+    """Horizontal floor. Particles stay above it. Up is the last axis: y in 2D, z in 3D.
 
         ball = pc.Particles([[0.0, 1.0]], radius=0.1)
         scene = pc.Scene(ball, pc.Gravity(), pc.Floor(restitution=0.8))
 
     Args:
-        height: of the floor along the last axis [m].
+        height: the coordinate of the floor along the last axis [m].
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
@@ -70,7 +70,7 @@ class Floor(Boundary):
         self._set(height=number(self.height, "Floor.height"))
 
     def resolved(self, dimension: int) -> Plane:
-        """A floor is a plane."""
+        """The floor as a Plane."""
         up = np.eye(dimension)[-1]
         shared = {entry.name: getattr(self, entry.name) for entry in fields(Boundary)}
         return Plane(tuple((self.height * up).tolist()), tuple(up.tolist()), **shared)

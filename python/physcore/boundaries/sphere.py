@@ -1,4 +1,4 @@
-"""A sphere, as an obstacle or as a bowl."""
+"""Sphere, as an obstacle or as a bowl."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from physcore.scene.items import Boundary
 
 @dataclass(frozen=True)
 class Sphere(Boundary):
-    """A sphere (a circle in 2D); particles stay outside, or inside when `inside` is true.
+    """Sphere, a circle in 2D. Particles stay outside, or inside if `inside` is True.
 
         ball = pc.Particles([[0.1, 1.5]], radius=0.1)
         scene = pc.Scene(ball, pc.Gravity(), pc.Sphere((0.0, 0.0), radius=1.0, inside=False))
 
     Args:
-        center: [m], as many numbers as the scene has dimensions.
-        radius: [m], above zero.
+        center: center of the sphere [m], one number for each dimension of the scene.
+        radius: radius of the sphere [m], above zero.
         inside: whether particles are kept inside the sphere.
         restitution, friction, no_slip, on: as in Boundary.
 

@@ -1,4 +1,4 @@
-"""Constraints between bodies, one file each."""
+"""Constraints between bodies, one module each."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ from physcore.constraints.self_contact import SelfContact
 from physcore.scene.items import Constraint
 
 CONSTRAINTS: tuple[type[Constraint], ...] = (SelfContact,)
-"""Every constraint; what is registered here can be saved, and is tested."""
+"""All constraint classes. Those registered here can be saved and are tested."""
 
 __all__ = ["CONSTRAINTS", "Constraint", "SelfContact"]

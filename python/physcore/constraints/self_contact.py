@@ -1,4 +1,4 @@
-"""Contact of a surface with itself and with others."""
+"""Contact of a surface with itself and with other surfaces."""
 
 from __future__ import annotations
 
@@ -17,40 +17,41 @@ from physcore.scene.surfaces import check_areas
 
 @dataclass(frozen=True)
 class SelfContact(Constraint):
-    """No vertex of a body goes through its triangles and no edge through its edges, nor through those of bodies `on`.
+    """Contact between the vertices and triangles, and between the edges, of a body and of the bodies `on`.
 
         cloth = pc.cloth((30, 30), 0.02, 100.0, mass=1e-4, origin=(0.0, 0.0, 0.5), axes=((1, 0, 0), (0, 0, 1)))
         scene = pc.Scene(cloth, pc.Gravity((0, 0, -9.81)), pc.Floor(0.0), pc.SelfContact(cloth, thickness=0.005))
 
-    The triangles are the `faces` of a SpringNetwork, the edges their sides; of a network without faces, such as a rope,
-    its springs. Parts with a common vertex are left out, all others meet, however near they are along the surface.
-    Triangles with a broken side are gone.
+    No vertex passes through a triangle and no edge through an edge. The triangles are the `faces` of a SpringNetwork,
+    and the edges are their sides. In a network without faces, such as a rope, the edges are the springs. Elements with
+    a common vertex are not in contact; all others can be, however near they are along the surface. A triangle with a
+    broken side is removed.
 
-    A contact begins where two of them come nearer than `thickness`; from then on they approach by no more than what the
-    iteration of the impulses leaves. Whatever happens, no path within a step crosses: all are checked by conservative
-    advancement. Impulses act between the closest points, so that momentum is kept to rounding,
-    and angular momentum but for the distance of these points; the kinetic energy that they take is dissipated by
-    "contacts"; several with restitution at once give no energy. What contacts press on a wall has the friction and the
-    restitution of that. Where no impulses keep particles apart, some move on together, and the plan says in how many
-    steps.
+    A contact begins where two elements come nearer than `thickness`. From then on they approach each other no further,
+    up to the tolerance of the iterative solver of the impulses. In every case no two paths cross within a step:
+    conservative advancement checks all of them. Impulses act between the closest points. They conserve momentum to
+    rounding, and angular momentum up to the distance of these points. The kinetic energy that they remove is listed as
+    dissipated by "contacts". Simultaneous contacts with restitution add no energy. Particles that contacts press
+    against a wall have the friction and the restitution of that wall. Where impulses cannot separate particles, these
+    move on with a common velocity; the plan tells in how many steps.
 
     Contact is of order 1 in the time step. It needs VelocityVerlet, BackwardEuler, BDF2, XPBD or ProjectiveDynamics,
     and space in 3D without a Periodic domain.
 
     Args:
-        body: the SpringNetwork, which meets itself, or its name.
-        thickness: the distance of mid-surfaces at which contact begins [m], above zero and below the length of the
-            shortest edge.
+        body: the SpringNetwork that is in contact with itself, or its name.
+        thickness: the distance of the mid-surfaces at which contact begins [m], above zero and below the length of
+            the shortest edge.
         friction: Coulomb's coefficient, at least zero.
-        restitution: ratio of the normal speeds after and before a contact that is new, from 0 to 1.
-        on: further networks that the body meets, or their names.
+        restitution: ratio of the normal speeds after and before a new contact, from 0 to 1.
+        on: further networks that the body can touch, or their names.
 
     Raises:
-        SceneError: a value is out of range, a body has no springs, a triangle no area, or edges are as short as the
-            thickness; and when it is simulated, if an edge is in a triangle at the start.
+        SceneError: a value is out of range, a body has no springs, a triangle has no area, or an edge is not longer
+            than the thickness. The simulation raises it if an edge intersects a triangle at the start.
 
-    Source: R. Bridson, R. Fedkiw, J. Anderson, ACM Trans. Graph. 21, 594 (2002); M. Li, D. M. Kaufman, C. Jiang,
-    ACM Trans. Graph. 40, 170 (2021) for the advancement.
+    Source: R. Bridson, R. Fedkiw, J. Anderson, ACM Trans. Graph. 21, 594 (2002); M. Li, D. M. Kaufman, C. Jiang, ACM
+    Trans. Graph. 40, 170 (2021) for the advancement.
     """
 
     body: Body | str
@@ -82,12 +83,12 @@ class SelfContact(Constraint):
             _check_surface(other, f"SelfContact.on[{place}]", self.thickness)
 
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
-        """The bodies that it names in a field."""
+        """The bodies named in a field."""
         return (cast("Body", self.body),) if field == "body" else super().bodies(field)
 
 
 def _check_surface(body: object, path: str, thickness: float) -> None:
-    """Its triangles have areas, and its edges are longer than the thickness."""
+    """Check that the triangles have areas and that the edges are longer than the thickness."""
     if not isinstance(body, SpringNetwork) or body.dimension != 3 or not len(body.pairs):
         raise SceneError(f"{path}: must be a SpringNetwork in 3D with springs, got {shown(body)}")
     if len(body.faces):

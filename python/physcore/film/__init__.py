@@ -1,8 +1,7 @@
-"""Films: what a recording or a running simulation looks like, as a GIF, WebP, APNG or MP4, or a still picture.
+"""Films of a recording or a running simulation, as GIF, WebP, APNG or MP4, and still pictures.
 
-`film` is the recipe; a style says how bodies look (`styles`), a camera from where they are seen (`camera`), a theme in
-which colors (`colors`), a writer in which format (`writers`). To add a style or a format: one file in `styles/` or
-`writers/` and one line there.
+`film` draws them. `styles` has the drawing styles of bodies, `camera` the views, `colors` the themes, and `writers` the
+file formats. To add a style or a format, add a file to `styles/` or `writers/` and a line to its `__init__.py`.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from physcore.errors import warn
 from physcore.film.filming import film, gif_bytes
 from physcore.film.notebook import full_html, html
 from physcore.simulation.recording import show_with
@@ -50,16 +48,13 @@ _MODULES = {
     "Window": "camera.view",
     "provenance": "metadata",
 }
-"""The modules of names that are looked up when they are asked for: not every script draws."""
+"""Modules of names that are imported on first use, because many scripts draw nothing."""
 
 
 show_with(html, full_html)
 
 
 def __getattr__(name: str) -> object:
-    if name == "evidence":
-        warn("physcore.film.evidence is now physcore.film.provenance", DeprecationWarning)
-        name = "provenance"
     if name == "styles":
         return import_module(f"{__name__}.styles")
     if name not in _MODULES:

@@ -1,4 +1,4 @@
-"""The assignment of items to painters, by the styles that were asked for."""
+"""Assignment of bodies and systems to painters, by the requested styles."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from physcore.simulation.sources import Source
 
 
 def asked(style: object, found: Sequence[Source]) -> list[Style]:
-    """The styles that were asked for; each item that they name is in a source."""
+    """The requested styles; raise a SceneError if an item named by one of them is in no source."""
     if style is None:
         fluids = all(source.has("velocities") for source in found)
         plain: list[Style] = [Surface(color="strain"), Strain()]
@@ -53,15 +53,17 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
 
 
 def shown(source: Source, styles: Sequence[Style]) -> Source:
-    """A source as it is shown: in space, where one of the styles raises what is in the plane."""
+    """A source as it is drawn: in 3D if one of the styles draws plane objects as a relief."""
     raises = any(each.raises and any(each.draws(item) for item in _items(source)) for each in styles)
     return Raised(source) if raises else source
 
 
 def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
-    """The painters of a source: an item goes to the first style that draws it, or else to points, a phase, a field, a
-    line, trails of few tracers or a density of many; overlays add. Systems come first: bodies are drawn over fields on
-    grids.
+    """The painters of a source.
+
+    The first style that can draw an item gets it. An item without such a style is drawn as points, a phase, a field, a
+    line, trails of few tracers or a density of many. Overlays are drawn in addition. Systems come first, so that bodies
+    are drawn over fields on grids.
     """
     left = list(_items(source))
     found: list[tuple[bool, list[Painter]]] = []
@@ -81,13 +83,13 @@ def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]
 
 
 def _items(source: Source) -> Iterator[Body | System]:
-    """What can be drawn."""
+    """The bodies and systems of a source."""
     yield from source.scene.bodies
     yield from source.scene.systems
 
 
 def share_scales(painters: list[list[Painter]]) -> None:
-    """Let painters of equal styles, in all panels, agree on what a color means."""
+    """Give painters of equal styles in all panels a common color scale."""
     for each in (painter for panel in painters for painter in panel):
         alike = [
             other

@@ -1,4 +1,4 @@
-"""Derived sources: the frames of another source, seen in another way."""
+"""Sources derived from another source by changing its frames."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from physcore.simulation.sources import Source, SourceFrame
 
 
 class Derived:
-    """A source with the frames of another; a subclass changes them."""
+    """A source with the frames of another source; subclasses change these."""
 
     def __init__(self, origin: Source) -> None:
         self._origin = origin
@@ -24,12 +24,12 @@ class Derived:
 
     @property
     def times(self) -> FloatArray:
-        """When the frames are [s]."""
+        """The times of the frames [s]."""
         return self._origin.times
 
     @property
     def count(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
         return self._origin.count
 
     @property
@@ -44,16 +44,16 @@ class Derived:
 
     @property
     def simulated(self) -> bool:
-        """Whether its frames are simulated each time that they are looked at."""
+        """Whether each iteration over the frames runs the simulation again."""
         return self._origin.simulated
 
     @property
     def provenance(self) -> ProvenanceRecord:
-        """The provenance of what is shown."""
+        """The provenance of the recording or simulation."""
         return self._origin.provenance
 
     def has(self, field: str) -> bool:
-        """Whether frames have a field of that name."""
+        """Whether frames have a field of this name."""
         return self._origin.has(field)
 
     def frames(self) -> Iterator[SourceFrame]:

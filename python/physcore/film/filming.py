@@ -1,4 +1,4 @@
-"""The recipe of a film: find what to show, look at all of it once, then draw it frame by frame into a file."""
+"""The function `film`: collects the sources, finds the framing and colors in a first pass, and draws frame by frame."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from physcore.errors import FileError, SceneWarning, warn
 from physcore.numerics.choices import Options
 from physcore.spelling import spelled
 
-# Drawing is imported where it is used: it takes as long as the rest of physcore.
+# The drawing modules are imported on use: their import takes as long as that of the rest of physcore.
 if TYPE_CHECKING:
     from physcore.film.camera.corotating import Corotating
     from physcore.film.camera.track import Camera, Follow
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from physcore.simulation.recording import Recording
 
 HEAVY = 5_000_000
-"""GIFs of more bytes are said to be large: pages load them slowly, and some take none."""
+"""Size above which a GIF causes a warning [bytes]: pages load it slowly, and some refuse it."""
 SAMPLES: dict[Quality, int] = {"fast": 1, "high": 2}
-"""Pixels that are drawn along each side of one in 3D."""
+"""Samples per pixel along each side, in 3D."""
 
 
 @spelled
@@ -68,87 +68,86 @@ def film(
     progress: bool | None = None,
     **numerics: Unpack[Options],
 ) -> Film:
-    """Draw a recording, or a scene while it is simulated, as a film; as a PNG, its last frame.
+    """Draw a film of a recording, or of a scene while it is simulated. A PNG shows the last frame.
 
         pc.film(recording, "cloth.gif", title="A cloth")
         pc.film(scene, "scene.gif", duration=0.5, style=pc.styles.Strain())
 
-    Of a scene only one frame is in memory at a time. In a first pass the framing and the ranges of the colors are
-    found, and the second one draws. Between them frames wait in a temporary file without a name, of at most a quarter
-    of the free disk, unless simulating again, which gives the same bits, takes less time than writing and reading. One
-    pass is enough where nothing depends on the whole film: with a Window, or Orbits with target and extent, styles
-    whose ends of the color scale are given (`top`, `range`), no inset and no label "dt". The file appears under its
-    name when it is whole; until then, and on any failure, what was there stays. It carries its provenance,
-    which `physcore.provenance` reads: a hash of the scene, the numerics, the steps taken, the drift of the
-    energy and the hash of the last state.
+    With a scene, only one frame is in memory at a time. The first pass finds the framing and the ranges of the colors,
+    and the second pass draws. In between, frames are kept in an unnamed temporary file of at most a quarter of the free
+    disk. If a second simulation is faster than writing and reading, it is run instead; it gives the same bits. A single
+    pass is enough if nothing depends on the whole film. This requires a Window, or Orbits with target and extent. It
+    also requires styles with given ends of the color scale (`top`, `range`), no inset and no label "dt".
 
-    All formats keep real time and show every frame. A .gif, of 255 colors and at most 50 frames per second, is shown
-    everywhere; a .webp has all colors in fewer bytes, an .apng every pixel as it was drawn, both at up to 90 frames per
-    second and for browsers; an .mp4 (H.264), at up to 240, needs `pip install 'physcore[video]'`.
+    The file appears under its name when it is complete. Until then, and after any failure, an existing file stays
+    unchanged. The film contains its provenance, which `physcore.provenance` reads. The provenance has a hash of the
+    scene, the numerics, the steps taken, the drift of the energy, and the hash of the last state.
+
+    All formats keep real time and show every frame. A .gif has 255 colors and at most 50 frames per second, and every
+    program shows it. A .webp has all colors in fewer bytes, and an .apng is lossless. Both are for browsers, at up to
+    90 frames per second. An .mp4 (H.264) has up to 240 frames per second and needs `pip install 'physcore[video]'`.
 
     Args:
-        recording: what to film; several are shown side by side, with one camera and one scale of colors.
-        path: where to write, ending in .gif, .webp, .apng, .mp4 or .png.
-        size: width and height of the picture [pixels]; None: 640 × 480, or a format of about that area in which the
-            motion is shown clearly larger, and for several panels up to 1280 pixels wide.
-        format: instead of a size "square", "wide" (16 : 9) or "story" (9 : 16); 480 × 480, 640 × 360 and 360 × 640
-            pixels, and as an .mp4 1080 on the shorter side.
-        style: one or several of `physcore.styles`; None: cloths and soft bodies as surfaces, other springs as
-            lines, both by strain; fluids by speed, other bodies as points. A body that no style draws is drawn as
-            points.
-        camera: a Window in 2D, an Orbit in 3D; Keyframes between some of these, a function that gives one for a time
-            [s] (`lambda time: Orbit(azimuth=10 * time)`), Follow a body, or the frame that is Corotating with two; all
-            are in `physcore`. None: so that nothing leaves the picture.
+        recording: the recording or scene; several are shown side by side, with one camera and one color scale.
+        path: the file to write, ending in .gif, .webp, .apng, .mp4 or .png.
+        size: width and height of the picture [pixels]. None: 640 × 480, or an aspect ratio of about equal area if it
+            shows the motion clearly larger. Several panels are up to 1280 pixels wide.
+        format: a named size instead of `size`: "square" (480 × 480 pixels), "wide" (640 × 360, 16 : 9) or "story"
+            (360 × 640, 9 : 16). An .mp4 has 1080 pixels on the shorter side.
+        style: one or several of `physcore.styles`. None: cloths and soft bodies as surfaces and other springs as lines,
+            both by strain; fluids by speed; other bodies as points. A body that no style draws is drawn as points.
+        camera: a Window in 2D or an Orbit in 3D; Keyframes between these; a function of the time [s] that gives one
+            (`lambda time: Orbit(azimuth=10 * time)`); Follow for a body; or Corotating for a pair. All are in
+            `physcore`. None: a view that contains the whole motion.
         theme: "dark", "light" or a `physcore.Theme`.
         background: a color instead of the theme's, such as "#000000".
-        title: a line above the picture. Letters, Greek, sub- and superscripts, mathematical signs, Chinese, Japanese
-            and Korean are drawn: "v₀ = √(2gh)", "抛体运动". Of other signs, such as emoji, a SceneWarning tells.
+        title: a line above the picture. The fonts have Latin and Greek letters, sub- and superscripts, mathematical
+            signs, Chinese, Japanese and Korean: "v₀ = √(2gh)", "抛体运动". Other signs, such as emoji, cause a
+            SceneWarning.
         titles: a line above each panel.
         subtitle: a smaller line under the title.
         credit: a small line at the lower right.
-        labels: what stands below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so
-            far); those of several panels each below its own.
-        color_bar: whether to show at the lower right what colors mean, as far as there is room.
-        legend: whether to list the names of bodies, and of systems such as tracers that are drawn in one color, with
-            their colors below the picture; or which, by themselves or by their names: `legend=("Sun", "Jupiter")`.
-            Each has to be drawn in a color of its own.
-        name_tags: whether to write names beside their bodies in the picture, as suits planets and other single
-            particles; or which. None lies over another one.
-        scale_bar: whether to draw a scale bar at the lower left of each panel, or in which unit: "nm", "cm", "m", "km",
-            "AU", "ly", "kpc" or another. In 3D it holds at the point that the camera looks at.
+        labels: the labels below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so far).
+            Each panel has its own labels.
+        color_bar: whether to draw the color scales at the lower right, as far as there is room.
+        legend: whether to list names with their colors below the picture. Listed are bodies, and systems that are drawn
+            in one color, such as tracers. Or some of them, given as objects or by name: `legend=("Sun", "Jupiter")`.
+            Each of these must be drawn in a color of its own.
+        name_tags: whether to write names beside their bodies in the picture, which suits planets and other single
+            particles; or some of the bodies. Names do not overlap.
+        scale_bar: whether to draw a scale bar at the lower left of each panel; or its unit: "nm", "cm", "m", "km",
+            "AU", "ly", "kpc" or another. In 3D it is valid at the target of the camera.
         inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
-        time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: as suits the duration. Where the film does not
-            play in real time, the label "time" says so: "1 s = 90 d".
-        speed: seconds of the simulation that pass in one second of the film; None: 1, or as near to it as the format
-            shows all frames, with a warning where a GIF of more than 50 per second becomes slower.
-        hold: how long the last frame stays before the film begins again, or before it turns [s]; a PNG shows nothing
-            else.
-        loop: how the end goes over into the start: "bounce" plays backward again, "crossfade" blends the last half
-            second into the first; None: it jumps. A motion with a period needs neither: `recording.period`.
-        duration: how long to simulate a scene [s].
-        fps: frames per second of simulated time at which to film a scene; None: 30.
-        quality: "fast", or "high": in 3D each pixel is the mean of four, so that outlines have no steps, which takes
-            three times as long; and pixels of a GIF always have the nearest color, of a palette chosen with more care,
-            where those of a "fast" one, if it would exceed 3 MB, may have one near that where it makes the film
-            smaller: at most 18 levels of 255 off, and only where things move. See docs/films.md.
-        max_bytes: how large a GIF may become; of other formats a SceneWarning tells. Where it would be larger, it is
-            made again, and first colors may be farther off, up to 28 levels; then every second frame is left out, as
-            long as twelve a second are left; then half of the colors, down to 63; then the picture becomes smaller,
-            down to half as wide; at last more of all. What room is left is used.
-        sidecar: whether to write the provenance into a file beside the film too, such as film.gif.json; there it has
-            the number of threads as well, which the film itself does not depend on.
-        progress: whether to show a progress bar; None: on a terminal or in a notebook, when it takes longer than a
-            second.
-        numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
+        time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: a unit that suits the duration. If the film does
+            not play in real time, the label "time" gives the pace: "1 s = 90 d".
+        speed: seconds of the simulation per second of the film. None: 1, or the nearest speed at which the format shows
+            all frames. A warning tells if a GIF plays slower because it has more than 50 frames per second.
+        hold: how long the last frame stays before the film restarts, or before it reverses [s]. A PNG is not affected.
+        loop: the transition from the end to the start. "bounce" plays the film backward, "crossfade" blends the last
+            half second into the first; None: no transition. A periodic motion needs neither: `recording.period`.
+        duration: the simulated duration of a scene [s].
+        fps: frames per second of simulated time for a scene; None: 30.
+        quality: "fast" or "high". With "high", each pixel in 3D is the mean of four (antialiasing), which takes three
+            times as long. Each pixel of a GIF then has the nearest color of a palette that is chosen with more effort.
+            With "fast", the pixels of a GIF above 3 MB may have a nearby color if this makes the file smaller. Such a
+            color is at most 18 levels of 255 off, and only moving parts are affected. See docs/films.md.
+        max_bytes: the largest size of a GIF [bytes]; for other formats a SceneWarning tells if it is exceeded. A larger
+            GIF is drawn again, with these reductions in turn: color errors up to 28 levels; every second frame, down to
+            twelve per second; half of the colors, down to 63; a smaller picture, down to half the width; finally
+            stronger reductions of all. The remaining room is used.
+        sidecar: whether to write the provenance also into a file beside the film, such as film.gif.json. There it
+            contains the number of threads too, on which the film does not depend.
+        progress: whether to show a progress bar; None: on a terminal or in a notebook, after one second.
+        numerics: options for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Returns:
-        What was written: path, bytes, size, frames, rate and colors.
+        Film: path, bytes, size, frames, rate and colors of the written file.
 
     Raises:
-        SceneError: an argument is not valid, or a film of `max_bytes` could not be seen.
+        SceneError: an argument is not valid, or a film of `max_bytes` would not be recognizable.
         FileError: the file cannot be written.
-        PhyscoreError: what the format needs is not installed.
-        SimulationDiverged: the scene blew up while it was filmed.
+        PhyscoreError: a package that the format needs is not installed.
+        SimulationDiverged: the simulation of the scene diverged.
     """
     from physcore.film.labels.clock import check_unit
     from physcore.film.layout import check_format, check_heading, check_size, line_of
@@ -209,7 +208,7 @@ def gif_bytes(
     speed: float | None = None,
     max_bytes: int | None = None,
 ) -> bytes:
-    """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
+    """The bytes of the GIF that `film` would write, for a notebook or a server; arguments as in `film`."""
     from physcore.film.colors.themes import resolve
     from physcore.film.metadata import metadata
     from physcore.film.renderer import Renderer
@@ -224,10 +223,10 @@ def gif_bytes(
 
 
 def _check_bytes(quality: object, max_bytes: object) -> None:
-    """What was asked for of the file's size makes sense.
+    """Check the quality and the largest size of a file.
 
     Raises:
-        SceneError: it does not.
+        SceneError: one of them is not valid.
     """
     from physcore.film.writers import QUALITIES
 

@@ -17,15 +17,16 @@ from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source, SourceFrame
 
 NEAR = 0.5
-"""How far scenery around the motion is in the picture, over the extent of the motion: the subject is shown, not the box
-around it."""
+"""Largest distance of visible scenery from the motion, over the extent of the motion. Farther scenery is cut off, so
+that the picture shows the motion, not its surroundings.
+"""
 SAMPLES = 8
-"""How many frames are kept to choose the palette from."""
+"""Number of frames kept to choose the palette from."""
 
 
 @dataclass(eq=False)
 class Bounds:
-    """The smallest boxes, along some axes, that hold what was added: one for a whole film, or one for each frame."""
+    """Bounding boxes along given axes: one for a whole film, or one for each frame."""
 
     axes: FloatArray
     """Unit vectors of each box, shape (K, D, D)."""
@@ -36,11 +37,11 @@ class Bounds:
         self.lower, self.upper = np.full(self.axes.shape[:2], np.inf), np.full(self.axes.shape[:2], -np.inf)
 
     def add(self, points: FloatArray, margin: float = 0.0, frame: int = 0) -> None:
-        """Take points (N, D) [m] of a frame into account, with so much around each."""
+        """Extend the box of a frame by points (N, D) [m], with a margin around each."""
         if len(points) == 0:
             return
         index = min(frame, len(self.axes) - 1)
-        local = self.axes[index] @ points.T  # one row per axis: NumPy finds the least of a row several times faster
+        local = self.axes[index] @ points.T  # one row per axis: a minimum along rows is several times faster
         lower, upper = local.min(axis=1), local.max(axis=1)
         if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
             self.add(points[np.isfinite(points).all(axis=1)], margin, frame)
@@ -49,13 +50,13 @@ class Bounds:
         self.upper[index] = np.maximum(self.upper[index], upper + margin)
 
     def add_to_all(self, points: FloatArray, margin: float = 0.0) -> None:
-        """Take what stands still into account in every frame."""
+        """Extend the boxes of all frames by points at rest."""
         for frame in range(len(self.axes)):
             self.add(points, margin, frame)
 
     def add_near(self, points: FloatArray, margin: float = 0.0) -> None:
-        """Take what stands still into account in every frame, as far as it is near what was added before; all of it, if
-        nothing was or if that is a point.
+        """Extend the boxes of all frames by points at rest, as far as they are near the present box. If a box is empty
+        or a single point, all of them count.
         """
         lower, upper = self.lower.copy(), self.upper.copy()
         self.add_to_all(points, margin)
@@ -65,29 +66,29 @@ class Bounds:
         self.upper[moved] = np.minimum(self.upper, np.maximum(upper + reach, upper))[moved]
 
     def merge(self, other: Bounds) -> None:
-        """Take other boxes along the same axes into account."""
+        """Extend the boxes by other boxes along the same axes."""
         self.lower, self.upper = np.minimum(self.lower, other.lower), np.maximum(self.upper, other.upper)
 
     def settle(self) -> None:
-        """Become points where nothing was added."""
+        """Replace empty boxes by a point at the origin."""
         empty = ~np.isfinite(self.lower).all(axis=1)
         self.lower[empty] = self.upper[empty] = 0.0
 
 
 class FollowedPath:
-    """The path of followed particles, and the extent of what is around it."""
+    """The path of followed particles, and their bounds around it."""
 
     def __init__(self, follow: Follow, scene: Scene, axes: FloatArray, count: int) -> None:
         self._chosen, self._domain = follow.particles(scene), scene.periodic
         self._mass = np.concatenate([body.mass for body in scene.bodies])[self._chosen]
         self._last: FloatArray | None = None
         self.centers = np.zeros((count, scene.dimension))
-        """The center of mass at each frame [m]; over faces of the domain it goes on."""
+        """The center of mass at each frame [m], continuous across faces of the periodic domain."""
         self.around = Bounds(axes)
-        """Bounds of the followed particles around it, along the axes of each frame."""
+        """Bounds of the followed particles relative to the center of mass, along the axes of each frame."""
 
     def add(self, positions: FloatArray, margin: float, frame: int) -> None:
-        """Take a frame into account."""
+        """Add a frame."""
         points = positions[self._chosen]
         if len(points) == 0:
             return
@@ -102,7 +103,9 @@ class FollowedPath:
         self.around.add(offsets if self._domain is None else self._domain.nearest(offsets), margin, frame)
 
     def smoothed(self, width: float) -> FloatArray:
-        """The path of the camera (F, D) [m], for a Gaussian of so many frames; what is around is then around that."""
+        """The path of the camera (F, D) [m], smoothed by a Gaussian of `width` frames. Afterwards `around` is relative
+        to this path.
+        """
         path = smooth(self.centers, width)
         off = np.einsum("kij,kj->ki", self.around.axes, self.centers - path)
         self.around.lower += off
@@ -115,15 +118,15 @@ class FirstPass:
     """Bounds, samples and energies of one source."""
 
     whole: Bounds
-    """Along the axes of the scene, over the whole film."""
+    """Bounds along the axes of the scene, over the whole film."""
     boxes: list[Bounds]
-    """For each camera that there is to choose from."""
+    """Bounds for each candidate camera."""
     path: FollowedPath | None
-    """Of what is followed."""
+    """The path of the followed particles."""
     samples: list[tuple[int, SourceFrame]]
-    """Some frames with their numbers, from the whole film, at most SAMPLES."""
+    """At most SAMPLES frames with their numbers, spread over the whole film."""
     energies: list[Energy]
-    """The energy budget at each frame, as far as it is known."""
+    """The energy budget at each frame, as far as it was recorded."""
     dt: float | None
     """The last time step [s]."""
 
@@ -137,16 +140,16 @@ def first_pass(
     follow: Follow | None,
     tick: Callable[[int], None],
 ) -> FirstPass:
-    """Look at every frame of a source.
+    """Collect bounds, samples and energies from every frame of a source.
 
     Args:
-        source: what to look at.
-        frames: those to look at, from the start; the last one stays for the rest of the film.
-        count: how many frames the film has.
-        painters: told of every frame.
-        axes: those of each camera that there is to choose from, shape (K, D, D) with K = 1 or one for each frame.
-        follow: what to follow.
-        tick: told how many frames have been seen.
+        source: the source.
+        frames: its frames from the start; the last one stays for the rest of the film.
+        count: the number of frames of the film.
+        painters: the painters, which receive every frame.
+        axes: the axes of each candidate camera, shape (K, D, D) with K = 1 or one for each frame.
+        follow: the bodies to follow.
+        tick: called with the number of frames done.
     """
     scene = source.scene
     radius = max((float(body.radius.max(initial=0.0)) for body in scene.bodies), default=0.0)
@@ -189,7 +192,7 @@ def first_pass(
 
 
 def _add_scenery(scene: Scene, whole: Bounds, boxes: Sequence[Bounds]) -> None:
-    """Take what stands still into account."""
+    """Extend the bounds by boundaries and other scenery."""
     for box in (whole, *boxes):
         for points, around in landmarks(scene):
             box.add_near(points, around)

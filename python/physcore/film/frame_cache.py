@@ -1,4 +1,4 @@
-"""Frames of a simulation that are put aside in a first pass, where reading them is cheaper than simulating again."""
+"""Temporary storage of simulated frames between two passes, if reading is faster than a second simulation."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source, SourceFrame
 
 SHARE = 0.25
-"""How much of the free disk the frames may take."""
+"""Largest fraction of the free disk that the frames may take."""
 TRIAL = 0.05
-"""For how long simulating and writing are compared before one of them is called the slower one [s]."""
+"""Time after which the durations of simulating and of writing are compared [s]."""
 TERMS = ("by_term", "dissipated_by")
 NUMBERS = ("kinetic", "internal", "dissipated", "work", "time")
-"""The parts of an energy budget."""
+"""Names of the parts of an energy budget."""
 
 
 class FrameCache:
-    """The frames of a source, which the first pass writes to a file without a name and later ones read back.
+    """The frames of a source, written to an unnamed file in the first pass and read back in later ones.
 
-    Exactly: every number is kept as it is, so that films from both ways have the same bytes. The frames come from the
-    source again where writing and reading take longer than simulating, where they would take more than a quarter of the
-    free disk, or where the disk says no.
+    Every number is stored exactly, so that both ways give films with the same bytes. The source is simulated again if
+    writing and reading take longer than simulating. The same holds if the frames would take more than a quarter of the
+    free disk, or if writing fails.
 
     Args:
-        source: what to go through.
+        source: the source of the frames.
     """
 
     def __init__(self, source: Source) -> None:
@@ -43,7 +43,7 @@ class FrameCache:
         """Whether all frames are in the file."""
 
     def first(self) -> Iterator[SourceFrame]:
-        """All frames, from the source; on the way they are put aside, while that is worth it."""
+        """All frames from the source, written to the file as long as this is faster than a second simulation."""
         simulated = written = 0.0
         last = time.perf_counter()
         for index, frame in enumerate(self._source.frames()):
@@ -54,7 +54,7 @@ class FrameCache:
             if self._file is not None:
                 self._write(frame)
                 written += time.perf_counter() - now
-                # What was written is still to be read.
+                # Factor 2: the frames are read back too.
                 if simulated + written > TRIAL and 2.0 * written > simulated:
                     self.close()
             yield frame
@@ -67,13 +67,13 @@ class FrameCache:
                 self.close()
 
     def again(self) -> Iterator[SourceFrame]:
-        """All frames once more."""
+        """All frames a second time, from the file or from the source."""
         read = 0
         if self.whole and self._file is not None:
             self._file.seek(0)
             for _ in range(self._source.count):
                 frame = self._read(self._file)
-                if frame is None:  # a file that was cut off by someone
+                if frame is None:  # the file was truncated by another program
                     break
                 yield frame
                 read += 1
@@ -81,16 +81,16 @@ class FrameCache:
             yield from islice(self._source.frames(), read, None)
 
     def close(self) -> None:
-        """Give the disk back."""
+        """Delete the file."""
         self.whole = False
         if self._file is not None:
             file, self._file = self._file, None
-            with suppress(OSError):  # a full disk says no once more
+            with suppress(OSError):  # closing writes the buffer, which fails again on a full disk
                 file.close()
 
     def _open(self, frame: SourceFrame) -> None:
-        """Make room, if there is enough for as many frames like this one."""
-        import shutil  # these two take longer to import than the rest of film
+        """Open the file, if there is room for `count` frames like this one."""
+        import shutil  # the import of these two takes longer than that of the rest of film
         import tempfile
 
         self._layout = [(name, values.shape) for name, values in frame.fields.items()]
@@ -103,13 +103,13 @@ class FrameCache:
     def _parts(self, frame: SourceFrame) -> list[FloatArray]:
         """All numbers of a frame."""
         arrays = [frame.fields[name] for name, _ in self._layout]
-        assert frame.energy is not None  # simulations have it
+        assert frame.energy is not None  # frames of a simulation have energies
         numbers = [getattr(frame.energy, name) for name in NUMBERS]
         numbers += [getattr(frame.energy, kind)[name] for kind in TERMS for name in self._terms[kind]]
         return [np.array([frame.time, frame.dt, *numbers]), *arrays]
 
     def _write(self, frame: SourceFrame) -> None:
-        assert self._file is not None  # it was asked before
+        assert self._file is not None  # the caller has checked this
         try:
             for part in self._parts(frame):
                 self._file.write(np.ascontiguousarray(part, dtype=np.float64).data)
@@ -117,7 +117,7 @@ class FrameCache:
             self.close()
 
     def _read(self, file: IO[bytes]) -> SourceFrame | None:
-        """The next frame; None where the file ends too early."""
+        """The next frame; None at an early end of the file."""
         names = [(kind, name) for kind in TERMS for name in self._terms[kind]]
         shapes = [(2 + len(NUMBERS) + len(names),), *(shape for _, shape in self._layout)]
         parts = [np.empty(shape) for shape in shapes]

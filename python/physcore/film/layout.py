@@ -1,4 +1,4 @@
-"""How a picture is divided: panels beside one another, titles above, lines of text below."""
+"""Layout of a picture: panels side by side, titles above, lines of text below."""
 
 from __future__ import annotations
 
@@ -13,34 +13,34 @@ from physcore.errors import SceneError
 from physcore.film.labels.text import fitting, text_height, warn_of_missing
 
 MARGIN = 0.03
-"""Free space around the motion, as a fraction of a panel's shorter side."""
+"""Margin around the motion, as a fraction of a panel's shorter side."""
 LARGEST = 16384
-"""The longest side of a picture [pixels]; a square one takes a gigabyte."""
+"""Longest side of a picture [pixels]; a square picture of this size takes a gigabyte."""
 ASPECTS = (4 / 3, 1.0, 3 / 4, 16 / 9, 9 / 16, 2.4)
-"""Width over height of the panels to choose from; the first is taken unless another one is clearly better."""
+"""Candidate aspect ratios of the panels (width over height). The first is taken unless another is clearly better."""
 PIXELS = 640 * 480
-"""The size of a panel; more than two share that of two."""
+"""Area of a panel [pixels]; more than two panels share the area of two."""
 WIDEST = 1280
-"""The greatest width of a picture that was not asked for [pixels]."""
+"""Largest width of a picture whose size was not given [pixels]."""
 CLEARLY = 1.1
-"""How much larger the motion has to look in another format."""
+"""Factor by which another format must show the motion larger than the first."""
 Format = Literal["square", "wide", "story"]
 FORMATS: dict[Format, tuple[int, int]] = {"square": (480, 480), "wide": (640, 360), "story": (360, 640)}
 """Common formats: 1 : 1, 16 : 9 and 9 : 16 [pixels]."""
 VIDEO: dict[Format, tuple[int, int]] = {"square": (1080, 1080), "wide": (1920, 1080), "story": (1080, 1920)}
-"""The same as video, where pixels cost little."""
+"""Common formats of videos, in which pixels take few bytes [pixels]."""
 TITLE, SUBTITLE, LEADING = 1.2, 0.85, 1.25
-"""Heights of the titles, and from one line to the next, in heights of the text."""
+"""Heights of title and subtitle, and the line spacing, in heights of the text."""
 
 
 @dataclass(frozen=True)
 class Heading:
-    """What stands above the picture."""
+    """The titles above the picture."""
 
     titles: tuple[str, ...] = ()
-    """None, one for all, or one for each panel."""
+    """No title, one for all panels, or one for each panel."""
     subtitle: str = ""
-    """A smaller line under a title for all."""
+    """A smaller line below a common title."""
 
     def lines(self, text: int) -> int:
         """The height of all lines for a text of this height [pixels]."""
@@ -50,7 +50,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Layout:
-    """A picture of some size with its panels."""
+    """A picture of a given size with its panels."""
 
     size: tuple[int, int]
     panels: int
@@ -64,7 +64,7 @@ class Layout:
         return text_height(*self.size)
 
     def written(self) -> list[tuple[str, int, int, int]]:
-        """The lines above the picture: each with its middle, its top and its height [pixels]."""
+        """The lines above the picture: text, horizontal center, top and height [pixels]."""
         text, titles, top = self.text, self.heading.titles, round(0.3 * self.text)
         areas = [(0, 0, *self.size)] if len(titles) == 1 else [self.panel(index) for index in range(len(titles))]
         lines = [(title, area, top, round(TITLE * text)) for title, area in zip(titles, areas, strict=True)]
@@ -86,26 +86,26 @@ class Layout:
         """The part of a panel that is free of text."""
         left, _, right, bottom = self.panel(index)
         header = self.heading.lines(self.text)
-        # Of a picture that text would fill a row is left.
+        # At least one row of pixels is left free of text.
         top = min(header + round(0.3 * self.text) * (header > 0), bottom - 1)
         return left, top, right, max(bottom - self.footer, top + 1)
 
     def pixels(self, index: int) -> float:
-        """The size of a panel."""
+        """The area of a panel [pixels]."""
         left, top, right, bottom = self.panel(index)
         return float((right - left) * (bottom - top))
 
     def margin(self, index: int) -> float:
-        """Free space around the motion [pixels]."""
+        """The margin around the motion [pixels]."""
         left, top, right, bottom = self.panel(index)
         return MARGIN * min(right - left, bottom - top)
 
 
 def check_size(size: object) -> tuple[int, int] | None:
-    """The size that was asked for.
+    """The requested size.
 
     Raises:
-        SceneError: it is not one.
+        SceneError: the value is not a valid size.
     """
     if size is None:
         return None
@@ -116,7 +116,7 @@ def check_size(size: object) -> tuple[int, int] | None:
 
 
 def check_format(format: object, size: tuple[int, int] | None, *, video: bool) -> tuple[int, int] | None:
-    """The size of a format that was asked for, or else the size.
+    """The size of the requested format, or `size` if there is none.
 
     Raises:
         SceneError: there is no such format, or a size was given too.
@@ -130,10 +130,10 @@ def check_format(format: object, size: tuple[int, int] | None, *, video: bool) -
 
 
 def check_heading(title: str | None, titles: Sequence[str] | None, subtitle: str | None, panels: int) -> Heading:
-    """The titles that were asked for: none, one for all, or one for each panel.
+    """The requested titles: none, one for all panels, or one for each panel.
 
     Raises:
-        SceneError: they are something else.
+        SceneError: the titles are not valid.
     """
     if title is not None and titles is not None:
         raise SceneError("titles: give one title for all or titles for the panels, not both")
@@ -147,10 +147,10 @@ def check_heading(title: str | None, titles: Sequence[str] | None, subtitle: str
 
 
 def line_of(value: object, path: str) -> str:
-    """A line of text; what no face can write is warned of.
+    """A line of text; signs that no font has cause a warning.
 
     Raises:
-        SceneError: it is no text.
+        SceneError: the value is not a string.
     """
     line = text(value, path)
     warn_of_missing(line, path)
@@ -158,7 +158,7 @@ def line_of(value: object, path: str) -> str:
 
 
 def sizes(panels: int) -> list[tuple[int, int]]:
-    """Sizes to choose from, all about equally large: 640 × 480 for one panel, at most 1280 wide for several."""
+    """Candidate sizes, all of about equal area: 640 × 480 for one panel, at most 1280 wide for several."""
     pixels = min(PIXELS, 2 * PIXELS / panels)
     result = []
     for aspect in ASPECTS:
@@ -168,12 +168,12 @@ def sizes(panels: int) -> list[tuple[int, int]]:
 
 
 def best(panels: int, magnification: Callable[[tuple[int, int]], float], *, fixed: bool) -> tuple[int, int]:
-    """The size in which the motion is shown largest, or the usual one if none is clearly better.
+    """The size that shows the motion largest, or the default if no other is clearly better.
 
     Args:
-        panels: how many there are.
-        magnification: pixels per meter in a picture of some size.
-        fixed: whether the user has said how much is shown, so that there is nothing to gain.
+        panels: the number of panels.
+        magnification: gives the pixels per meter in a picture of some size.
+        fixed: whether the extent of the view was given, so that the default size is taken.
     """
     usual, *others = sizes(panels)
     if fixed:
@@ -184,5 +184,5 @@ def best(panels: int, magnification: Callable[[tuple[int, int]], float], *, fixe
 
 
 def _even(side: float) -> int:
-    """A whole, even number of pixels: video needs it."""
+    """The nearest even number of pixels, as video needs."""
     return 2 * round(side / 2)

@@ -1,4 +1,4 @@
-"""Metadata of films: the provenance records of their panels, written into and beside them, and read back."""
+"""Metadata of films: the provenance records of the panels, written into and beside films, and read back."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from physcore.storage.formats import format_of
 from physcore.storage.schema import anything, several, table
 
 SIDECAR = ".json"
-"""The suffix of the file beside a film."""
+"""Suffix of the metadata file beside a film."""
 
 
 def metadata(found: Sequence[Source]) -> str:
-    """The metadata of a film: everything on which its bits depend, and so not the machine."""
+    """The metadata of a film: everything on which its bits depend, and therefore without the machine."""
     panels = [{name: value for name, value in source.provenance.items() if name != "machine"} for source in found]
     return json.dumps(panels, allow_nan=False, separators=(",", ":"))
 
 
 def sidecar_of(target: Path) -> Path:
-    """The file beside a film."""
+    """The path of the metadata file beside a film."""
     return target.with_name(target.name + SIDECAR)
 
 
 def write_sidecar(found: Sequence[Source], target: Path) -> None:
-    """Write the file beside a film.
+    """Write the metadata file beside a film.
 
     Raises:
-        FileError: it cannot be written.
+        FileError: the file cannot be written.
     """
     text = json.dumps([source.provenance for source in found], allow_nan=False, indent=2)
     with replacing(sidecar_of(target)) as file:
@@ -44,17 +44,17 @@ def write_sidecar(found: Sequence[Source], target: Path) -> None:
 
 
 def provenance(path: str | os.PathLike[str]) -> list[ProvenanceRecord]:
-    """The provenance of a film, from itself or the JSON file beside it: one dictionary for each panel.
+    """Provenance of a film, read from it or from the JSON file beside it: one dictionary for each panel.
 
         pc.film(recording, "cloth.png")
         pc.provenance("cloth.png")[0]["scene"] == recording.scene.hash()  # True
 
-    Their keys are those of `ProvenanceRecord`. To check a film, compare "scene" with `scene.hash()`, simulate that
+    The keys are those of `ProvenanceRecord`. To verify a film, compare "scene" with `scene.hash()`. Then simulate this
     scene with the same numerics and the same steps, and compare "state" with `Simulation.state_hash()`.
 
     Raises:
-        SceneError: the name ends like no film's.
-        FileError: the file is missing or damaged, or says nothing.
+        SceneError: the file name has no suffix of a film.
+        FileError: the file is missing or damaged, or has no provenance.
     """
     target = file_path(path)
     try:

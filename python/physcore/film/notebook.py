@@ -1,4 +1,4 @@
-"""How a notebook shows recordings and films: as pictures of a bounded size."""
+"""Display of recordings and films in notebooks, as pictures of bounded size."""
 
 from __future__ import annotations
 
@@ -13,26 +13,28 @@ from physcore.markup import inline_image
 from physcore.simulation.recording import Recording
 
 SIDE = 480
-"""The longer side of a preview is at most this [pixels]."""
+"""Longest side of a preview [pixels]."""
 BYTES = 2_000_000
-"""A preview has at most so many."""
+"""Largest size of a preview [bytes]."""
 MOST = 150
-"""A preview has at most so many frames."""
+"""Largest number of frames of a preview."""
 SLOWEST, FASTEST = 10.0, 25.0
-"""Frames per second of a preview; a recording with fewer, such as of a planet, plays faster than real time."""
+"""Least and largest frame rate of a preview [1/s]. A recording with fewer frames per second, such as of planets, plays
+faster than real time.
+"""
 _previews: WeakKeyDictionary[Recording, str | None] = WeakKeyDictionary()
-"""Those that were made: a notebook asks for them again and again."""
+"""Cache of the previews, because a notebook requests them repeatedly."""
 
 
 def html(recording: Recording) -> str | None:
-    """A small film, with a word on what it leaves out. None without anything to draw."""
+    """A small film, with a note on the frames left out; None if there is nothing to draw."""
     if recording not in _previews:
         _previews[recording] = _preview(recording)
     return _previews[recording]
 
 
 def full_html(recording: Recording) -> str:
-    """The whole recording, as `physcore.film` draws it, however large that is."""
+    """The whole recording as drawn by `physcore.film`, of any size."""
     rate = min(max(recording.fps, SLOWEST), 50.0)
     return inline_image(gif_bytes(recording, speed=rate / recording.fps), "gif", repr(recording))
 
@@ -59,7 +61,7 @@ def _preview(recording: Recording) -> str | None:
 
 
 def _size(recording: Recording) -> tuple[int, int]:
-    """The size in which `film` would draw it, made small enough."""
+    """The size that `film` would choose, scaled down to SIDE."""
     from physcore.film.colors.themes import resolve
     from physcore.film.renderer import Renderer
     from physcore.simulation.sources import sources

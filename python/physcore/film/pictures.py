@@ -1,4 +1,4 @@
-"""Reading pictures with Pillow, whatever is in the file."""
+"""Robust reading of picture files with Pillow."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Image]:
-    """A picture, for as long as the block lasts.
+    """Context manager that opens a picture.
 
     Raises:
-        FileError: it cannot be read; Pillow has errors and warnings of many kinds for that.
+        FileError: the picture cannot be read. All errors and warnings of Pillow are converted to this one.
     """
     from PIL import Image
 

@@ -1,4 +1,4 @@
-"""Scenes in the plane that are shown in space: what a relief raises."""
+"""2D scenes shown in 3D as a relief."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from physcore.simulation.sources import Source, SourceFrame
 
 
 class RaisedScene(Scene):
-    """The bodies and systems of a scene in 2D, as a film in 3D has them; boundaries and domains stay in the plane."""
+    """The bodies and systems of a 2D scene for a film in 3D, without boundaries and domains."""
 
     def __init__(self, flat: Scene) -> None:
         values = {
@@ -29,12 +29,12 @@ class RaisedScene(Scene):
 
     @property
     def dimension(self) -> int:
-        """That of the space in which it is shown."""
+        """The dimension of the space in which the scene is shown."""
         return 3
 
 
 class Raised(Derived):
-    """A source in 2D whose particles have a height, zero until a painter raises them."""
+    """A 2D source whose particles have a height, which is zero until a painter sets it."""
 
     def __init__(self, flat: Source) -> None:
         super().__init__(flat)

@@ -1,4 +1,4 @@
-"""The renderer of a film: panels side by side, and everything that is drawn in them."""
+"""Renderer of a film: panels side by side with all their contents."""
 
 from __future__ import annotations
 
@@ -38,21 +38,21 @@ from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 SHADES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
-"""How much of their colors things in 3D have in the light and in the shade."""
+"""Brightness factors of colors in 3D, from full light to shade."""
 
 
 @dataclass(eq=False)
 class Panel:
-    """One source, its rectangle and what draws it."""
+    """One source with its rectangle and its painters."""
 
     source: Source
     painters: list[Painter]
     rectangle: tuple[int, int, int, int]
-    """Left, top, right and bottom [pixels]."""
+    """Left, top, right and bottom of the panel [pixels]."""
     free: tuple[int, int, int, int]
-    """The part of it that is not for text; in the plane what moves stays in it, however near the camera goes."""
+    """The part of the panel without text. In 2D, moving objects are clipped to it."""
     pixels: float
-    """The size of the rectangle."""
+    """The area of the rectangle [pixels]."""
     view: PanelView
     samples: list[tuple[int, SourceFrame]]
     tags: NameTags
@@ -61,21 +61,21 @@ class Panel:
 
 
 class Renderer:
-    """The canvas with its panels, frame by frame.
+    """The canvas of a film with its panels, drawn frame by frame.
 
-    What depends on the whole film is found when it is made, in a first pass. Where nothing does, because the camera
-    says where it is and how much it shows, and each painter knows its colors, there is only one pass. Close it at the
-    end: it may have put frames aside.
+    The constructor runs a first pass, which finds all that depends on the whole film. Only one pass is needed if the
+    camera gives target and extent, and each painter knows its color scale. Close the renderer at the end, because it
+    may hold a temporary file.
 
     Args:
         found: the sources, one for each panel.
-        size: width and height [pixels]; None: as suits the motion.
+        size: width and height [pixels]; None: a size that suits the motion.
         style, camera: as in `film`.
         theme: the colors.
-        heading: what stands above the picture; None: nothing.
+        heading: the titles above the picture; None: no titles.
         progress, labels, color_bar, legend, name_tags, scale_bar, inset, credit, time_unit: as in `film`.
         rate: frames per second of the film; None: as many as of the simulation.
-        samples: pixels in 3D are the means of so many along each side.
+        samples: samples per pixel along each side in 3D; a pixel is their mean.
 
     Raises:
         SceneError: an argument is not valid.
@@ -142,13 +142,13 @@ class Renderer:
         self.close()
 
     def close(self) -> None:
-        """Give back the disk that frames were put aside on."""
+        """Delete the temporary files of the frames."""
         for cache in self._caches:
             if cache is not None:
                 cache.close()
 
     def resize(self, size: tuple[int, int] | None) -> None:
-        """Draw everything in another size [pixels] from now on; None: as suits the motion."""
+        """Draw in another size [pixels] from now on; None: a size that suits the motion."""
         self._panels = self._lay_out(size, self._extents, self._passes)
         if self._diagrammed:
             self._add_diagrams(self._passes)
@@ -161,26 +161,26 @@ class Renderer:
 
     @property
     def repeatable(self) -> bool:
-        """Whether all frames can be drawn again without a long simulation that was not put aside."""
+        """Whether all frames can be drawn again without a second simulation."""
         return not self._once or not any(source.simulated for source in self._found)
 
     @property
     def reserved(self) -> list[Color]:
-        """Colors that the film needs exactly."""
+        """Colors that the palette must contain exactly."""
         return [self._theme.background]
 
     @property
     def colors(self) -> list[Color]:
-        """Colors that the film may show, though no sample does: of bodies and scales, in 3D in light and shade."""
+        """Colors that may occur in the film but not in the samples: of bodies and scales, in 3D in light and shade."""
         every = np.concatenate([painter.palette for painter in chain.from_iterable(self._painters)])
         shades = SHADES if any(source.scene.dimension == 3 for source in self._found) else (1.0,)
         shaded = np.unique(np.concatenate([np.rint(shade * every) for shade in shades]).astype(int), axis=0)
         return [(red, green, blue) for red, green, blue in shaded.clip(0, 255).tolist()]
 
     def samples(self) -> Iterator[Canvas]:
-        """Some frames of the film, to choose its palette from; each canvas is valid until the next is asked for."""
+        """Sampled frames of the film, to choose its palette from; each canvas is valid until the next is requested."""
         for index in range(max(len(panel.samples) for panel in self._panels)):
-            self._begin()  # samples are far apart: no trail joins them
+            self._begin()  # trails must not connect samples, which are far apart in time
             chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
             yield self._draw([index for index, _ in chosen], [frame for _, frame in chosen])
         for source, painters in zip(self._found, self._painters, strict=True):
@@ -189,7 +189,9 @@ class Renderer:
                 yield palette_samples(painters, bodies, self._theme, flat=flat, once=self._once)
 
     def frames(self) -> Iterator[Canvas]:
-        """Every frame; each canvas is valid until the next is asked for. A panel that ends early keeps its last."""
+        """All frames; each canvas is valid until the next is requested. A panel that ends early repeats its last frame
+        in the rest of the film.
+        """
         self._begin()
         self._footer.begin()
         running, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
@@ -199,7 +201,7 @@ class Renderer:
             frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
 
     def _begin(self) -> None:
-        """Forget earlier frames."""
+        """Reset all state that depends on earlier frames."""
         for painter in chain.from_iterable(self._painters):
             painter.begin()
         for panel in self._panels:
@@ -207,11 +209,11 @@ class Renderer:
 
     @property
     def _settled(self) -> bool:
-        """Whether each painter knows its colors already."""
+        """Whether each painter knows its color scale already."""
         return all(painter.settled for painter in chain.from_iterable(self._painters))
 
     def _look_at_all(self, track: CameraTrack, progress: bool | None) -> list[FirstPass]:
-        """The first pass over each source: over the whole film, or its first frame if that is enough."""
+        """Run the first pass over each source: over the whole film, or over its first frame if that is enough."""
         passes = []
         for index, (source, painters) in enumerate(zip(self._found, self._painters, strict=True)):
             with Progress(source.count, "first pass", False if self._once else progress) as bar:
@@ -233,12 +235,12 @@ class Renderer:
         return cache.first()
 
     def _again(self, index: int) -> Iterator[SourceFrame]:
-        """All frames of a source once more."""
+        """All frames of a source for the second pass."""
         cache = self._caches[index]
         return self._found[index].frames() if cache is None else cache.again()
 
     def _make_footer(self, passes: Sequence[FirstPass], color_bar: bool, clock: Clock, credit: str) -> Footer:
-        """The lines below the picture."""
+        """The footer of the picture."""
         facts = [
             (source.integrator if "integrator" in self._labels else None, seen.dt)
             for source, seen in zip(self._found, passes, strict=True)
@@ -248,7 +250,7 @@ class Renderer:
         return Footer(self._labels, clock, facts, scales, credit, self._legend(painters))
 
     def _legend(self, painters: Sequence[Painter]) -> list[tuple[str, Color]]:
-        """The names that are listed, and the colors of their bodies or systems, equal ones once."""
+        """The names of the legend with the colors of their bodies or systems, without duplicates."""
         colors = {id(item): color for painter in painters for item, color in painter.legend}
         entries = {(item.name or "", colors.get(id(item))): item for panel in self._listed for item in panel}
         for (_, color), item in entries.items():
@@ -264,12 +266,12 @@ class Renderer:
         return Layout(size, len(self._found), self._heading, footer)
 
     def _inset(self, layout: Layout, index: int) -> float:
-        """How far from a panel's edge the motion stays [pixels]."""
+        """Distance of the motion from a panel's edge [pixels]."""
         pixels = layout.pixels(index)
         return layout.margin(index) + max(painter.inset(pixels) for painter in self._painters[index])
 
     def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
-        """Divide the picture and fit the camera, which all panels share."""
+        """Divide the picture into panels and fit the common camera."""
 
         def magnification(candidate: tuple[int, int]) -> float:
             layout = self._layout_of(candidate)
@@ -293,7 +295,7 @@ class Renderer:
         return panels
 
     def _add_diagrams(self, passes: Sequence[FirstPass]) -> None:
-        """Give each panel its inset."""
+        """Create the diagram of each panel."""
         history = History([seen.energies for seen in passes], float(self._clock[-1] - self._clock[0]))
         for number, panel in enumerate(self._panels):
             occupied = [np.empty((0, 2), dtype=np.float32)]
@@ -305,7 +307,7 @@ class Renderer:
             panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
 
     def _prepared(self) -> Canvas:
-        """A canvas with all that does not move."""
+        """A canvas with all static content."""
         flat = all(panel.view.at(0).flat for panel in self._panels)
         canvas = Canvas(*self.size, self._theme.background, 1 if flat else self._samples)
         if not self._moving:
@@ -314,7 +316,7 @@ class Renderer:
         return canvas
 
     def _draw_scenery(self, canvas: Canvas, index: int) -> None:
-        """Draw what is behind everything."""
+        """Draw all that is behind every moving object."""
         for panel in self._panels:
             canvas.clip(*panel.rectangle)
             view = panel.view.at(index)
@@ -331,7 +333,7 @@ class Renderer:
             write(canvas, line, middle, top, height, color, 0, outline)
 
     def _draw(self, indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
-        """One frame of the film, from one of each panel with its index."""
+        """Draw one frame of the film, from one frame of each panel with its index."""
         canvas, clock = self._canvas, max(indices)
         canvas.clear()
         if self._moving:
@@ -341,7 +343,7 @@ class Renderer:
             shown = panel.view.shown(frame, view)
             for painter in panel.painters:
                 shown = painter.raised(shown)
-            canvas.clip(*(panel.free if view.flat else panel.rectangle))  # ground goes on under the text
+            canvas.clip(*(panel.free if view.flat else panel.rectangle))  # in 3D the ground extends below the text
             canvas.lens(view.blur, view.distance)
             if not view.flat:
                 canvas.eye(view.scale, view.middle, view.distance)
@@ -365,7 +367,7 @@ class Renderer:
 
 
 def _clock(found: Sequence[Source], count: int) -> FloatArray:
-    """The time of each frame of the film [s]; a panel that ends early stays at its last."""
+    """The time of each frame of the film [s]; a panel that ends early stays at its last time."""
     each = [source.times[np.minimum(np.arange(count), source.count - 1)] for source in found]
     clock: FloatArray = np.max(each, axis=0)
     return clock

@@ -1,4 +1,4 @@
-"""Values between the centers of cells."""
+"""Interpolation of values between cell centers."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from physcore.checks import FloatArray
 
 
 def cubic(count: int, places: FloatArray, *, closed: bool = False, width: float = 1.0) -> FloatArray:
-    """The weights (P, count) of values at 0, 1, … for those at places between them: of a cubic through four neighbors,
-    or, stretched by a width above one, of a mean over more of them.
+    """Weights (P, count) of cubic convolution, for values at 0, 1, … and interpolated places between them. A width
+    above one stretches the kernel, so that it averages over more neighbors.
 
     Args:
         count: the number of values.
-        places: where they are asked for, shape (P,).
-        closed: whether the first value follows the last one.
-        width: how far the places are apart, where that is more than one.
+        places: the places of the interpolated values, shape (P,).
+        closed: whether the values are periodic: the first follows the last.
+        width: the distance between places, if it is larger than one.
 
     Source: R. G. Keys, IEEE Trans. Acoust. Speech Signal Process. 29, 1153 (1981), with a = −½.
     """

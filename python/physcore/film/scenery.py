@@ -1,4 +1,4 @@
-"""Boundaries, the periodic domain and the centers of forces: what stands still."""
+"""Scenery: boundaries, the periodic domain and the centers of forces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from physcore.scene.scene import Scene
 
 
 def landmarks(scene: Scene) -> Iterator[tuple[FloatArray, float]]:
-    """Points (P, D) [m], and a distance around them, that belong in the picture: boxes, spheres, centers of forces."""
+    """Points (P, D) [m] with a margin, which belong in the picture: of boundaries, the domain and the centers of
+    forces.
+    """
     for look in _looks(scene):
         yield from look.landmarks()
     if scene.periodic is not None and np.isfinite(scene.periodic.lengths).all():
@@ -31,8 +33,8 @@ def landmarks(scene: Scene) -> Iterator[tuple[FloatArray, float]]:
 
 
 def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """Points (P, D) [m] of planes that are no farther from a box along the axes than the box is large, and of a domain
-    that is open along some of them.
+    """Points (P, D) [m] of planes near an axis-aligned box, and of a domain that is open along some axes. A plane is
+    near if its distance from the box is at most the size of the box.
     """
     points = [np.empty((0, scene.dimension)), *(look.ground(lower, upper) for look in _looks(scene))]
     if scene.periodic is not None:
@@ -41,9 +43,9 @@ def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:
 
 
 def draw_backdrop(canvas: Canvas, scene: Scene, panel: tuple[int, int, int, int], theme: Theme) -> None:
-    """Draw at once the wall of the studio in which solid things are shown: a little lighter in the middle.
+    """Draw the backdrop immediately, slightly lighter in the middle, if there are boundaries, networks or fluids.
 
-    Points alone, such as stars, are shown in the dark.
+    Scenes of particles alone, such as stars, have a dark background.
     """
     solid = any(isinstance(body, (Fluid, SpringNetwork)) for body in scene.bodies)
     if theme.backdrop is None or not (scene.boundaries or solid):
@@ -54,7 +56,7 @@ def draw_backdrop(canvas: Canvas, scene: Scene, panel: tuple[int, int, int, int]
 
 
 def draw_behind(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: Scenery) -> None:
-    """Draw at once what is behind everything that moves."""
+    """Draw immediately all scenery that is behind every moving object."""
     for look in _looks(scene):
         look.draw_behind(canvas, view, theme, scenery)
     _domain(canvas, view, theme, scenery, front=False)
@@ -65,7 +67,7 @@ def draw_behind(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery:
 
 
 def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: Scenery) -> None:
-    """Add to the painting what hides things that move, and is hidden by them."""
+    """Queue the scenery that can hide moving objects and be hidden by them."""
     for look in _looks(scene):
         look.draw_among(canvas, view, theme)
     if not view.flat:
@@ -87,7 +89,7 @@ def _centers(scene: Scene) -> Iterator[FloatArray]:
 
 
 def _domain(canvas: Canvas, view: View, theme: Theme, scenery: Scenery, *, front: bool) -> None:
-    """A thin frame around the periodic domain; along an axis that is not periodic, lines without an end."""
+    """Draw a thin frame around the periodic domain; along an axis that is not periodic, lines without ends."""
     if scenery.domain is None:
         return
     lower, upper = _finite(scenery.domain, scenery.middle - scenery.size, scenery.middle + scenery.size)
@@ -96,6 +98,6 @@ def _domain(canvas: Canvas, view: View, theme: Theme, scenery: Scenery, *, front
 
 
 def _finite(domain: Periodic, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The corners of a domain, with those of a box along the axes that are not periodic."""
+    """The corners of a domain; along axes that are not periodic, those of a box."""
     low, high = np.array(domain.lower), np.array(domain.upper)
     return np.where(np.isinf(low), lower, low), np.where(np.isinf(high), upper, high)

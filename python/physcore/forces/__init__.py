@@ -1,8 +1,7 @@
-"""Forces, one file each."""
+"""Forces, one module each."""
 
 from __future__ import annotations
 
-from physcore.errors import warn
 from physcore.forces.central import CentralForce
 from physcore.forces.coulomb import Coulomb
 from physcore.forces.custom import CustomForce
@@ -40,7 +39,7 @@ FORCES: tuple[type[Force], ...] = (
     Dihedral,
     Wind,
 )
-"""Every force; what is registered here can be saved, and is tested."""
+"""All force classes. Those registered here can be saved and are tested."""
 
 __all__ = [
     "FORCES",
@@ -66,10 +65,3 @@ __all__ = [
     "UniformField",
     "Wind",
 ]
-
-
-def __getattr__(name: str) -> object:
-    if name != "Repulsion":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    warn("Repulsion is now SoftSpheres", DeprecationWarning)
-    return SoftSpheres

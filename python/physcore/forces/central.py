@@ -1,4 +1,4 @@
-"""A central force that follows a power law."""
+"""Central force with a power law."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from physcore.scene.items import Force
 
 @dataclass(frozen=True)
 class CentralForce(Force):
-    """A force toward a fixed center: F = −strength · s^(exponent − 1) · r, r = x − center, s = √(|r|² + softening²).
+    """Central force of a fixed center: F = −strength · s^(exponent − 1) · r, r = x − center, s = √(|r|² + softening²).
 
         planet = pc.Particles([[1.0, 0.0]], velocities=[[0.0, 1.0]])
         scene = pc.Scene(planet, pc.CentralForce((0.0, 0.0), strength=1.0, exponent=-2))
 
-    Without softening its magnitude is strength · r^exponent. It does not scale with mass: for the gravity of a mass M
-    on particles of mass m, the strength is G M m.
+    Without softening the magnitude of the force is strength · r^exponent. The force does not depend on the particle's
+    mass. For the gravity of a mass M on particles of mass m, the strength is therefore G M m.
 
     Args:
-        center: [m], as many numbers as the scene has dimensions.
+        center: position of the center [m], one number for each dimension of the scene.
         strength: the force at a distance of 1 m [N]; positive attracts, negative repels.
         exponent: −2 for gravity and electrostatics, 1 for a harmonic well.
-        softening: a length [m] that keeps the force finite at the center (Plummer 1911).
-        on: the body or bodies that it acts on; all by default.
+        softening: softening length [m], which keeps the force finite at the center (Plummer 1911).
+        on: the body or bodies that the force acts on; all by default.
 
     Raises:
         SceneError: a value is not finite, or `softening` is negative.

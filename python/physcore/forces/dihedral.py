@@ -17,54 +17,55 @@ from physcore.scene.surfaces import check_areas
 
 @dataclass(frozen=True)
 class Dihedral(Force):
-    """Resistance of a surface to bending, by the angle at every edge where two of its faces meet (discrete shells).
+    """Bending resistance of a surface, by the dihedral angle at every edge between two faces (discrete shells).
 
         cloth = pc.cloth((40, 30), 0.025, 400.0, bend_stiffness=0.0, mass=1e-4, origin=(0.0, 0.0, 0.0))
         scene = pc.Scene(cloth, pc.Dihedral(cloth, 1e-5), pc.Gravity((0.0, 0.0, -9.81)))
 
-    With the angle θ by which the face beyond an edge is turned against the one before it, and its value θ₀ in the
-    `positions` of the body, an edge has the energy and the torque
+    θ is the angle by which the face beyond an edge is turned against the face before it. θ₀ is its value in the
+    `positions` of the body. The energy and the torque of an edge are
 
-        U = ½ B w (θ − θ₀)²,   τ = −w (B (θ − θ₀) + damping · dθ/dt),   w = |e|²/A,
+        U = ½ B w (θ − θ₀)²,   τ = −w (B (θ − θ₀) + damping · dθ/dt),   w = |e|²/A.
 
-    |e| the length of the edge and A the area of its two faces together, both in `positions`. Its four corners feel
-    −τ ∇θ: forces without a sum and without a moment. They do not resist stretching, and springs do not resist bending
-    if they are in the surface, as those of a cloth without bend springs. The energy is by_term["dihedral"].
+    Here |e| is the length of the edge, and A is the area of its two faces together, both in `positions`. The forces on
+    the four corners are −τ ∇θ; their sum and their moment are zero. They do not resist stretching. Springs within the
+    surface, as in a cloth without bend springs, do not resist bending. The energy is by_term["dihedral"].
 
-    This is Grinspun's energy with 3 k = B/2, so that B is the rigidity of a plate: ½ B/R² per area where the particles
-    lie on a cylinder of radius R, on a mesh of equilateral triangles in every direction, on one of squares with
-    diagonals, as a cloth has, along its rows and columns, where every edge across the bend turns by a/R, has w = 1 and
-    the area a² about it. The rest follows from the mesh, as in all models of hinges. Equilateral triangles have
-    Poisson's ratio −1/3. A cloth resists a twist κ = ∂²z/∂x∂y by 2 B κ² per area, twice as much as a plate, and in
-    free motion it bends with 5/6 B, because particles where eight edges meet rise against the others.
+    This is Grinspun's energy with 3 k = B/2, so that B is the rigidity of a plate: particles on a cylinder of radius R
+    have the energy ½ B/R² per area. On a mesh of equilateral triangles, this is true in every direction. On a mesh of
+    squares with diagonals, as in a cloth, it is true along rows and columns. There every edge across the bend turns by
+    a/R and has w = 1 and the area a² about it. All else depends on the mesh, as in all hinge models. Equilateral
+    triangles have Poisson's ratio −1/3. A cloth resists a twist κ = ∂²z/∂x∂y by 2 B κ² per area, twice as much as a
+    plate. In free motion it bends with 5/6 B, because particles where eight edges meet rise relative to the others.
 
-    The angle θ − θ₀ is counted from −π to π: at ±π, where faces lie on one another, the energy is continuous and the
-    torque changes its sign. A face without area, in a run, has no angle and feels no force. Where a spring along a side
-    of a face breaks (`breaking_strain`), the face bends no more, and its energy is dissipated as "tearing".
+    The angle θ − θ₀ is in the range from −π to π. At ±π, where faces lie on one another, the energy is continuous and
+    the torque changes its sign. A face whose area vanishes in a run has no angle and feels no force. If a spring along
+    a side of a face breaks (`breaking_strain`), the face no longer resists bending. Its energy is dissipated as
+    "tearing".
 
     Args:
-        on: the SpringNetwork in 3D, or several, or their names, with faces (T, 3) of which no more than two meet at an
-            edge.
+        on: the SpringNetwork in 3D, or several, or their names, with faces (T, 3). At most two faces meet at an edge.
         stiffness: the bending rigidity B [N·m], at least zero; E h³/12/(1 − ν²) of an elastic sheet of thickness h.
-        damping: [N·m·s], at least zero; what it takes counts as dissipated by damping.
+        damping: damping coefficient [N·m·s], at least zero; its losses count as dissipated by damping.
 
     Raises:
-        SceneError: a value is out of range or not finite, or the surface is not as above: it has no faces, one without
-            area or one twice, or an edge of three.
+        SceneError: a value is out of range or not finite, or the surface is not valid: it has no faces, a face without
+            area, a repeated face, or an edge of three faces.
 
     Source: E. Grinspun, A. N. Hirani, M. Desbrun, P. Schröder, "Discrete shells", Symposium on Computer Animation 2003;
-    ∇θ by R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", there.
+    ∇θ by R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", ibid.
     """
 
     on: On = field(kw_only=False)
-    """The network or networks that it acts on."""
+    """The network or networks that the force acts on."""
     stiffness: float
     damping: float = 0.0
     hinges: IntArray = field(init=False, repr=False, compare=False)
-    """The two ends of every edge between two faces, and their opposite corners, as indices (H, 4) into the particles of
-    all networks, one after the other."""
+    """The two ends of every edge between two faces and the opposite corners, as indices (H, 4) into the concatenated
+    particles of all networks.
+    """
     rest_angle: FloatArray = field(init=False, repr=False, compare=False)
-    """θ₀ of every such edge, shape (H,)."""
+    """θ₀ of every such edge [rad], shape (H,)."""
     weight: FloatArray = field(init=False, repr=False, compare=False)
     """w = |e|²/A of every such edge, shape (H,)."""
 
@@ -91,7 +92,7 @@ class Dihedral(Force):
 
 
 def _hinges(body: object, path: str) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Corners (H, 4), angles (H,) and weights (H,) of the edges of a surface between two faces, at rest."""
+    """Corners (H, 4), rest angles (H,) and weights (H,) of the edges between two faces of a surface."""
     if not isinstance(body, SpringNetwork):
         raise SceneError(f"{path}: must be a SpringNetwork with faces, got {shown(body)}")
     if body.dimension != 3:
@@ -109,7 +110,7 @@ def _hinges(body: object, path: str) -> tuple[IntArray, FloatArray, FloatArray]:
 
 
 def _edges(faces: IntArray, path: str) -> IntArray:
-    """The edges between two faces, with their opposite corners, shape (H, 4), in the order of their ends."""
+    """The edges between two faces with their opposite corners, shape (H, 4), sorted by their ends."""
     sides = np.concatenate([faces[:, [0, 1, 2]], faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]])
     ends = np.sort(sides[:, :2], axis=1)
     order = np.lexsort((ends[:, 1], ends[:, 0]))

@@ -11,19 +11,19 @@ from physcore.scene.items import Force
 
 @dataclass(frozen=True)
 class Drag(Force):
-    """Resistance of the surrounding medium: F = −(b + c |u|) u, where u = v − wind.
+    """Drag of the surrounding medium: F = −(b + c |u|) u, where u = v − wind.
 
         ball = pc.Particles([[0.0, 0.0]], velocities=[[10.0, 0.0]], name="ball")
         scene = pc.Scene(ball, pc.Drag(linear=0.1, wind=(0.0, 1.0), on="ball"))
 
-    The linear term is Stokes' law for slow motion, the quadratic one Newton's for fast motion. What the drag takes in
-    the frame of the wind, (b + c |u|) |u|², counts as dissipated; what the wind gives counts as work.
+    The linear term is Stokes' law for slow motion, the quadratic one Newton's for fast motion. The power in the frame
+    of the wind, (b + c |u|) |u|², counts as dissipated. The power of the wind counts as work.
 
     Args:
         linear: b [N·s/m], at least zero.
         quadratic: c [N·s²/m²], at least zero.
         wind: velocity of the medium [m/s]; None: at rest.
-        on: the body or bodies that it acts on; all but fluids by default.
+        on: the body or bodies that the drag acts on; all except fluids by default.
 
     Raises:
         SceneError: a coefficient is negative, or a value is not finite.

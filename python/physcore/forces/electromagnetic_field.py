@@ -1,4 +1,4 @@
-"""Charges in an electric and a magnetic field."""
+"""Lorentz force of external electric and magnetic fields."""
 
 from __future__ import annotations
 
@@ -12,33 +12,33 @@ from physcore.forces.fields import READY_FIELDS, ReadyField
 from physcore.scene.items import Force
 
 Field: TypeAlias = float | Vector | ReadyField | tuple[ReadyField, ...] | Callable[[float, FloatArray], FloatArray]
-"""A field: a vector, one that the engine computes or a sum of some, or `function(time, positions)`."""
+"""A field: a vector, a built-in field or a sum of these, or `function(time, positions)`."""
 
 
 @dataclass(frozen=True)
 class ElectromagneticField(Force):
-    """The force on charges in an electric field E and a magnetic field B: F = q (E + v × B).
+    """Lorentz force on charges in an electric field E and a magnetic field B: F = q (E + v × B).
 
         beam = pc.Particles([[0, 0]], [[1, 0]], charge=1.0)
         scene = pc.Scene(beam, pc.ElectromagneticField(electric=(0.0, 0.1), magnetic=2.0))
 
-    A uniform E and that of a trap have a potential energy, by_term["electromagnetic field"]. What a function's E does
-    is work, unless `potential` is given. A magnetic force does no work. Where there is a magnetic field, Boris() is
-    the default integrator. Charges do not see each other's fields: for that, add Coulomb().
+    A uniform E and the E of a trap have a potential energy, by_term["electromagnetic field"]. The E of a function does
+    external work, unless `potential` is given. A magnetic force does no work. With a magnetic field, Boris() is the
+    default integrator. The charges do not interact with each other; for this, add Coulomb().
 
     Args:
-        electric: E [V/m]: a vector; one of QuadrupoleTrap, PaulTrap, TravellingWave and UniformField, or a tuple of
-            some, which add; or `function(time, positions)` with the time [s] and the positions (N, D) [m] of the
-            particles that it acts on, which gives E at these, (N, D), at each of them by its own position. The number 0
-            is no field.
+        electric: E [V/m]. A vector; one of QuadrupoleTrap, PaulTrap, TravellingWave and UniformField; a tuple of these,
+            which are added; or a function. `function(time, positions)` has the time [s] and the positions (N, D) [m] of
+            the particles that the field acts on. It returns E at each particle, (N, D), which may depend on this
+            particle's position only. The number 0 is no field.
         magnetic: B [T]: likewise, with MagneticDipole, CurrentLoop, MagneticBottle, TravellingWave and UniformField. In
-            2D its component along z: a number, or a function that gives (N,).
-        potential: `potential(positions)`, the energy of those particles in a function's E [J], one number.
-        on: the body or bodies that feel it; all by default.
+            2D, its component along z: a number, or a function that returns (N,).
+        potential: `potential(positions)`, the energy of these particles in the E of a function [J], one number.
+        on: the body or bodies that feel the field; all by default.
 
     Raises:
-        SceneError: a field is no such thing, not finite, or not of the scene's dimension. In a run: a function raised
-            an exception, or gave something else; the message starts with `forces[i].electric`, `.magnetic` or
+        SceneError: a field is not valid, not finite, or not of the scene's dimension. In a run: a function raised an
+            exception, or returned an invalid value. The message begins with `forces[i].electric`, `.magnetic` or
             `.potential`.
 
     Source: J. D. Jackson, Classical Electrodynamics, 3rd edition (1999), § 6.7 and § 12.1.
@@ -75,12 +75,14 @@ class ElectromagneticField(Force):
 
     @property
     def changes(self) -> bool:
-        """Whether a field may change in time."""
+        """Whether a field may depend on time."""
         fields = (part for field in (self.electric, self.magnetic) for part in _parts(field))
         return any(callable(part) or getattr(part, "changes", False) for part in fields)
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
-        """In 2D B is a number or a function, in 3D no number; fields have a dimension of their own."""
+        """The field whose dimension does not fit. In 2D, B is a number or a function, in 3D it is not a number;
+        built-in fields have a dimension of their own.
+        """
         for name in ("electric", "magnetic"):
             value = getattr(self, name)
             parts = value if isinstance(value, tuple) else (value,)
@@ -98,7 +100,7 @@ class ElectromagneticField(Force):
 
 
 def _field(value: object, name: str) -> object:
-    """A field, checked."""
+    """The validated form of a field."""
     path = f"ElectromagneticField.{name}"
     parts = value if isinstance(value, (tuple, list)) else (value,)
     if any(isinstance(part, ReadyField) for part in parts):
@@ -114,7 +116,7 @@ def _field(value: object, name: str) -> object:
 
 
 def _parts(field: object) -> tuple[object, ...]:
-    """The fields of a sum."""
+    """The terms of a field."""
     return field if isinstance(field, tuple) else (field,)
 
 

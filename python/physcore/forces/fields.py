@@ -1,4 +1,4 @@
-"""Electric and magnetic fields that the engine computes, for `ElectromagneticField`."""
+"""Built-in electric and magnetic fields for `ElectromagneticField`, evaluated by the engine."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ ORIGIN = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class ReadyField:
-    """A field as a function of position and time, of an item of a scene."""
+    """Base class of built-in fields: functions of position and time."""
 
     electric: ClassVar[bool] = True
-    """Whether there is an electric field of that form."""
+    """Whether the field can be electric."""
     magnetic: ClassVar[bool] = True
-    """Whether there is a magnetic one."""
+    """Whether the field can be magnetic."""
     changes: ClassVar[bool] = False
-    """Whether it changes in time."""
+    """Whether the field depends on time."""
 
     def __post_init__(self) -> None:
         raise NotImplementedError
 
     @property
     def dimension(self) -> int:
-        """That of the scenes that it is for."""
+        """The dimension of the scenes that the field is for."""
         return 3
 
     def _set(self, **values: object) -> None:
-        """The values of a frozen instance, checked: numbers and vectors in three dimensions."""
+        """Replace the values of a frozen instance by their validated forms."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -49,7 +49,7 @@ class ReadyField:
 
 @dataclass(frozen=True)
 class UniformField(ReadyField):
-    """The same field everywhere, to be added to others.
+    """Uniform field, to be added to other fields.
 
         pc.ElectromagneticField(magnetic=(pc.UniformField((0, 0, 1.0)), pc.MagneticDipole((0, 0, 1e5))))
 
@@ -57,7 +57,7 @@ class UniformField(ReadyField):
         field: E [V/m] or B [T], in 2D or 3D.
 
     Raises:
-        SceneError: it is not finite, or not in 2D or 3D.
+        SceneError: the field is not finite, or not in 2D or 3D.
     """
 
     field: Vector
@@ -67,22 +67,22 @@ class UniformField(ReadyField):
 
     @property
     def dimension(self) -> int:
-        """That of its vector."""
+        """The dimension of the vector."""
         return len(self.field)
 
 
 @dataclass(frozen=True)
 class QuadrupoleTrap(ReadyField):
-    """The electric field of a Penning trap, E = s (x/2, y/2, −z) about its center, with a potential.
+    """Electric field of a Penning trap, E = s (x/2, y/2, −z) about its center, with a potential.
 
         trap = pc.ElectromagneticField(electric=pc.QuadrupoleTrap(1.0), magnetic=(0.0, 0.0, 6.0))
 
     Args:
         strength: s [V/m²].
-        center: [m].
+        center: center of the trap [m].
 
     Raises:
-        SceneError: a value is not finite, or a vector has not 3 components.
+        SceneError: a value is not finite, or a vector does not have 3 components.
 
     Source: L. S. Brown, G. Gabrielse, Rev. Mod. Phys. 58, 233 (1986), equation (1.2) with s = V₀/d².
     """
@@ -99,20 +99,20 @@ class QuadrupoleTrap(ReadyField):
 
 @dataclass(frozen=True)
 class PaulTrap(ReadyField):
-    """The electric field of a Paul trap, E = s (x/2, y/2, −z), s = constant + alternating cos(2πft + φ).
+    """Electric field of a Paul trap, E = s (x/2, y/2, −z), s = constant + alternating cos(2πft + φ).
 
         trap = pc.ElectromagneticField(electric=pc.PaulTrap(0.0, 4.0e8, frequency=2.0e6))
 
-    Its potential changes in time: that change is work, so that the energy budget closes.
+    The potential depends on time. Its change counts as work, so that the energy budget closes.
 
     Args:
-        constant, alternating: the parts of s [V/m²].
+        constant, alternating: the constant part and the amplitude of s [V/m²].
         frequency: f [Hz].
         phase: φ [rad].
-        center: [m].
+        center: center of the trap [m].
 
     Raises:
-        SceneError: a value is not finite, the frequency is not above 0, or a vector has not 3 components.
+        SceneError: a value is not finite, the frequency is not above 0, or a vector does not have 3 components.
 
     Source: W. Paul, Rev. Mod. Phys. 62, 531 (1990).
     """
@@ -135,16 +135,16 @@ class PaulTrap(ReadyField):
 
 @dataclass(frozen=True)
 class MagneticDipole(ReadyField):
-    """The field of a point dipole, B = μ₀/4π (3 (m·r̂) r̂ − m)/r³, such as the Earth's.
+    """Magnetic field of a point dipole, B = μ₀/4π (3 (m·r̂) r̂ − m)/r³, such as the Earth's.
 
         belt = pc.ElectromagneticField(magnetic=pc.MagneticDipole((0.0, 0.0, -8.0e22)))
 
     Args:
         moment: m [A·m²].
-        center: [m].
+        center: position of the dipole [m].
 
     Raises:
-        SceneError: a value is not finite, or a vector has not 3 components.
+        SceneError: a value is not finite, or a vector does not have 3 components.
 
     Source: J. D. Jackson, Classical Electrodynamics, 3rd edition (1999), equation (5.56).
     """
@@ -161,20 +161,21 @@ class MagneticDipole(ReadyField):
 
 @dataclass(frozen=True)
 class CurrentLoop(ReadyField):
-    """The field of a circular loop of current, by complete elliptic integrals; infinite on the wire.
+    """Magnetic field of a circular current loop, by complete elliptic integrals; infinite on the wire.
 
         mirror = (pc.CurrentLoop(0.1, 1e4, (0, 0, -0.2)), pc.CurrentLoop(0.1, 1e4, (0, 0, 0.2)))
         ions = pc.Particles([[0.0, 0.0, 0.0]], velocities=[[1e4, 0.0, 1e4]], mass=1.7e-27, charge=1.6e-19)
         scene = pc.Scene(ions, pc.ElectromagneticField(magnetic=mirror))
 
     Args:
-        radius: [m].
-        current: [A], right-handed about the axis.
-        center: [m].
-        axis: its direction, of any length.
+        radius: radius of the loop [m].
+        current: current [A], right-handed about the axis.
+        center: center of the loop [m].
+        axis: direction of the axis, a vector of any length.
 
     Raises:
-        SceneError: the radius is not above 0, the axis is 0, a value is not finite, or a vector has not 3 components.
+        SceneError: the radius is not above 0, the axis is 0, a value is not finite, or a vector does not have 3
+            components.
 
     Source: J. Simpson et al., "Simple analytic expressions for the magnetic field of a circular current loop",
     NASA/TM-2013-217919.
@@ -198,20 +199,20 @@ class CurrentLoop(ReadyField):
 
 @dataclass(frozen=True)
 class MagneticBottle(ReadyField):
-    """The field of a magnetic bottle, B₀ [−xz/L², −yz/L², 1 + (z² − (x² + y²)/2)/L²] about its center.
+    """Magnetic field of a magnetic bottle, B₀ [−xz/L², −yz/L², 1 + (z² − (x² + y²)/2)/L²] about its center.
 
         bottle = pc.ElectromagneticField(magnetic=pc.MagneticBottle(0.1, length=0.5))
 
-    It is the expansion to second order of any field that is weakest at its center and symmetric about the z axis: it
-    has neither sources nor currents.
+    This is the second-order expansion of any field that is weakest at its center and symmetric about the z axis. The
+    field has neither sources nor currents.
 
     Args:
         strength: B₀ [T], at the center.
-        length: L, the height above it at which the field on the axis is 2 B₀ [m].
-        center: [m].
+        length: L, the height above the center at which the field on the axis is 2 B₀ [m].
+        center: center of the bottle [m].
 
     Raises:
-        SceneError: the length is not above 0, a value is not finite, or a vector has not 3 components.
+        SceneError: the length is not above 0, a value is not finite, or a vector does not have 3 components.
 
     Source: L. S. Brown, G. Gabrielse, Rev. Mod. Phys. 58, 233 (1986), section V.
     """
@@ -230,7 +231,7 @@ class MagneticBottle(ReadyField):
 
 @dataclass(frozen=True)
 class TravellingWave(ReadyField):
-    """A plane wave, A cos(k·x − 2πft + φ); an electric one has no potential, so that all it does is work.
+    """Plane wave, A cos(k·x − 2πft + φ). An electric wave has no potential and does external work.
 
         light = pc.TravellingWave((0, 1e6, 0), (2 * math.pi / 1e-6, 0, 0), frequency=3e14)
         electrons = pc.Particles([[0.0, 0.0, 0.0]], mass=9.1e-31, charge=-1.6e-19)
@@ -243,7 +244,7 @@ class TravellingWave(ReadyField):
         phase: φ [rad].
 
     Raises:
-        SceneError: the frequency is not above 0, a value is not finite, or the vectors have not the same components.
+        SceneError: the frequency is not above 0, a value is not finite, or the vectors differ in size.
     """
 
     changes: ClassVar[bool] = True
@@ -261,7 +262,7 @@ class TravellingWave(ReadyField):
 
     @property
     def dimension(self) -> int:
-        """That of its vectors."""
+        """The dimension of the vectors."""
         return len(self.amplitude)
 
 
@@ -274,4 +275,4 @@ READY_FIELDS: tuple[type[ReadyField], ...] = (
     MagneticBottle,
     TravellingWave,
 )
-"""Every field that the engine computes."""
+"""All built-in fields."""

@@ -1,4 +1,4 @@
-"""The gravitation of all masses."""
+"""Gravitation between all particles."""
 
 from __future__ import annotations
 
@@ -13,44 +13,46 @@ from physcore.units import gravitational_constant
 
 @dataclass(frozen=True)
 class Gravitation(Force):
-    """Newton's gravitation between all particles: every one attracts every other.
+    """Newton's gravitation between all particles.
 
         sun_and_earth = pc.Particles([[0, 0], [pc.units.AU, 0]], [[0, 0], [0, 29.8e3]],
                                      mass=[pc.units.solar_mass, pc.units.earth_mass])
         scene = pc.Scene(sun_and_earth, pc.Gravitation())
 
-    The force on particle i is F_i = −G m_i Σ_j m_j d/s³ with d = x_i − x_j and s² = |d|² + softening², and a pair has
-    the potential energy −G m_i m_j/s. In 2D the law is the same: orbits in a plane. The sum is exact, over all pairs,
-    and its cost grows like the square of the number of particles. Fixed particles attract. The energy is
+    The force on particle i is F_i = −G m_i Σ_j m_j d/s³ with d = x_i − x_j and s² = |d|² + softening². The potential
+    energy of a pair is −G m_i m_j/s. In 2D the law is the same, for orbits in a plane. The sum is exact, over all
+    pairs, and its cost grows like the square of the number of particles. Fixed particles attract others. The energy is
     by_term["gravitation"].
 
-    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N:
-    a cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where
-    s < θ d, by its expansion to quadrupoles. That is θ of small cells; of a cell with n times the mass of 32 average
-    particles it is θ n^(−1/15), which balances the errors of cells (Dehnen 2002). The error grows about like θ^3.5;
-    plan.force_error is that of the scene as it starts, and momentum is kept to it. The cells change from step to step,
-    so that energy wanders by that error too.
+    An `opening_angle` θ above zero selects the sum by a tree (Barnes and Hut 1986), whose cost grows like N log N. A
+    cell is evaluated as a whole, by its multipole expansion up to quadrupoles, if s < θ d. Here d is the distance of
+    its center, and s is the side of the cube around the center that contains its particles. For a cell with n times the
+    mass of 32 average particles, θ is replaced by θ n^(−1/15), which balances the errors of cells (Dehnen 2002). The
+    error grows approximately like θ^3.5. `plan.force_error` is the error at the start of the scene. Momentum is
+    conserved up to this error. The cells change from step to step, so that the energy fluctuates by this error too.
 
-    A mass among `sources` that is not among `on` attracts and feels nothing, as if it were held on its path: the work
-    of that counts as external work.
+    A mass in `sources` but not in `on` attracts others without feeling a force, as if it were held on its path. The
+    work needed for this counts as external work.
 
-    Without softening orbits that pass close to each other need small steps: dt="auto" is a hundredth of the shortest
-    orbital period of the start, AdaptiveStep follows it.
+    Without softening, close encounters need small time steps. With dt="auto" the step is a hundredth of the shortest
+    orbital period at the start. AdaptiveStep adapts it to the present period.
 
     Args:
         constant: G [m³/(kg·s²)], at least zero.
-        softening: ε [m], at least zero (Plummer 1911).
-        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" one up to 2 whose error is at most `force_error`
-            and near it, or the exact sum where that needs fewer terms.
-        force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
-        on: the body or bodies that feel it; all by default.
-        sources: the body or bodies that attract; all by default.
+        softening: softening length ε [m], at least zero (Plummer 1911).
+        opening_angle: θ, at least zero. 0.0 is the exact sum. "auto" is an angle up to 2 whose error is at most
+            `force_error` and near it, or the exact sum if this needs fewer terms.
+        force_error: the requested rms error of the accelerations relative to their rms, for "auto"; above zero.
+        on: the body or bodies that feel the force; all by default.
+        sources: the body or bodies that attract others; all by default.
 
     Raises:
-        SceneError: a value is out of range or not finite; when the simulation is made, the scene has a Periodic domain;
-            when it runs, two particles coincide and there is no softening.
+        SceneError: a value is out of range or not finite. Simulation raises it if the scene has a Periodic domain. A
+            run
+            raises it if two particles coincide and there is no softening.
 
-    Source: G by CODATA 2018; H. C. Plummer, Mon. Not. R. Astron. Soc. 71, 460 (1911); J. Barnes and P. Hut, Nature 324,
+    Source: G from CODATA 2018; H. C. Plummer, Mon. Not. R. Astron. Soc. 71, 460 (1911); J. Barnes and P. Hut, Nature
+    324,
         446 (1986); W. Dehnen, J. Comput. Phys. 179, 27 (2002).
     """
 

@@ -8,20 +8,20 @@ from physcore.checks import Vector, vector
 from physcore.scene.items import Force
 
 G = 9.81
-"""Of the Earth [m/s²]: 9.78 at the equator, 9.83 at the poles."""
+"""Standard acceleration of gravity on Earth [m/s²]: 9.78 at the equator, 9.83 at the poles."""
 
 
 @dataclass(frozen=True)
 class Gravity(Force):
-    """The same acceleration for every particle: F = m g, with the potential −m g·x.
+    """Uniform gravity: F = m g, with the potential −m g·x.
 
         scene = pc.Scene(pc.Particles([[0.0, 1.0]]), pc.Gravity())
         on_the_moon = pc.Gravity((0.0, -1.62))
 
     Args:
-        acceleration: g [m/s²], as many numbers as the scene has dimensions; None: 9.81 m/s² downward, against the last
+        acceleration: g [m/s²], one number for each dimension of the scene; None: 9.81 m/s² downward, against the last
             axis, y in 2D and z in 3D.
-        on: the body or bodies that it acts on, or their names; all by default.
+        on: the body or bodies that the force acts on, or their names; all by default.
 
     Raises:
         SceneError: `acceleration` is not two or three finite numbers.
@@ -35,5 +35,5 @@ class Gravity(Force):
             self._set(acceleration=vector(self.acceleration, "Gravity.acceleration"))
 
     def resolved(self, dimension: int) -> Gravity:
-        """The same, with its acceleration in a scene of `dimension` dimensions."""
+        """The gravity with its acceleration in a scene of `dimension` dimensions."""
         return self if self.acceleration is not None else replace(self, acceleration=(0.0,) * (dimension - 1) + (-G,))

@@ -1,4 +1,4 @@
-"""Contact of soft spheres."""
+"""Contact forces of soft spheres."""
 
 from __future__ import annotations
 
@@ -16,35 +16,35 @@ LINEAR, HERTZIAN = 1.0, 1.5
 
 @dataclass(frozen=True)
 class SoftSpheres(Force):
-    """Contact of soft spheres: particles repel each other where they overlap, as spheres of their radii.
+    """Contact of soft spheres: overlapping particles repel each other.
 
         grains = pc.Particles(pc.block((0.0, 0.0), (1.0, 1.0), 0.1), radius=0.05, mass=0.01)
         scene = pc.Scene(grains, pc.Gravity(), pc.Floor(), pc.SoftSpheres(1000.0, damping=0.1, friction=0.3))
 
-    Two particles a distance d apart overlap by δ = r_i + r_j − |d|. While δ > 0 they push with the normal force
+    Two particles at a distance d overlap by δ = r_i + r_j − |d|. While δ > 0, the normal force is
 
-        F_n = max(0, k δ^exponent + damping · u_n),     u_n the speed of their approach,
+        F_n = max(0, k δ^exponent + damping · u_n),     u_n the speed of their approach.
 
-    which never pulls, and rub with the tangential force
+    The normal force is never attractive. The tangential force (friction) is
 
-        F_t = −min(γ_t |v_t|, μ F_n) v_t/|v_t|,         v_t their relative velocity across the normal.
+        F_t = −min(γ_t |v_t|, μ F_n) v_t/|v_t|,         v_t the tangential relative velocity.
 
-    The two ends of a spring or a rod do not touch each other, so that neighbors in a network may overlap.
+    There is no contact between the two ends of a spring or a rod, so that neighbors in a network may overlap.
 
-    Particles have no spin: friction acts on their centers, so that a rolling grain slides, and angular momentum is kept
-    only without friction.
+    Particles have no spin, and friction acts on their centers. A grain therefore slides instead of rolling. Angular
+    momentum is conserved only without friction.
 
     Args:
         stiffness: k [N/m] if linear, [N/m^1.5] if Hertzian; above zero.
-        damping: along the normal [N·s/m], at least zero.
+        damping: damping coefficient along the normal [N·s/m], at least zero.
         friction: Coulomb's coefficient μ, at least zero.
-        tangential_damping: γ_t [N·s/m], at least zero; None: as `damping`. It only matters with friction.
+        tangential_damping: γ_t [N·s/m], at least zero; None: as `damping`. Without friction it has no effect.
         exponent: 1 for a linear contact, 1.5 for Hertz's contact of elastic spheres.
-        on: the body or bodies that it acts on, among themselves and between them; all but fluids by default.
+        on: the body or bodies that the force acts on, within and between them; all except fluids by default.
 
     Raises:
-        SceneError: a value is out of range or not finite, there is friction without damping, or (when the scene is
-            made) no particle that it acts on has a radius.
+        SceneError: a value is out of range or not finite, or there is friction without damping. Scene raises it if no
+            particle that the force acts on has a radius.
 
     Source: P. A. Cundall, O. D. L. Strack, Géotechnique 29, 47 (1979); H. Hertz, J. reine angew. Math. 92, 156 (1881);
     the friction of P. K. Haff, B. T. Werner, Powder Technol. 48, 239 (1986).
@@ -56,8 +56,6 @@ class SoftSpheres(Force):
     tangential_damping: float | None = None
     exponent: float = LINEAR
 
-    kind: ClassVar[str] = "Repulsion"
-    """Under the name that hashes, files and the engine know."""
     spares_fluids: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -80,7 +78,7 @@ class SoftSpheres(Force):
             )
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
-        """Refuse points: they never overlap."""
+        """Raise a SceneError if no particle has a radius, because points never overlap."""
         if any(len(body) for body in bodies) and not any(body.radius.any() for body in bodies):
             raise SceneError(
                 f"{path}: SoftSpheres acts between particles that overlap, and all that it acts on have the radius 0; "

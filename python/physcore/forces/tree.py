@@ -1,4 +1,4 @@
-"""The opening angle of the tree of a force at a distance."""
+"""Opening angle of the tree of a long-range force."""
 
 from __future__ import annotations
 

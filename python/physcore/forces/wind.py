@@ -1,4 +1,4 @@
-"""Wind on the faces of surfaces."""
+"""Aerodynamic forces of wind on the faces of surfaces."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ from physcore.scene.surfaces import check_areas
 
 @dataclass(frozen=True)
 class Wind(Force):
-    """Air in uniform motion, that presses on the faces of cloth and flows along them.
+    """Aerodynamic force of a uniform wind on the faces of cloth: pressure and skin friction.
 
         flag = pc.cloth((30, 20), 0.02, 60.0, mass=0.0004, axes=((1, 0, 0), (0, 0, 1)), pinned="left")
         scene = pc.Scene(flag, pc.Wind((6.0, 0.0, 0.0), on=flag), pc.Gravity((0.0, 0.0, -9.81)))
 
-    A face of area A and unit normal n, whose centroid moves with u, feels
+    The force on a face of area A and unit normal n, whose centroid has the velocity u, is
 
-        F = ½ density A (normal |q| q n + tangential |t| t),   q = n·r,   t = r − q n,   r = velocity − u,
+        F = ½ density A (normal |q| q n + tangential |t| t),   q = n·r,   t = r − q n,   r = velocity − u.
 
-    a third at each corner, on both of its sides together: nothing depends on how its corners turn. Where the wind is
-    faster than waves run along a cloth, it flutters. Of the power, F·velocity counts as work and F·r ≥ 0 as dissipated
-    by drag. These are the forces of steady flow past each face alone: no wake, no added mass of the air, no lee.
+    Each corner carries a third. The force is that on both sides together, and does not depend on the order of the
+    corners. A cloth flutters if the wind is faster than the waves along the cloth. The power F·velocity counts as work,
+    and F·r ≥ 0 as dissipated by drag. The model is that of steady flow past each face alone. Wakes, the added mass of
+    the air and sheltering are neglected.
 
     Args:
-        velocity: of the air [m/s], shape (3,).
-        density: of the air [kg/m³], at least zero; 1.225 at sea level by default.
-        normal: coefficient of the force across a face, at least zero; 1.17 is that of a square plate.
+        velocity: velocity of the air [m/s], shape (3,).
+        density: density of the air [kg/m³], at least zero; by default 1.225, the value at sea level.
+        normal: coefficient of the force normal to a face, at least zero; 1.17 is the value of a square plate.
         tangential: coefficient of skin friction, at least zero; 0.01 for both sides at Reynolds numbers near 10⁵.
-        on: the SpringNetwork with faces in 3D that it acts on, or several; by default all that have faces.
+        on: the SpringNetwork with faces in 3D that the force acts on, or several; by default all that have faces.
 
     Raises:
-        SceneError: a value is out of range or not finite, a body named has no faces, none in the scene has, or one of
-            them has no area.
+        SceneError: a value is out of range or not finite, a given body or all bodies of the scene have no faces, or a
+            face has no area.
 
     Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3.
     """
@@ -59,7 +60,7 @@ class Wind(Force):
         )
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
-        """Look for faces on the bodies that it acts on."""
+        """Check that the bodies that the force acts on have faces."""
         named = self.bodies() is not None
         surfaces = [body for body in bodies if isinstance(body, SpringNetwork) and len(body.faces)]
         bare = next((body for body in bodies if named and body not in surfaces), None)

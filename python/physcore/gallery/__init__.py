@@ -1,9 +1,14 @@
-"""Demos: each is one short file to read as an example. Run one with `physcore demo NAME`.
+"""Demos: short modules that serve as examples. Run one with `physcore demo NAME`.
 
-A demo is a module with a docstring, whose first line is its caption, a function `scene()` that builds it, its
-`DURATION`, a function `main(path, progress)` that writes a GIF and gives the recordings it is made of, by title, and a
-function `figure(recordings)` that measures in them something whose value is known. To add one: a file here and a line
-in `DEMOS`. `physcore gallery` shows them all on a page.
+Each demo is a module with the following contents:
+
+- a docstring, whose first line is the caption;
+- `scene()`, which builds the scene;
+- `DURATION`, the simulated time;
+- `main(path, progress)`, which writes a GIF and returns its recordings by title;
+- `figure(recordings)`, which measures a quantity whose value is known.
+
+To add a demo: a module here and a line in `DEMOS`. `physcore gallery` shows all of them on a page.
 """
 
 from __future__ import annotations
@@ -70,31 +75,31 @@ DEMOS = (
     "folds",
     "knot",
 )
-"""Every demo; the first one is the default."""
+"""All demos; the first one is the default."""
 
 COSTS = "costs.json"
-"""The file with what each demo costs."""
+"""File with the measured cost of each demo."""
 
 
 class Demo(Protocol):
-    """What a module in this folder has."""
+    """Interface of the demo modules."""
 
     __doc__: str | None
     DURATION: float
-    """[s]"""
+    """Simulated time [s]."""
 
     def scene(self) -> Scene:
-        """What is simulated."""
+        """Build the scene."""
 
     def main(self, path: str | os.PathLike[str], progress: bool | None = None) -> Mapping[str, Recording]:
-        """Write a GIF to `path`; give the recordings that it shows, by title."""
+        """Write a GIF to `path` and return the recordings that it shows, by title."""
 
     def figure(self, recordings: Mapping[str, Recording]) -> Figure:
-        """Something measured in the recordings of `main`, beside what is expected of it."""
+        """A quantity measured in the recordings of `main`, with its expected value."""
 
 
 def demo(name: str) -> Demo:
-    """The module of a demo; only that one is imported.
+    """Import and return the module of a demo.
 
     Raises:
         KeyError: there is no such demo.
@@ -106,20 +111,20 @@ def demo(name: str) -> Demo:
 
 @dataclass(frozen=True)
 class Cost:
-    """What a demo took when it was last measured."""
+    """Measured cost of a demo."""
 
     seconds: float
-    """Processor time [s], which does not depend on what else the machine does."""
+    """Processor time [s], which does not depend on the load of the machine."""
     bytes: int
-    """The size of its film."""
+    """Size of the film [bytes]."""
 
 
 def costs() -> dict[str, Cost]:
-    """The costs of demos, as far as they were measured: `physcore gallery -o DIR` writes them into DIR/costs.json."""
+    """The measured costs of demos. `physcore gallery -o DIR` writes them into DIR/costs.json."""
     table = json.loads(files(__name__).joinpath(COSTS).read_text(encoding="utf-8"))
     return {name: Cost(**values) for name, values in table.items()}
 
 
 def caption(name: str) -> str:
-    """One line on what a demo shows."""
+    """The caption of a demo: one line."""
     return (demo(name).__doc__ or "").partition("\n")[0]

@@ -1,6 +1,7 @@
 """A hundred thousand particles bounce in a bowl.
 
-The physics checked: every bounce off the bowl loses what its restitution says, and the budget closes over millions.
+The physics checked: each bounce loses the energy given by the restitution, and the budget closes over millions of
+bounces.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import physcore as pc
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 4.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
@@ -26,12 +27,12 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "bowl.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
     pc.film(recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), progress=progress)
     return {"dust": recording}
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What gravity gave is all there, after millions of bounces."""
+    """Compare the energy released by gravity with its final forms, after millions of bounces."""
     return budget(recordings, bound=1e-6)

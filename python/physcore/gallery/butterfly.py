@@ -1,6 +1,6 @@
-"""A million tracers that begin side by side unfold to Lorenz' butterfly: chaos parts them, and keeps them on its wings.
+"""A million tracers start close together and unfold to the Lorenz attractor: chaos separates them.
 
-The physics checked: the mean of z over all tracers changes by that of x y less β times that of z.
+The physics checked: the mean of z over all tracers changes by the mean of x y, minus β times the mean of z.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from physcore.gallery.figure import Figure
 
 TRACERS = 1_000_000
 MEASURED = 4000
-"""How many of them are recorded."""
+"""Number of recorded tracers."""
 DURATION = 9.0
-"""[s]"""
+"""Simulated time [s]."""
 BETA = 8.0 / 3.0
 FPS = 13
 """Frames per second of simulated time."""
@@ -33,7 +33,7 @@ def scene(tracers: int = TRACERS) -> pc.Scene:
 def main(
     path: str | os.PathLike[str] = "butterfly.gif", progress: bool | None = None, tracers: int = TRACERS
 ) -> dict[str, pc.Recording]:
-    """Simulate them while they are drawn, from an eye that goes round, and record the first ones."""
+    """Simulate the tracers while they are drawn, with a rotating camera, and record the first ones."""
     first, last = (Orbit(*angles, target=(0.0, 0.0, 24.5), extent=50.0) for angles in ((-90.0, 4.0), (-58.0, 8.0)))
     pc.film(
         scene(tracers),
@@ -53,7 +53,9 @@ def main(
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """β from means over all tracers: ∫⟨x y⟩ dt less the change of ⟨z⟩, over ∫⟨z⟩ dt, by trapezoids between frames."""
+    """Measure β from means over the recorded tracers: (∫⟨x y⟩ dt − Δ⟨z⟩) / ∫⟨z⟩ dt, by the trapezoidal rule over
+    frames.
+    """
     (recording,) = recordings.values()
     x, y, z = np.moveaxis(recording["tracers"].positions, -1, 0)
     source, height = (np.trapezoid(mean, recording.times) for mean in ((x * y).mean(axis=1), z.mean(axis=1)))

@@ -1,6 +1,6 @@
-"""A chain of forty links swings with a heavy ball at its end, and shows by colors how hard each link pulls.
+"""A chain of forty links swings with a heavy ball at its end; colors show the tension of each link.
 
-The physics checked: without friction the energy stays what it was.
+The physics checked: without friction the energy is conserved.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 LINKS, LENGTH = 40, 2.0
-"""Of the chain [m]."""
+"""Number of links, and length of the chain [m]."""
 LINK, BALL = 0.01, 3.0
-"""Masses [kg]."""
+"""Masses of a particle of the chain and of the ball [kg]."""
 ANGLE = math.radians(75.0)
-"""From below, at the start."""
+"""Initial angle from the downward vertical [rad]."""
 
 DURATION = 6.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """A straight chain is let go."""
+    """A straight chain, initially at rest."""
     along = np.linspace(0.0, LENGTH, LINKS + 1)
     nodes = np.column_stack([math.sin(ANGLE) * along, -math.cos(ANGLE) * along])
     chain = pc.SpringNetwork(
@@ -42,7 +42,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "chain.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it by RATTLE and draw links by their tensions."""
+    """Simulate the scene by RATTLE and draw the links by their tensions."""
     recording = pc.simulate(scene(), DURATION, fps=25, dt=5e-4, progress=progress)
     style = [pc.styles.Paths([-1], fade=1.2, width=2.0), pc.styles.Strain(width=5.0, nodes=True)]
     camera = Window((-2.25, -2.25), (2.25, 0.15))
@@ -51,7 +51,7 @@ def main(path: str | os.PathLike[str] = "chain.gif", progress: bool | None = Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The kinetic and potential energy at the end, above that of hanging at rest, over that at the start."""
+    """Ratio of the mechanical energy at the end to that at the start, relative to the chain hanging at rest."""
     energy = recordings["chain"].energy
     lowest = -9.81 * LENGTH * (BALL + 0.5 * LINK * (LINKS - 1))
     found = float((energy.total[-1] - lowest) / (energy.total[0] - lowest))

@@ -1,6 +1,6 @@
 """A cloth falls from the horizontal, held by two corners, and swings.
 
-The physics checked: what gravity gives is motion, strain or heat, and the budget says how much of each.
+The physics checked: the energy released by gravity becomes motion, strain and heat, and the budget closes.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 SIDE = 41
-"""Of its particles along each edge."""
+"""Number of particles along each edge."""
 
 DURATION = 3.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Hold a square meter of cloth by its two far corners above the ground, and let go of the others."""
+    """A square meter of cloth above the ground, held by its two far corners."""
     cloth = pc.cloth(
         (SIDE, SIDE),
         spacing=0.025,
@@ -39,14 +39,14 @@ def scene() -> pc.Scene:
 
 
 def stripes() -> np.ndarray:
-    """Nine along the cloth, which show how it folds, from yellow to violet and back."""
+    """Nine stripes along the cloth, from yellow to violet and back, which make folds visible."""
     _, across = np.indices((16, 450))
     colors = [(84, 2, 163), (156, 23, 158), (213, 84, 110), (248, 149, 64), (244, 230, 50)]
     return np.array(colors, dtype=np.uint8).take(abs(across // 50 - 4), axis=0)
 
 
 def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
     style = pc.styles.Surface(texture=stripes())
     camera = Orbit(-58.0, 14.0, target=(0.0, 0.2, 0.53), extent=1.3)
@@ -55,5 +55,5 @@ def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What gravity gave is all there."""
+    """Compare the energy released by gravity with its final forms."""
     return budget(recordings, bound=1e-3)

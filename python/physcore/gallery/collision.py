@@ -1,6 +1,6 @@
-"""Two galaxies pass each other, and tides draw long tails out of their discs, as Toomre and Toomre saw it in 1972.
+"""Two galaxies pass each other, and tides draw long tails out of their discs (Toomre and Toomre 1972).
 
-The physics checked: the cores come as near to each other as energy and angular momentum say.
+The physics checked: energy and angular momentum determine the least distance of the cores.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from physcore.film import Keyframes, Orbit
 from physcore.gallery.figure import Figure
 
 STARS = 5000
-"""Of each galaxy."""
+"""Number of stars of each galaxy."""
 CORE = 0.15
 """Softening length of the cores, whose masses are 1 with G = 1 [m]."""
 RADII = (0.15, 1.0)
-"""Of the innermost and the outermost orbit [m]."""
+"""Radii of the innermost and the outermost orbit [m]."""
 PERIAPSIS, APART = 1.0, 3.5
-"""How near two points of these masses would come on the parabola, and how far they are from each other at first [m]."""
+"""Periapsis of a parabolic orbit of point masses, and initial distance of the cores [m]."""
 
 DURATION = 7.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def disc(generator: np.random.Generator, tilt: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places and velocities of stars on round orbits about a core, in a plane that is tilted about the x axis [rad]."""
+    """Positions and velocities of stars on circular orbits about a core, in a plane tilted about the x axis [rad]."""
     inner, outer = RADII
     radius = np.sqrt(generator.uniform(inner**2, outer**2, STARS))
     angle = generator.uniform(0.0, 2.0 * np.pi, STARS)
@@ -41,9 +41,9 @@ def disc(generator: np.random.Generator, tilt: float) -> tuple[np.ndarray, np.nd
 
 
 def scene() -> pc.Scene:
-    """Two equal galaxies on a parabola, one flat in its plane and one tilted; their stars feel the cores alone."""
+    """Two equal galaxies on a parabolic orbit, one in the orbital plane and one tilted. Stars feel only the cores."""
     generator = np.random.default_rng(6)
-    # From Barker's equation: the place on the parabola of the relative orbit at this distance, on the way in.
+    # True anomaly on the parabola of the relative orbit at this distance, before the periapsis.
     anomaly = -math.acos(2.0 * PERIAPSIS / APART - 1.0)
     momentum = math.sqrt(2.0 * 2.0 * PERIAPSIS)
     place = APART * np.array([math.cos(anomaly), math.sin(anomaly), 0.0])
@@ -59,7 +59,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "collision.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it from a slant, the stars in the color of the galaxy that they come from."""
+    """Simulate the scene and draw it from an oblique view, with each star in the color of its galaxy."""
     recording = pc.simulate(scene(), DURATION, fps=15, dt=0.01, precision="f32", progress=progress)
     flat, tilted, cores = recording.scene.bodies
     style = [
@@ -78,7 +78,7 @@ def main(path: str | os.PathLike[str] = "collision.gif", progress: bool | None =
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The least distance of the cores, where L²/(2μr²) − G m²/√(r² + ε²) with μ = m/2 is their energy."""
+    """The least distance r of the cores, where L²/(2μr²) − G m²/√(r² + ε²), μ = m/2, is equal to their energy."""
     galaxies = recordings["galaxies"]
     apart = galaxies.positions[:, -2] - galaxies.positions[:, -1]
     speed = galaxies.velocities[0, -2] - galaxies.velocities[0, -1]
@@ -93,7 +93,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if momentum**2 / middle**2 + potential(middle) > energy else (low, middle)
     distances = np.linalg.norm(apart, axis=1)
-    # The least of a parabola through the three nearest frames.
+    # Minimum of a parabola through the three frames around the least distance.
     nearest = int(distances.argmin())
     before, least, after = distances[nearest - 1 : nearest + 2] ** 2
     measured = math.sqrt(least - (before - after) ** 2 / (8.0 * (before - 2.0 * least + after)))

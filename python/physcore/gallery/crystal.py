@@ -1,6 +1,6 @@
 """A hot gas of atoms loses its heat, condenses into drops and freezes into crystals.
 
-The physics checked: the drag takes all that the atoms had, and they end bound as in a hexagonal lattice with surfaces.
+The physics checked: the drag removes the heat of the atoms, and they end bound as in a hexagonal lattice with surfaces.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import physcore as pc
 from physcore.gallery.figure import Figure
 
 DURATION = 500.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Cool atoms of mass, size and binding energy one; a second is then 2.2 ps of argon."""
+    """Atoms whose mass, size and binding energy are 1; for argon a second then corresponds to 2.2 ps."""
     domain = pc.Periodic((0.0, 0.0), (80.0, 60.0))
     places = pc.block(domain.lower, domain.upper, spacing=1.75)
     velocities = np.random.default_rng(2).normal(scale=1.2, size=places.shape)
@@ -27,7 +27,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "crystal.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.16, dt=0.008, progress=progress)
     style = pc.styles.Points(colormap="plasma", top=2.5)
     pc.film(recording, path, size=(496, 400), style=style, speed=100.0, progress=progress)
@@ -35,9 +35,9 @@ def main(path: str | os.PathLike[str] = "crystal.gif", progress: bool | None = N
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The distance of neighbors, beside that in the hexagonal lattice of the lowest energy.
+    """Distance of neighbors, with its value in the hexagonal lattice of least energy.
 
-    The heat that is left, kT = 0.13 ε, stretches a single bond by kT |U‴| / 2U″² = 1.8 %, and one in a lattice less.
+    The remaining heat, kT = 0.13 ε, stretches a single bond by kT |U‴| / 2U″² = 1.8 %, and less in a lattice.
     """
     recording = recordings["argon"]
     places, domain = recording.positions[-1], recording.scene.periodic
@@ -50,7 +50,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
 
 
 def lattice_energy(distance: float) -> float:
-    """Half the energy of an atom's bonds in a hexagonal lattice, with the shifted force of LennardJones [ε]."""
+    """Half the energy of an atom's bonds in a hexagonal lattice [ε], with the shifted force of LennardJones."""
     steps = np.arange(-4, 5)
     i, j = (index.ravel() for index in np.meshgrid(steps, steps))
     separation = distance * np.sqrt(i * i + i * j + j * j)

@@ -1,6 +1,7 @@
-"""One stiff curtain falls by five methods, four of them in steps two hundred times as long; three lose its energy.
+"""One stiff curtain falls by five methods, four of them with steps 200 times longer; three of these lose energy.
 
-The physics checked: BDF2, in steps of half a frame, keeps the hem where Verlet's method has it in short ones.
+The physics checked: BDF2 with steps of half a frame gives the same position of the hem as Verlet's method with short
+steps.
 """
 
 from __future__ import annotations
@@ -21,17 +22,17 @@ METHODS: dict[str, tuple[pc.Integrator, float | pc.AutoStep]] = {
     "XPBD": (pc.XPBD(20), 1 / 50),
     "projective": (pc.ProjectiveDynamics(30), 1 / 50),
 }
-"""By titles, with the time steps [s]."""
+"""Integrators by title, with their time steps [s]."""
 
 COLUMNS, ROWS, SPACING = 24, 18, 0.05
-"""Of its particles [m]."""
+"""Numbers of columns and rows of particles, and their spacing [m]."""
 
 DURATION = 4.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Held along one edge at a few rings, level at the start; some damping brings it to rest."""
+    """A horizontal curtain, held at a few rings along one edge; some damping brings it to rest."""
     rings = [*range(0, COLUMNS, 6), COLUMNS - 1]
     curtain = pc.cloth(
         (COLUMNS, ROWS),
@@ -47,13 +48,13 @@ def scene() -> pc.Scene:
 
 
 def stripes() -> np.ndarray:
-    """Down the curtain, eight of each color."""
+    """Stripes down the curtain, eight of each color."""
     _, across = np.indices((16, 480))
     return np.array([(250, 240, 225), (205, 75, 60)], dtype=np.uint8).take(across // 30 % 2, axis=0)
 
 
 def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it by each method and draw them side by side."""
+    """Simulate the scene by each method and draw the results side by side."""
     recordings = {
         title: pc.simulate(scene(), DURATION, fps=25, integrator=method, dt=dt, progress=progress)
         for title, (method, dt) in METHODS.items()
@@ -73,6 +74,6 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The mean depth of the hem over the second half of the film."""
+    """Mean depth of the hem over the second half of the film."""
     exact, found, *_ = (float(each.positions[50:, -COLUMNS:, 2].mean()) for each in recordings.values())
     return Figure("mean depth of the hem", found, exact, "by Verlet's method", 0.05, "m")

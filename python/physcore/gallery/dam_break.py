@@ -1,6 +1,6 @@
-"""A column of water collapses, runs up the far wall and falls back as a breaking wave; bright is fast.
+"""A column of water collapses, runs up the far wall and falls back as a breaking wave; bright colors are fast.
 
-The physics checked: what the water loses in height it has as motion or heat, and no drop leaves the tank.
+The physics checked: the energy from the fall of the water becomes motion and heat, and no drop leaves the tank.
 """
 
 from __future__ import annotations
@@ -14,29 +14,29 @@ import physcore as pc
 from physcore.gallery.figure import Figure
 
 DURATION = 3.6
-"""[s]"""
+"""Simulated time [s]."""
 METHOD = pc.WeaklyCompressible(sound_speed=120.0)
-"""The jet up the far wall is twice as fast as the fall, from which the speed of sound would be chosen."""
+"""Speed of sound for the jet up the far wall, which is twice as fast as the fall that the default is based on."""
 
 
 def scene() -> pc.Scene:
-    """Take away the dam in front of a column twice as high as it is wide."""
+    """Remove the dam in front of a column twice as high as it is wide."""
     spacing = 1 / 55
     water = pc.Fluid(pc.block((0.0, 0.0), (1.0, 2.0), spacing), spacing)
     return pc.Scene(water, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (4.0, 3.0)))
 
 
 def main(path: str | os.PathLike[str] = "dam_break.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress, fluids=METHOD)
     pc.film(recording, path, size=(640, 500), style=pc.styles.Fluid(surface=True), progress=progress)
     return {"water": recording}
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """When the water at the wall has sunk to half of its height: at 2.00 √(a/g), a the width of the column.
+    """The time at which the column at the wall has half its height: 2.00 √(a/g), with the width a of the column.
 
-    The height is read to 0.02 of the first one there, and so the time to 3 %.
+    The height is known to 0.02 of its initial value, and so the time to 3 %.
 
     Source: J. C. Martin, W. J. Moyce, Phil. Trans. R. Soc. A 244, 312 (1952), table 6, columns twice as high as wide.
     """

@@ -1,6 +1,6 @@
-"""A column of water collapses in a tank, parts at a ball and breaks against the far wall; white is fast.
+"""A column of water collapses in a tank, flows around a ball and breaks against the far wall; white is fast.
 
-The physics checked: what the water loses in height it has as motion or heat, and no drop leaves the tank.
+The physics checked: the energy from the fall of the water becomes motion and heat, and no drop leaves the tank.
 """
 
 from __future__ import annotations
@@ -13,14 +13,16 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 2.6
-"""[s]"""
+"""Simulated time [s]."""
 METHOD = pc.WeaklyCompressible(sound_speed=66.0, kernel=pc.WendlandC2(smoothing=1.25), artificial_viscosity=0.05)
-"""More viscosity than by default, because where the flow parts at the ball's foot particles meet head on; and faster
-sound, because the jet up the far wall is half as fast again as the fall."""
+"""Method with more viscosity and a larger speed of sound than by default. The viscosity is for the foot of the ball,
+where the flow splits and particles meet head-on. The speed of sound is for the jet up the far wall, which is 1.5 times
+as fast as the fall.
+"""
 
 
 def scene() -> pc.Scene:
-    """Take away the dam in front of seven hundred kilograms of water."""
+    """Remove the dam in front of 700 kg of water."""
     spacing = 0.04
     column = pc.block((0.0, 0.0, 0.0), (0.8, 0.88, 1.0), spacing)
     water = pc.Fluid(column, spacing)
@@ -29,7 +31,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "dam_break_3d.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress, fluids=METHOD)
     style, camera = pc.styles.Fluid(surface=True), Orbit(azimuth=-62.0, elevation=22.0)
     pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)
@@ -37,5 +39,5 @@ def main(path: str | os.PathLike[str] = "dam_break_3d.gif", progress: bool | Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What the water has lost in height is all there."""
+    """Compare the energy released by gravity with its final forms."""
     return budget(recordings, bound=2e-2)

@@ -1,6 +1,6 @@
-"""Two opposite charges orbit each other and carry their field with them: its lines run from one to the other.
+"""Two opposite charges orbit each other; their field lines run from one to the other.
 
-The physics checked: the period of two charges that attract each other is that of Kepler's third law.
+The physics checked: the period of two attracting charges obeys Kepler's third law.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from physcore.film.colors.themes import DARK
 from physcore.gallery.figure import Figure
 
 CHARGE, MASS = 1e-6, 1e-3
-"""[C] and [kg] of each."""
+"""Charge [C] and mass [kg] of each particle."""
 APART, SLOW = 1.0, 0.8
-"""The distance at the start [m], and the speed there over that of a circular orbit."""
+"""Initial distance [m], and the initial speed relative to that of a circular orbit."""
 
 STRENGTH = pc.Coulomb().constant * CHARGE**2
-"""Of their attraction [N·m²]."""
+"""Strength of the attraction, k q² [N·m²]."""
 AXIS = APART / (2.0 - SLOW**2)
-"""The semi-major axis of the relative orbit, by the energy at the start [m]."""
+"""Semi-major axis of the relative orbit, from the initial energy [m]."""
 PERIOD = 2.0 * math.pi * math.sqrt(0.5 * MASS * AXIS**3 / STRENGTH)
-"""[s]"""
+"""Orbital period [s]."""
 DURATION = PERIOD
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """They begin at their largest distance."""
+    """Two charges at their largest distance."""
     speed = 0.5 * SLOW * math.sqrt(STRENGTH / (0.5 * MASS * APART))
     ends = np.array([[-0.5, 0.0], [0.5, 0.0]]) * APART
     names = ("positive", "negative")
@@ -45,7 +45,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "dipole.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw both with field lines and equipotentials."""
+    """Simulate the scene and draw it with field lines and equipotentials."""
     recording = pc.simulate(scene(), DURATION, fps=48.0 / PERIOD, integrator=pc.GaussRadau15(), progress=progress)
     style = [
         pc.styles.Equipotentials(17, strength=0.3),
@@ -66,7 +66,7 @@ def main(path: str | os.PathLike[str] = "dipole.gif", progress: bool | None = No
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """Twice the time of the perihelion, at which the distance stops to shrink."""
+    """Period: twice the time of the periapsis, at which the distance is smallest."""
     charges = recordings["charges"]
     apart = charges.positions[:, 0] - charges.positions[:, 1]
     rate = ((charges.velocities[:, 0] - charges.velocities[:, 1]) * apart).sum(axis=1)

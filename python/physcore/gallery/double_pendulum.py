@@ -1,6 +1,6 @@
-"""Forty double pendulums of rods start a hair's breadth apart and swing together, until chaos parts them.
+"""Forty double pendulums with almost equal initial angles swing together, until chaos separates them.
 
-The physics checked: while they are close together, they part as fast as neighbors do by their Lyapunov exponent.
+The physics checked: as long as they are close, they separate at the rate given by the Lyapunov exponent.
 """
 
 from __future__ import annotations
@@ -20,25 +20,29 @@ from physcore.gallery.rope import rainbow
 
 PENDULUMS = 40
 ANGLE, SPREAD = math.radians(127.0), math.radians(0.02)
-"""Of the upper rods at the start, from below, and between the first pendulum and the last."""
+"""Initial angle of the upper rods from the downward vertical, and range of these angles over all pendulums [rad]."""
 LENGTHS, ANGLES, MASSES = (1.0, 0.8), (ANGLE, 2.6), (1.0, 0.7)
-"""Of the rods, from the upper one down, and of the bobs at their ends [m, rad, kg]."""
+"""Lengths and angles of the rods, and masses of the bobs, from the upper one down [m, rad, kg]."""
 
 DURATION = 11.0
-"""[s]"""
+"""Simulated time [s]."""
 NEAR = (2.0, 7.0)
-"""When all have turned to the direction in which they part, and when some are five hundredths of a meter apart [s]."""
+"""Interval of the measurement [s]. At its start all separations have the direction of fastest growth; at its end some
+are 0.05 m.
+"""
 
 
 def scene() -> pc.Scene:
-    """All hang from one point and do not feel each other."""
+    """All pendulums at one pivot, without interaction."""
     return pc.Scene(*pendulums(LENGTHS, ANGLES, MASSES, np.linspace(-0.5, 0.5, PENDULUMS) * SPREAD), down())
 
 
 def pendulums(
     lengths: Sequence[float], angles: Sequence[float], masses: Sequence[float], turns: np.ndarray
 ) -> list[pc.SpringNetwork]:
-    """Pendulums of rods, from the upper one down; the upper rod of each is turned."""
+    """Pendulums of rods, with lengths, angles and masses from the upper one down. `turns` are added to the upper
+    angles.
+    """
     rods = len(lengths)
     result = []
     for turn in turns:
@@ -58,32 +62,34 @@ def pendulums(
 
 
 def down() -> pc.Gravity:
-    """On Earth."""
+    """Gravity on Earth."""
     return pc.Gravity((0.0, -9.81))
 
 
 def main(path: str | os.PathLike[str] = "double_pendulum.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it by RATTLE of order 4, and draw rods and bobs with light behind them."""
+    """Simulate the scene by RATTLE of order 4, and draw rods and bobs with fading paths."""
     recording = pc.simulate(scene(), DURATION, fps=20, integrator=pc.RATTLE(4), dt=2e-3, progress=progress)
     draw(recording, path, fade=0.5, size=(400, 400), progress=progress)
     return {"pendulums": recording}
 
 
 def draw(recording: pc.Recording, path: str | os.PathLike[str], *, fade: float, **options: Any) -> None:
-    """Draw rods and bobs, each pendulum in a color of its own, and the way of its last bob, which fades [s]."""
+    """Draw rods and bobs, each pendulum in its own color, with the path of its last bob, which fades in `fade` [s]."""
     colors = rainbow(recording.scene.bodies)
     style = [pc.styles.Paths([-1], fade=fade, width=1.8), pc.styles.Strain(width=1.5, nodes=True, color=colors)]
     pc.film(recording, path, style=style, theme=replace(DARK, bodies=tuple(colors.values())), **options)
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """How fast neighbors part, and the Lyapunov exponent of the pendulum in the middle over the same time."""
+    """The rate at which neighbors separate, and the Lyapunov exponent of the middle pendulum over the same time."""
     middle = pc.Scene(*pendulums(LENGTHS, ANGLES, MASSES, np.zeros(1)), down())
     return parting(recordings["pendulums"], middle, PENDULUMS, NEAR)
 
 
 def parting(recording: pc.Recording, middle: pc.Scene, count: int, near: tuple[float, float]) -> Figure:
-    """The time in which `count` pendulums part by e between two times [s], and one of them its neighbors."""
+    """The time in which the separation of `count` pendulums grows by e, between two times [s], with its value from the
+    Lyapunov exponent.
+    """
     begin, end = near
     first, last = (round(time * recording.fps) for time in near)
     scales = [(each.max() - each.min()) for each in (recording.positions, recording.velocities)]

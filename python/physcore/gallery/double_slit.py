@@ -1,6 +1,6 @@
-"""A plane wave passes through two slits; behind them it is dark where one path is half a wavelength longer.
+"""A plane wave passes through two slits; dark fringes appear where the paths differ by half a wavelength.
 
-The physics checked: the first dark places on a far screen are where the difference of the paths says.
+The physics checked: the first dark fringes on a far screen are at the positions given by the path difference.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 11.0
-"""[s]"""
+"""Simulated time [s]."""
 WAVELENGTH, APART, OPENING = 0.5, 2.0, 0.25
-"""Of the light, of the slits from center to center, and of each of them [m]."""
+"""Wavelength, distance between the centers of the slits, and width of each slit [m]."""
 SCREEN = 6.5
-"""How far the screen is behind the slits [m]."""
+"""Distance of the screen behind the slits [m]."""
 
 
 def scene() -> pc.Scene:
-    """Let a row of cells swing in front of a wall with two slits."""
+    """A row of oscillating cells in front of a wall with two slits."""
     plane = pc.Grid.over((-2.0, -5.0), (7.0, 5.0), 0.04)
     x, y = plane.coordinates
     wall = (np.abs(x) < 0.05) & (np.abs(np.abs(y) - APART / 2) > OPENING / 2)
@@ -33,7 +33,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=10, progress=progress)
     pc.film(
         recording,
@@ -48,12 +48,14 @@ def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """How far from the middle of the screen it is first dark, and where the paths differ by half a wavelength."""
+    """Distance of the first dark fringe from the middle of the screen, and its value where the paths differ by half a
+    wavelength.
+    """
     recording = recordings["light"]
     (wave,) = recording.scene.systems
     assert isinstance(wave, pc.Wave)
     column = round((SCREEN - wave.grid.origin[0]) / wave.grid.spacing)
-    periods = round(4 * WAVELENGTH * recording.fps)  # four of them, after all is steady
+    periods = round(4 * WAVELENGTH * recording.fps)  # four periods in the steady state
     heights = wave.grid.coordinates[1][column]
     brightness = np.mean(recording[wave].displacement[-periods:, column] ** 2, axis=0)
     near = np.abs(heights) < 1.5 * SCREEN * WAVELENGTH / APART

@@ -1,6 +1,6 @@
 """A cloth falls over a sphere in three dimensions, and friction holds it there.
 
-The physics checked: contacts, friction and damping take the energy that gravity gave, and the budget closes.
+The physics checked: contacts, friction and damping take the energy released by gravity, and the budget closes.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 3.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
@@ -36,7 +36,7 @@ def scene() -> pc.Scene:
 
 
 def gingham() -> np.ndarray:
-    """A tablecloth: where red stripes cross, they are darker."""
+    """Texture of a tablecloth: red stripes, darker where they cross."""
     stripe = np.arange(480) // 24 % 2
     white, pink, red = (250, 246, 240), (228, 130, 120), (186, 40, 40)
     colors = np.array([white, pink, red], dtype=np.uint8)
@@ -44,7 +44,7 @@ def gingham() -> np.ndarray:
 
 
 def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
     style = pc.styles.Surface(texture=gingham())
     camera = Orbit(azimuth=-60.0, elevation=24.0, target=(0.0, 0.0, 0.0), extent=1.3)
@@ -62,5 +62,5 @@ def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What gravity gave is all there, most of it as heat."""
+    """Compare the energy released by gravity with its final forms, mostly heat."""
     return budget(recordings, bound=2e-2)

@@ -1,6 +1,6 @@
-"""Two drops of water meet where there is no weight, become one, and swing, eight times slower than in life.
+"""Two drops of water collide in weightlessness, coalesce, and oscillate; eight times slower than real time.
 
-The physics checked: the surface of the drop that they become has the energy of a ball's.
+The physics checked: the resulting drop has the surface energy of a ball.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from physcore.gallery.figure import Figure
 from physcore.gallery.rotation import rotation
 
 DURATION = 0.75
-"""[s]"""
+"""Simulated time [s]."""
 METHOD = pc.WeaklyCompressible(sound_speed=3.0)
-"""How the water is computed: where drops meet it is faster than tension alone lets one expect."""
+"""Method of the fluid. The colliding drops are faster than the default, based on surface tension alone, assumes."""
 TENSION = 0.072
-"""Of water [N/m]."""
+"""Surface tension of water [N/m]."""
 RADIUS, SPACING, SPEED = 8e-3, 1e-3, 0.06
-"""Of each drop [m], of its particles [m], and how fast each comes [m/s]."""
+"""Radius of each drop [m], spacing of the particles [m], and speed of each drop [m/s]."""
 
 
 def scene() -> pc.Scene:
-    """Let two drops of two cubic centimeters meet, not quite head-on."""
+    """Two drops of two cubic centimeters in a slightly off-center collision."""
 
     def drop(side: float, angle: float, name: str) -> pc.Fluid:
-        # Turned, so that the two lattices have no direction in common.
+        # Rotated, so that the two lattices have no common direction.
         ball: FloatArray = pc.ball((0.0, 0.0, 0.0), RADIUS, SPACING) @ rotation((1.0, 2.0, 3.0), angle)
         places = ball + side * np.array([RADIUS + 2.0 * SPACING, 0.0, 0.2 * RADIUS])
         velocity = (-side * SPEED, 0.0, 0.0)
@@ -41,7 +41,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "drops.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=160, progress=progress, fluids=METHOD)
     style = pc.styles.Fluid({"left": "#4aa3e8", "right": "#f0b445"}, opacity=1.0)
     pc.film(recording, path, size=(560, 392), style=style, camera=Orbit(elevation=12.0), speed=0.125, progress=progress)
@@ -49,7 +49,7 @@ def main(path: str | os.PathLike[str] = "drops.gif", progress: bool | None = Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The energy of the surface in the last tenth of the time, 4πR²σ for the ball of both."""
+    """The surface energy in the last tenth of the time, and 4πR²σ for a ball of both drops."""
     recording = recordings["drops"]
     surface = recording.energy.by_term["surface tension"]
     radius = (0.75 * recording.positions.shape[1] * SPACING**3 / math.pi) ** (1.0 / 3.0)

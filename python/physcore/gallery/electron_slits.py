@@ -1,6 +1,6 @@
-"""One electron goes through two slits, and is seen behind them where both ways are in step.
+"""One electron passes through two slits, and interferes with itself behind them.
 
-The physics checked: the first dark places on a circle behind the slits are where the ways differ by half a wavelength.
+The physics checked: on a screen behind the slits, the first dark fringes are where paths differ by half a wavelength.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 2.9
-"""[s]"""
+"""Simulated time [s]."""
 MOMENTUM = 6.0
-"""ħ = m = 1, so that the wavelength is 2π/6."""
+"""Momentum; with ħ = m = 1 the wavelength is 2π/6."""
 APART, OPENING = 3.0, 0.7
-"""Of the slits, from center to center, and of each [m]."""
+"""Distance between the centers of the slits, and width of each slit [m]."""
 SCREEN = 6.0
-"""Where the electron is looked for, behind the slits [m]."""
+"""Distance of the screen behind the slits [m]."""
 
 
 def scene() -> pc.Scene:
-    """Let a packet run against a wall with two slits, in a room that is open on all sides."""
+    """A wave packet that meets a wall with two slits, in a room with absorbing edges."""
     room = pc.Grid.over((-12.0, -9.0), (12.0, 9.0), 0.1)
     packet = pc.wave_packet(room, (-6.5, 0.0), (MOMENTUM, 0.0), (1.6, 2.6))
 
@@ -39,7 +39,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=0.004, progress=progress)
     style, camera = pc.styles.Phase(range=0.012), Window((-9.0, -6.6), (9.0, 6.6))
     pc.film(recording, path, size=(396, 322), style=style, camera=camera, speed=0.5, progress=progress)
@@ -47,7 +47,9 @@ def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | N
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """How far from the middle the screen is first dark, over all times, and where the ways differ by half a wave."""
+    """Distance of the first dark fringe from the middle of the screen, over all times, and its value from the path
+    difference.
+    """
     recording = recordings["electron"]
     (electron,) = recording.scene.systems
     assert isinstance(electron, pc.Schrodinger)

@@ -1,6 +1,6 @@
-"""One end of a hanging chain is let go beside a ball, and overtakes it: the chain pulls its end down; red is tension.
+"""One end of a hanging chain falls faster than a free ball, because the chain pulls it down; red is tension.
 
-The physics checked: the end takes less time than a free fall, by what the energy of a folded chain says.
+The physics checked: the end falls faster than free fall, by the time that energy conservation gives for a folded chain.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 LINKS, LENGTH, MASS = 120, 2.0, 1.0
-"""Of the chain [m, kg]."""
+"""Number of links, length [m] and mass [kg] of the chain."""
 TURN = 20
-"""Links of the half circle at its lowest place."""
+"""Number of links in the semicircle at the lowest point."""
 GRAVITY = 9.81
-"""[m/s²]"""
+"""Acceleration of gravity [m/s²]."""
 DEPTH = 0.9
-"""How far the fall is timed, as a fraction of the length."""
+"""Depth of the timed fall, as a fraction of the length."""
 
 DURATION = 0.64
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Both ends side by side and one of them held, with a ball at the height of the other."""
+    """A chain with its ends side by side, one of them held, and a ball at the height of the free end."""
     link, turn = LENGTH / LINKS, math.pi / TURN
     arms = (LINKS - TURN) // 2
     angles = np.clip(turn * (np.arange(LINKS) + 0.5 - arms), 0.0, math.pi) - 0.5 * math.pi
@@ -48,7 +48,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "falling_chain.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it by RATTLE and draw links by their tensions, ten times slower than in life."""
+    """Simulate the scene by RATTLE and draw the links by their tensions, ten times slower than real time."""
     recording = pc.simulate(scene(), DURATION, fps=240, dt=1e-4, progress=progress)
     chain, ball = recording.scene.bodies
     style = [pc.styles.Strain(width=6.0, range=40.0, on=chain), pc.styles.Points(color="#ffb703", on=ball)]
@@ -58,9 +58,9 @@ def main(path: str | os.PathLike[str] = "falling_chain.gif", progress: bool | No
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The time in which the end falls nine tenths of the length, over that of the ball, ∫dx/v over √(2x/g).
+    """The time in which the end falls nine tenths of the length, relative to that of the ball: ∫dx/v over √(2x/g).
 
-    With the speed that energy gives to the falling arm of a folded chain, v² = g x (2L − x)/(L − x).
+    Energy conservation gives the speed of the falling arm of a folded chain, v² = g x (2L − x)/(L − x).
 
     Source: M. G. Calkin, R. H. March, Am. J. Phys. 57, 154 (1989).
     """
@@ -73,6 +73,6 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
         return float(recording.times[after - 1] + share / recording.fps)
 
     chain, ball = fall(recording["chain"].positions[:, -1]), fall(recording["ball"].positions[:, 0])
-    s = math.sqrt(DEPTH) * (np.arange(10_000) + 0.5) / 10_000  # x = L s², whose root in dx/v is gone
+    s = math.sqrt(DEPTH) * (np.arange(10_000) + 0.5) / 10_000  # x = L s² removes the singularity of dx/v
     expected = float(np.mean(np.sqrt((1.0 - s * s) / (2.0 - s * s))) * math.sqrt(2.0))
     return Figure("time to fall, over that of the ball", chain / ball, expected, "by energy", 0.02)

@@ -1,4 +1,4 @@
-"""What a demo measures, beside what theory, an experiment or a law of conservation expects of it."""
+"""Measured quantities of demos, with their expected values from theory, experiment or a conservation law."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from dataclasses import dataclass
 from physcore.simulation.recording import Recording
 
 DIGITS = (3, 7)
-"""The fewest and the most significant digits that are written; in between as many as show the error."""
+"""Least and largest number of significant digits; in between, as many as show the error."""
 
 
 LEAST = 1e-6
-"""Less than this is not told apart [%]."""
+"""Smallest error that is written [%]."""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One measured value and the one that is expected; `str` gives a line of text.
+    """Measured value and its expected value; `str` gives a line of text.
 
     Args:
-        quantity: what is measured, in words.
-        measured: its value in a run.
-        expected: what it should be; not zero.
-        source: where the expected value comes from, such as "by theory".
-        bound: the largest relative error with which the demo keeps its promise.
-        unit: of both values, in the usual symbols; empty for a ratio.
+        quantity: name of the measured quantity.
+        measured: measured value.
+        expected: expected value; not zero.
+        source: origin of the expected value, such as "by theory".
+        bound: largest relative error at which the demo passes.
+        unit: unit of both values, in the usual symbols; empty for a ratio.
     """
 
     quantity: str
@@ -38,7 +38,7 @@ class Figure:
 
     @property
     def error(self) -> float:
-        """How far the measured value is from the expected one, over the expected one."""
+        """The relative error of the measured value."""
         return abs(self.measured / self.expected - 1.0)
 
     @property
@@ -55,7 +55,7 @@ class Figure:
         )
 
     def _written(self, value: float) -> str:
-        """A value with one digit more than the error needs to show."""
+        """A value with one digit more than needed to show the error."""
         least, most = DIGITS
         needed = 2 - math.floor(math.log10(self.error)) if 0.0 < self.error < math.inf else most
         digits = min(max(needed, least), most)
@@ -64,11 +64,11 @@ class Figure:
 
 
 def budget(recordings: Mapping[str, Recording], bound: float) -> Figure:
-    """What the energy of a scene has become at its end: motion, strain, compression and heat.
+    """Final forms of a scene's energy (motion, strain, compression and heat), with the energy that it received.
 
-    It had the motion that it began with, and got what it fell and what wind or drivers worked. Heat is what drag,
-    damping, viscosity and contacts have taken by their own power, so that nothing makes both sides equal but the
-    equations of motion.
+    The received energy is the initial kinetic energy, the change of height, and the work of wind or drivers. Heat is
+    computed from the power of drag, damping, viscosity and contacts. Both sides are therefore equal only if the
+    equations of motion are solved correctly.
     """
     (energy,) = (recording.energy for recording in recordings.values())
     height = energy.by_term["gravity"]

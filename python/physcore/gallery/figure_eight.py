@@ -1,6 +1,6 @@
-"""Three stars of equal mass chase each other on one figure eight, by nothing but their gravitation.
+"""Three stars of equal mass follow each other on one figure eight, by their gravitation alone.
 
-The physics checked: the orbit closes after the period that Chenciner and Montgomery found.
+The physics checked: the orbit closes after the period given by Chenciner and Montgomery.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 PERIOD = 6.32591398
-"""For G = m = 1 [s]. Source: A. Chenciner, R. Montgomery, Ann. of Math. 152, 881 (2000), with the start of C. Simó."""
+"""Period for G = m = 1 [s]. Source: A. Chenciner, R. Montgomery, Ann. of Math. 152, 881 (2000), with the initial values
+of C. Simó.
+"""
 DURATION = 2.0 * PERIOD
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
@@ -32,7 +34,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "figure_eight.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate two turns to rounding, and draw them."""
+    """Simulate two periods to rounding precision, and draw them."""
     recording = pc.simulate(scene(), DURATION, fps=100 / PERIOD, integrator=pc.GaussRadau15(), progress=progress)
     pc.film(
         recording,
@@ -48,10 +50,10 @@ def main(path: str | os.PathLike[str] = "figure_eight.gif", progress: bool | Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """Twice the time to the first return of the middle star to the middle, which takes half of the period."""
+    """Period: twice the time of the middle star's first return to the middle."""
     stars = recordings["stars"]
     along = stars.positions[:, 2] @ np.array([0.93240737, 0.86473146])
-    # The middle star leaves against its first velocity, comes back along it on the other lobe after half of a period.
+    # The position along the chosen direction changes its sign from − to + after half a period.
     back = int(np.flatnonzero((along[1:-1] < 0.0) & (along[2:] >= 0.0))[0]) + 1
     share = along[back] / (along[back] - along[back + 1])
     return Figure("period", 2.0 * float(stars.times[back] + share / stars.fps), PERIOD, "by Simó", 1e-3, "s")

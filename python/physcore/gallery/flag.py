@@ -1,6 +1,6 @@
-"""A flag waves in gusts of wind that push on it where it faces them.
+"""A flag waves in gusts of wind, which press on its faces.
 
-The physics checked: what the wind and gravity give ends up as motion, strain and heat.
+The physics checked: the energy from wind and gravity becomes motion, strain and heat.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 5.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Hang a flag of one and a half square meters, three hundred grams, on its mast, and let the wind turn about it."""
+    """A flag of 1.5 m² and 300 g on its mast, in a wind of changing direction."""
     mast = pc.Capsule((-0.045, 0.0, -0.55), (-0.045, 0.0, 1.06), radius=0.035)
     flag = pc.cloth(
         (25, 17),
@@ -37,7 +37,7 @@ def scene() -> pc.Scene:
     first, second, third = flag.faces.T
 
     def wind(time: float, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
-        """Air that meets a triangle with the speed u along its normal presses with ρ u², a third on each corner [N]."""
+        """Wind pressure: a relative normal speed u gives ρ u² on a triangle, a third on each corner [N]."""
         angle = 0.5 * math.sin(2.7 * time) + 0.25 * math.sin(7.1 * time)
         air = 6.0 * np.array([math.cos(angle), math.sin(angle), 0.0])
         normals = 0.5 * np.cross(positions[second] - positions[first], positions[third] - positions[first])
@@ -55,13 +55,13 @@ def scene() -> pc.Scene:
 
 
 def stripes() -> np.ndarray:
-    """Across the flag, from the upper left to the lower right."""
+    """Stripes across the flag, from the upper left to the lower right."""
     down, right = np.indices((320, 480))
     return np.array([(255, 250, 240), (40, 165, 235)], dtype=np.uint8).take((down - right) // 40 % 2, axis=0)
 
 
 def main(path: str | os.PathLike[str] = "flag.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
     style = pc.styles.Surface(texture=stripes())
     camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.72, 0.0, 0.42), extent=1.4)
@@ -70,5 +70,5 @@ def main(path: str | os.PathLike[str] = "flag.gif", progress: bool | None = None
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What the wind and gravity gave is all there."""
+    """Compare the energy from wind and gravity with its final forms."""
     return budget(recordings, bound=0.01)

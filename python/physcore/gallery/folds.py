@@ -1,6 +1,6 @@
-"""A ribbon of cloth is let down on a floor and folds upon itself, layer upon layer.
+"""A ribbon of cloth is lowered onto a floor and folds upon itself, layer upon layer.
 
-The physics checked: contacts, friction, drag and damping take the energy that gravity gave, and the budget closes.
+The physics checked: contacts, friction, drag and damping take the energy released by gravity, and the budget closes.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from physcore.film import Keyframes, Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 2.4
-"""[s]"""
+"""Simulated time [s]."""
 SPACING = 0.02
-"""Between the particles of the ribbon [m]."""
+"""Spacing of the particles of the ribbon [m]."""
 THICKNESS = 0.008
-"""Of the ribbon [m]."""
+"""Thickness of the ribbon [m]."""
 
 
 def scene() -> pc.Scene:
-    """Let go of a ribbon that hangs above the floor, with a slight lean."""
+    """A ribbon above the floor, slightly inclined, at rest."""
     ribbon = pc.cloth(
         (13, 64),
         SPACING,
@@ -42,7 +42,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "folds.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), DURATION, fps=30, progress=progress)
     style = pc.styles.Surface("#ec6246")
     first = Orbit(azimuth=-62.0, elevation=6.0, target=(0.0, 0.05, 0.62), extent=1.35)
@@ -53,5 +53,5 @@ def main(path: str | os.PathLike[str] = "folds.gif", progress: bool | None = Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What gravity gave is all there, most of it as heat."""
+    """Compare the energy released by gravity with its final forms, mostly heat."""
     return budget(recordings, bound=1e-2)

@@ -1,6 +1,6 @@
-"""Stars circle a galaxy's core on nearly round orbits; where these crowd they look like arms, which wind up.
+"""Stars circle a galaxy's core on nearly circular orbits; where these crowd they form spiral arms, which wind up.
 
-The physics checked: from one farthest point to the next a star goes on by the angle that theory has for its orbit.
+The physics checked: the angle between successive apocenters of a star is that of the epicyclic theory.
 """
 
 from __future__ import annotations
@@ -16,17 +16,16 @@ from physcore.gallery.figure import Figure
 
 STARS = 5000
 CORE = 0.3
-"""The size of the core, whose mass times the constant of gravity is one m³/s² [m]."""
+"""Core radius b, for G M = 1 m³/s² [m]."""
 RADII = (0.1, 2.0)
-"""Of the innermost and the outermost orbit [m]."""
+"""Radii of the innermost and the outermost orbit [m]."""
 
 DURATION = 8.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def rates(radius: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The angular speeds of a round orbit and of small swings in and out about it, Ω² = (r² + b²)^(-3/2) and
-    κ² = 4Ω² + r dΩ²/dr [1/s].
+    """The angular and the epicyclic frequency of a circular orbit, Ω² = (r² + b²)^(-3/2) and κ² = 4Ω² + r dΩ²/dr [1/s].
 
     Source: J. Binney, S. Tremaine, "Galactic Dynamics", 2nd ed., section 3.2.3.
     """
@@ -35,7 +34,7 @@ def rates(radius: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def scene() -> pc.Scene:
-    """Let stars orbit that swing in and out by a tenth, those of a spiral together."""
+    """Stars with radial oscillations of a tenth of their radius, in phase along a spiral."""
     generator = np.random.default_rng(4)
     radius, angle = generator.uniform(*RADII, STARS), generator.uniform(0.0, 2.0 * np.pi, STARS)
     phase = 2.0 * angle + 7.0 * np.log(radius)
@@ -51,7 +50,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "galaxy.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it, while the camera rises."""
+    """Simulate the scene and draw it with a rising camera."""
     recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
     style = pc.styles.Points(colormap="magma", size=2.2, glow=0.4)
     camera = Keyframes({0.0: Orbit(-60.0, 25.0), DURATION: Orbit(-90.0, 60.0)})
@@ -60,9 +59,9 @@ def main(path: str | os.PathLike[str] = "galaxy.gif", progress: bool | None = No
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The angle between the first two farthest points of stars in the inner half, 2π Ω/κ by the theory of small swings.
+    """Mean angle between the first two apocenters of stars in the inner half; 2π Ω/κ by the epicyclic theory.
 
-    The mean over stars differs from it by the order of the square of their swing, one percent.
+    The mean over stars differs from the theory by the order of the squared amplitude, one percent.
     """
     recording = recordings["stars"]
     x, y = np.moveaxis(recording.positions[..., :2], 2, 0)

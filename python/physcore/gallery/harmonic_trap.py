@@ -1,4 +1,4 @@
-"""A wave packet in a trap keeps its shape, and its center runs along a classical orbit.
+"""A wave packet in a harmonic trap keeps its shape, and its center follows a classical orbit.
 
 The physics checked: the mean position at the end is that of a particle (Schrödinger's coherent states, 1926).
 """
@@ -16,14 +16,16 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 4.0 * math.pi
-"""[s], two periods of the slower oscillation; ħ = m = 1."""
+"""Simulated time [s], two periods of the slower oscillation; ħ = m = 1."""
 RATES = (1.0, 1.5)
 """Angular frequencies along x and y [1/s]."""
 START, MOMENTUM = (5.0, 0.0), (0.0, 4.5)
 
 
 def scene() -> pc.Scene:
-    """Put a packet of the width of the ground state beside the middle of a trap and push it, and a particle with it."""
+    """A packet with the width of the ground state beside the middle of a trap, with an initial momentum, and a particle
+    with it.
+    """
     room = pc.Grid.over((-8.0, -6.0), (8.0, 6.0), 0.1)
     packet = pc.wave_packet(room, START, MOMENTUM, [math.sqrt(0.5 / rate) for rate in RATES])
 
@@ -38,7 +40,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=150 / DURATION, dt=0.01, progress=progress)
     style = [pc.styles.Phase(), pc.styles.Points(color="body", size=9.0, trail=DURATION)]
     camera = Window((-6.8, -4.7), (6.8, 4.7))
@@ -47,7 +49,7 @@ def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | No
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The mean of x at the last frame."""
+    """Mean of x at the last frame."""
     recording = recordings["atom"]
     (atom,) = recording.scene.systems
     assert isinstance(atom, pc.Schrodinger)

@@ -1,7 +1,7 @@
-"""Twelve thousand grains of colored sand run through the neck of an hourglass, as fast at the end as at the start.
+"""Twelve thousand grains of colored sand run through the neck of an hourglass, at a constant rate.
 
-The physics checked: the flow does not depend on how much sand is left, 99 of 100 contacts of grains at rest are no
-deeper than a twentieth of a radius, and every grain arrives. `main(path, grains=100_000)` has finer sand, and takes
+The physics checked: the flow does not depend on the height of the sand. Of the contacts of grains at rest, 99 of 100
+are no deeper than a twentieth of a radius. Every grain arrives. `main(path, grains=100_000)` has finer sand, and takes
 twenty-four times as long.
 """
 
@@ -18,29 +18,29 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 GRAINS = 12_000
-"""About how many there are."""
+"""Approximate number of grains."""
 NECK = 0.26
-"""The width of the neck [m]."""
+"""Width of the neck [m]."""
 WIDTH, HEIGHT, FILL = 1.08, 1.75, 1.5
-"""Half the width of the glass, how far the floor is below the neck, and how high the sand is above it [m]."""
+"""Half the width of the glass, depth of the floor below the neck, and height of the sand above it [m]."""
 BEND = 2.1
-"""The radius of the circles that the glass consists of [m]."""
+"""Radius of the circles that form the glass [m]."""
 SAND = 0.96
-"""The area between them that the sand fills [m²]."""
+"""Area between the circles that the sand fills [m²]."""
 
 DENSITY, STIFFNESS = 2000.0, 1e6
-"""Of grains [kg/m² for each meter of depth] and of their contacts [N/m]."""
+"""Density of grains [kg/m³, per meter of depth], and stiffness of their contacts [N/m]."""
 RESTITUTION = 0.7
-"""The part of its speed with which a grain comes back from another."""
+"""Coefficient of restitution between grains."""
 TERMINAL = 2.5
-"""The speed at which a grain falls through the air [m/s]."""
+"""Terminal velocity of a grain in air [m/s]."""
 
 DURATION = 2.2
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
-    """Let about so many grains run through the neck between two great circles.
+    """About `grains` grains that run through the neck between two large circles.
 
     The smallest grain has three quarters of the radius of the largest, so that they do not form a lattice.
     """
@@ -48,7 +48,7 @@ def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
     centers = np.array([[-BEND - neck / 2, 0.0], [BEND + neck / 2, 0.0]])
     places = pc.block((-WIDTH, 0.0), (WIDTH, FILL), 2 * largest)
     separation = np.hypot(np.abs(places[:, 0]) - centers[1, 0], places[:, 1])
-    places = places[separation > BEND + 1.2 * largest]  # room to shake them
+    places = places[separation > BEND + 1.2 * largest]  # room for random shifts
     generator = np.random.default_rng(3)
     radii = largest * generator.uniform(0.75, 1.0, len(places))
     places += (largest - radii)[:, np.newaxis] * generator.uniform(-1.0, 1.0, places.shape)
@@ -58,7 +58,7 @@ def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
         pc.Particles(places[layer == k], mass=masses[layer == k], radius=radii[layer == k], name=f"layer {k}")
         for k in range(layers)
     ]
-    # A pair of mass m/2 swings as a damped oscillator for half a period: e = exp(−πξ/√(1 − ξ²)).
+    # A colliding pair is a damped oscillator of reduced mass m/2 for half a period: e = exp(−πξ/√(1 − ξ²)).
     mass, bounce = float(masses.mean()), -math.log(RESTITUTION)
     damping = 2.0 * bounce / math.hypot(math.pi, bounce) * math.sqrt(STIFFNESS * mass / 2.0)
     return pc.Scene(
@@ -74,7 +74,7 @@ def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
 def main(
     path: str | os.PathLike[str] = "hourglass.gif", progress: bool | None = None, grains: int = GRAINS
 ) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(
         scene(grains), duration=DURATION, fps=50, dt=pc.AutoStep(safety=0.9), precision="f32", progress=progress
     )
@@ -91,7 +91,7 @@ def main(
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The flow in the second half of the time, beside that in the first.
+    """Flow rate in the second half of the time, with its value in the first half.
 
     Source: W. A. Beverloo et al., Chem. Eng. Sci. 15, 260 (1961).
     """

@@ -1,6 +1,6 @@
 """A rope is pulled tight in an overhand knot.
 
-The physics checked: what the ends that are pulled give ends up as strain and heat, and the budget closes.
+The physics checked: the work done on the ends becomes strain and heat, and the budget closes.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from physcore.film import Keyframes, Orbit
 from physcore.gallery.figure import Figure
 
 DURATION = 4.0
-"""[s]"""
+"""Simulated time [s]."""
 THICKNESS = 0.03
-"""Of the rope [m]."""
+"""Thickness of the rope [m]."""
 SPACING = 0.036
-"""Of its particles [m]."""
+"""Spacing of the particles [m]."""
 REACH = 0.7
-"""Of each end at the start [m]."""
+"""Length of each straight end at the start [m]."""
 
 
 def centerline() -> np.ndarray:
-    """A trefoil, cut where it is widest, whose ends go on straight: points at equal distances (N, 3) [m]."""
+    """Centerline of a trefoil, cut at its widest point, with straight ends: equidistant points (N, 3) [m]."""
     t = np.linspace(np.pi, 3.0 * np.pi, 4001)
     x, y = np.sin(t) + 2.0 * np.sin(2.0 * t), np.cos(t) - 2.0 * np.cos(2.0 * t)
     wide = np.column_stack([x, y, -1.2 * np.sin(3.0 * t)])
-    # The ends cross where the trefoil was closed, one above the other.
+    # The two ends cross one above the other where the trefoil was cut.
     wide[:, 2] += 0.5 * np.cos(0.5 * (t - np.pi)) ** 7
     loop = 0.1 * wide
     path = np.vstack([loop[0] - (REACH, 0.0, 0.0), loop, loop[-1] + (REACH, 0.0, 0.0)])
@@ -39,7 +39,7 @@ def centerline() -> np.ndarray:
 
 
 def scene() -> pc.Scene:
-    """Pull its ends apart, so that they take up what the knot gives."""
+    """A rope with a knot, whose ends are pulled apart and yield as the knot tightens."""
     points = centerline()
     count = len(points)
     velocities = np.zeros_like(points)
@@ -57,7 +57,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "knot.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), DURATION, fps=30, progress=progress)
     first = Orbit(azimuth=-90.0, elevation=65.0, target=(0.0, 0.0, 0.0), extent=0.95)
     last = Orbit(azimuth=-60.0, elevation=50.0, target=(0.0, 0.0, 0.0), extent=0.4)
@@ -77,7 +77,7 @@ def main(path: str | os.PathLike[str] = "knot.gif", progress: bool | None = None
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What the rope has and has lost, over what the ends gave."""
+    """Energy gained and lost by the rope, relative to the work done on its ends."""
     energy = recordings["rope"].energy
     gained = energy.total[-1] - energy.total[0] + energy.dissipated[-1]
     return Figure(

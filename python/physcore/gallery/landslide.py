@@ -1,4 +1,4 @@
-"""Six hundred pebbles run down a landscape into its lake.
+"""Six hundred pebbles run down a landscape into a hollow.
 
 The physics checked: the budget closes over bounces on fifteen thousand faces, and nothing is below the ground.
 """
@@ -16,18 +16,18 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 PEBBLES = 600
-"""How many there are."""
+"""Number of pebbles."""
 RADIUS = 0.016
-"""Their radius [m]."""
+"""Radius of a pebble [m]."""
 STIFFNESS = 400.0
-"""Of their contacts with each other [N/m]."""
+"""Stiffness of the contacts between pebbles [N/m]."""
 
 DURATION = 3.5
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def height(x: FloatArray, y: FloatArray) -> FloatArray:
-    """A mountain side that falls along x, with a valley that winds down to a hollow, and a rim around all of it [m]."""
+    """Height of the ground [m]: a slope along x, with a winding valley, a hollow, and a rim around the edge."""
     valley = y - 0.22 * np.sin(4.0 * x)
     side = 0.5 / (1.0 + np.exp(4.0 * (x + 0.2))) + 0.06 * (1.0 - x)
     banks = 0.45 * valley**2 + 0.03 * np.cos(9.0 * y) * np.sin(8.0 * x)
@@ -37,7 +37,7 @@ def height(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def scene() -> pc.Scene:
-    """Let a heap of pebbles go high up."""
+    """A heap of pebbles high on the slope, initially at rest."""
     generator = np.random.default_rng(4)
     sites = pc.block((-1.0, -0.5, 0.0), (-0.55, 0.5, 0.5), 2.5 * RADIUS)
     sites = sites[generator.permutation(len(sites))[:PEBBLES]]
@@ -51,7 +51,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "landslide.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
     camera = Orbit(azimuth=-72.0, elevation=42.0, target=(0.0, 0.0, 0.13), extent=2.25)
     style = pc.styles.Points(color="speed", top=2.5)
@@ -60,5 +60,5 @@ def main(path: str | os.PathLike[str] = "landslide.gif", progress: bool | None =
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What gravity gave is all there."""
+    """Compare the energy released by gravity with its final forms."""
     return budget(recordings, bound=1e-3)

@@ -1,6 +1,6 @@
-"""A lump of lava flows down a slope around boulders, slower and slower, and sticks to all that it touches.
+"""A lump of lava flows down a slope around boulders, slows down, and sticks to all surfaces.
 
-The physics checked: nearly all that gravity gives becomes heat at once, and the budget says how much.
+The physics checked: nearly all energy released by gravity becomes heat at once, and the budget closes.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 5.0
-"""[s]"""
+"""Simulated time [s]."""
 METHOD = pc.WeaklyCompressible(sound_speed=30.0, kernel=pc.WendlandC2(smoothing=1.25))
-"""How the lava is computed."""
+"""Method of the fluid."""
 
 
 def scene() -> pc.Scene:
-    """Let go of a ton and a half of lava on a slope of fifteen degrees."""
+    """1.5 tons of lava on a slope of fifteen degrees, initially at rest."""
     spacing, slope = 0.05, math.radians(15.0)
     up = (math.sin(slope), 0.0, math.cos(slope))
     lava = pc.Fluid(
@@ -38,7 +38,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress, fluids=METHOD)
     camera = Orbit(azimuth=-40.0, elevation=28.0, target=(-0.05, 0.0, 0.2), extent=2.4)
     style = pc.styles.Fluid(colormap="ember", top=0.45, opacity=1.0, glow=0.4)
@@ -47,5 +47,5 @@ def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What the lava has lost in height is all there, nearly all as heat."""
+    """Compare the energy released by gravity with its final forms, nearly all of it heat."""
     return budget(recordings, bound=2e-2)

@@ -1,6 +1,6 @@
-"""Plane waves run through a round lens that slows them, the more the nearer to its middle, and meet on its far rim.
+"""Plane waves run through a round lens whose wave speed is lowest in the middle, and focus on its far rim.
 
-The physics checked: Luneburg's lens has its focus on its rim.
+The physics checked: the focus of a Luneburg lens is on its rim.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from physcore.checks import FloatArray
 from physcore.gallery.figure import Figure
 
 DURATION = 7.5
-"""[s]"""
+"""Simulated time [s]."""
 RADIUS = 1.5
-"""Of the lens [m]."""
+"""Radius of the lens [m]."""
 WAVELENGTH = 0.3
-"""[m]"""
+"""Wavelength [m]."""
 
 
 def speed(x: FloatArray, y: FloatArray) -> FloatArray:
-    """c = 1/√(2 − (r/R)²) within the lens, and 1 m/s around it.
+    """Speed of waves [m/s]: c = 1/√(2 − (r/R)²) within the lens, and 1 m/s around it.
 
     Source: R. K. Luneburg, "Mathematical Theory of Optics", 1944, section 29.
     """
@@ -34,18 +34,18 @@ def speed(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def scene() -> pc.Scene:
-    """Let a row of cells swing beside the lens."""
+    """A row of oscillating cells beside the lens."""
     plane = pc.Grid.over((-2.5, -2.1), (3.1, 2.1), 0.02)
     x, _ = plane.coordinates
     lamp = pc.Source(np.abs(x + 2.2) < 0.01, amplitude=40.0, frequency=1.0 / WAVELENGTH, phase=math.pi / 2)
     around = np.linspace(0.0, 2.0 * math.pi, 181)
-    rim = pc.Particles(RADIUS * np.column_stack([np.cos(around), np.sin(around)]), fixed=True)  # to be seen
+    rim = pc.Particles(RADIUS * np.column_stack([np.cos(around), np.sin(around)]), fixed=True)  # the outline
     edges = {"x": "absorbing", "y": "free"}
     return pc.Scene(pc.Wave(plane, speed=speed, sources=lamp, edges=edges), rim)  # type: ignore[arg-type]
 
 
 def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
     style = [pc.styles.Field(), pc.styles.Points(color="body", size=2.0)]
     pc.film(recording, path, size=(440, 360), style=style, speed=2.0, progress=progress)
@@ -53,7 +53,7 @@ def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """Where on the axis the waves are largest, from the middle of the lens; a wave's focus is a wavelength long."""
+    """Distance from the middle of the lens to the largest waves on the axis; the focus is about a wavelength long."""
     recording = recordings["light"]
     (wave,) = recording.scene.systems
     assert isinstance(wave, pc.Wave)

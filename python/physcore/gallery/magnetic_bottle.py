@@ -1,4 +1,4 @@
-"""Protons are caught between two coils: where the field grows, their circles shrink until they turn back.
+"""Protons are trapped between two coils: where the field grows, their circles shrink and they turn back.
 
 The physics checked: the mean of the magnetic moments m v⊥²/2B is the same at the end as at the start.
 """
@@ -17,19 +17,19 @@ from physcore.gallery.figure import Figure
 from physcore.units import elementary_charge, proton_mass
 
 DURATION = 50e-6
-"""[s]"""
+"""Simulated time [s]."""
 RADIUS, APART, CURRENT = 0.16, 0.56, 1.5e4
-"""Of the coils and between them [m], and their current [A]."""
+"""Radius of the coils and distance between them [m], and their current [A]."""
 MIDDLE = 4e-7 * np.pi * CURRENT * RADIUS**2 / (RADIUS**2 + 0.25 * APART**2) ** 1.5
-"""B between the coils, on their axis [T]."""
+"""Magnetic field B on the axis between the coils [T]."""
 SPEED = 3e4
-"""[m/s]"""
+"""Speed of the protons [m/s]."""
 PROTONS = 24
 COLORS = ((170, 120, 80), (170, 120, 80), (110, 200, 255), (255, 190, 90), (240, 110, 170))
 
 
 def scene() -> pc.Scene:
-    """Protons of one speed, in three beams at different angles to the field; the coils are there to be seen."""
+    """Protons of equal speed, in three beams at different angles to the field; the coils are only drawn."""
     generator = np.random.default_rng(8)
     angles = np.linspace(0.0, 2.0 * np.pi, 240, endpoint=False)
     ring = RADIUS * np.column_stack([0.0 * angles, np.cos(angles), np.sin(angles)])
@@ -53,7 +53,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "magnetic_bottle.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it by Boris' method and draw the paths."""
+    """Simulate the scene by Boris' method and draw the paths."""
     recording = pc.simulate(scene(), DURATION, fps=7.5e6, dt=1 / 52.5e6, progress=progress)
     coils, beams = recording.scene.bodies[:2], recording.scene.bodies[2:]
     style = [
@@ -76,7 +76,7 @@ def main(path: str | os.PathLike[str] = "magnetic_bottle.gif", progress: bool | 
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The mean magnetic moment in the middle plane, of the last passages over that of the start.
+    """Ratio of the mean magnetic moment in the last passages through the middle plane to that at the start.
 
     Source: J. D. Jackson, Classical Electrodynamics, 3rd edition (1999), § 12.5.
     """

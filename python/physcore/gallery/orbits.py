@@ -1,6 +1,6 @@
-"""A race on Kepler's ellipse: explicit Euler spirals out, Verlet and RK4 stay; all with one step size.
+"""Kepler's ellipse by three methods with one step size: explicit Euler spirals out, Verlet and RK4 stay on it.
 
-The physics checked: the exact orbit keeps the energy −1/2 and the angular momentum 0.8 for ever.
+The physics checked: the exact orbit has the constant energy −1/2 and angular momentum 0.8.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 PERIOD = 2.0 * math.pi
-"""Of one orbit [s]."""
+"""Period of one orbit [s]."""
 DURATION = 4.0 * PERIOD
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
@@ -29,7 +29,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "orbits.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate four orbits with 2000 steps each, and draw them; one takes two seconds."""
+    """Simulate four orbits with 2000 steps each, and draw them; one orbit takes two seconds."""
     integrators = [pc.ExplicitEuler(), pc.VelocityVerlet(), pc.RungeKutta4()]
     recordings = {
         type(integrator).__name__: pc.simulate(
@@ -52,7 +52,7 @@ def main(path: str | os.PathLike[str] = "orbits.gif", progress: bool | None = No
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The period by RK4, between the first and the last time that the planet is farthest from the sun."""
+    """The period by RK4, from the first to the last aphelion."""
     orbit = recordings["RungeKutta4"]
     outward = np.einsum("fd,fd->f", orbit.positions[:, 0], orbit.velocities[:, 0])
     after = np.flatnonzero((outward[:-1] > 0.0) & (outward[1:] <= 0.0))

@@ -1,4 +1,4 @@
-"""A page of all demos: films with what they show, what they check and how they were computed, to open from disk."""
+"""HTML page of all demos: the films, their captions, their checks and their numerics, to be opened from disk."""
 
 from __future__ import annotations
 
@@ -25,51 +25,51 @@ from physcore.simulation.recording import Recording
 from physcore.storage.files import replacing, require_writable
 
 INDEX = "index.html"
-"""The file that is opened."""
+"""Name of the page's file."""
 WIDE = 1.8
-"""A film so many times as wide as it is high, or more, gets two columns where there are as many."""
+"""Aspect ratio from which on a film takes two columns, if there are two."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """What the page says about one demo."""
+    """Entry of one demo on the page."""
 
     name: str
     caption: str
     film: str
-    """The name of its file, beside the page."""
+    """Name of the film's file, beside the page."""
     size: tuple[int, int]
-    """Of the film [pixels]."""
+    """Width and height of the film [pixels]."""
     figure: Figure
     numerics: tuple[str, ...]
-    """How each recording was computed, and how well its energy budget closes."""
+    """Numerics of each recording, and the drift of its energy."""
     source: str
-    """The file of the demo."""
+    """Source code of the demo."""
     cost: Cost
 
     @property
     def title(self) -> str:
-        """The name in words."""
+        """The title: the name with spaces and a capital letter."""
         return self.name.replace("_", " ").capitalize().replace("3d", "3D")
 
 
 def gallery(
     directory: str | os.PathLike[str], names: Sequence[str], progress: bool | None = None, *, jobs: int = 1
 ) -> Iterator[Entry]:
-    """Run demos and write their films and a page that shows them; each entry is given when its film is there.
+    """Run demos, write their films and a page that shows them, and yield each entry when its film is complete.
 
-    The films and the page appear under their names when they are whole. The page is written after each film, with all
-    that are there, and beside it what each cost, in costs.json.
+    Files appear under their names when they are complete. After each film, the page is written with all films so far,
+    and their costs are written to costs.json.
 
     Args:
-        directory: where to write; it is made if need be.
-        names: of the demos, in the order of the page.
+        directory: the output directory; it is created if necessary.
+        names: names of the demos, in the order of the page.
         progress: whether to show progress bars; with several jobs there are none.
-        jobs: how many demos run at once, each in a process of its own and on its share of the threads; the most
-            expensive begin.
+        jobs: number of demos run at once, each in its own process and with its share of the threads. The most expensive
+            ones are started first.
 
     Raises:
-        SceneError: `jobs` is no whole number above zero.
+        SceneError: `jobs` is not a whole number above zero.
         FileError: a file cannot be written.
         KeyError: there is no such demo.
     """
@@ -93,7 +93,7 @@ def gallery(
 
 
 def _shared(names: Iterable[str], folder: Path, jobs: int) -> Iterator[Entry]:
-    """The entries of demos that run in several processes, as they are ready."""
+    """The entries of demos that run in several processes, in order of completion."""
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
@@ -109,7 +109,7 @@ def _shared(names: Iterable[str], folder: Path, jobs: int) -> Iterator[Entry]:
 
 
 def _limit_threads(threads: int) -> None:
-    """Let this process use so many threads."""
+    """Set the number of threads of this process."""
     os.environ["PHYSCORE_NUM_THREADS"] = str(threads)
 
 
@@ -124,13 +124,13 @@ def _entry(name: str, folder: Path, progress: bool | None) -> Entry:
 
 
 def _cost_table(entries: Sequence[Entry]) -> str:
-    """What each demo cost, a line for each."""
+    """The costs of the demos as JSON, one line for each."""
     lines = (f'  "{entry.name}": {json.dumps(vars(entry.cost))}' for entry in entries)
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 def page(entries: Sequence[Entry]) -> str:
-    """The page in HTML: one file without scripts and without anything from elsewhere."""
+    """The page in HTML: one file without scripts and external content."""
     failed = sum(not entry.figure.holds for entry in entries)
     verdict = f"{failed} of {len(entries)} figures do not hold" if failed else "every figure holds"
     return f"""<!DOCTYPE html>
@@ -157,7 +157,7 @@ known: <strong class="{"failed" if failed else "holds"}">{verdict}</strong>.</p>
 
 
 def _article(entry: Entry) -> str:
-    """One demo."""
+    """The HTML of one demo."""
     width, height = entry.size
     wide = ' class="wide"' if width >= WIDE * height else ""
     mark, word = ("holds", "✓") if entry.figure.holds else ("failed", "✗ does not hold:")
@@ -179,7 +179,7 @@ def _article(entry: Entry) -> str:
 
 
 def _numerics(recordings: Mapping[str, Recording]) -> Iterator[str]:
-    """A line for each recording."""
+    """The numerics of each recording, as one line of text."""
     for title, recording in recordings.items():
         plan, number, drift = recording.plan, recording.scene.particles, float(abs(recording.energy.drift).max())
         yield (

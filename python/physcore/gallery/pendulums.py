@@ -1,6 +1,6 @@
-"""Fifteen pendulums start together, drift apart into waves, and meet again when each has swung a whole number of times.
+"""Fifteen pendulums start together, form waves, and meet again after a whole number of swings of each.
 
-The physics checked: the longest one's period is that of a pendulum of its length and amplitude.
+The physics checked: the period of the longest pendulum is that given by its length and amplitude.
 """
 
 from __future__ import annotations
@@ -16,19 +16,20 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure
 
 PENDULUMS, SWINGS = 15, 16
-"""How many there are, and how often the longest one swings until they meet; each of the others once more than the one
-before it."""
+"""Number of pendulums, and number of swings of the longest one until they meet. Each shorter pendulum has one swing
+more.
+"""
 ANGLE = math.radians(25.0)
-"""From which they are let go."""
+"""Initial angle [rad]."""
 
 DURATION = 20.0
-"""Until they meet [s]."""
+"""Simulated time, until the pendulums meet [s]."""
 
 
 def stretch() -> float:
-    """The period of a pendulum with this amplitude over that of small swings.
+    """The ratio of the period at this amplitude to the period of small oscillations.
 
-    It is 1/M(1, cos θ/2), M the arithmetic-geometric mean; C. F. Gauss, 1799.
+    The ratio is 1/M(1, cos θ/2), with the arithmetic-geometric mean M; C. F. Gauss, 1799.
     """
     one, other = 1.0, math.cos(ANGLE / 2.0)
     for _ in range(6):
@@ -37,7 +38,7 @@ def stretch() -> float:
 
 
 def scene() -> pc.Scene:
-    """Hang them in a row, each as long as its period requires, on wires that hardly give."""
+    """A row of pendulums on nearly inextensible wires, with lengths that follow from their periods."""
     swings = SWINGS + np.arange(PENDULUMS)
     lengths = 9.81 * (DURATION / swings / stretch() / (2.0 * np.pi)) ** 2
     pivots = np.stack([np.zeros(PENDULUMS), 0.09 * np.arange(PENDULUMS), np.zeros(PENDULUMS)], axis=1)
@@ -55,9 +56,9 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=8, progress=progress)
-    # From the longest to the shortest, wires and bobs alike.
+    # Colors from the longest to the shortest pendulum, for wires and bobs alike.
     style = pc.styles.Strain(color=np.tile(np.arange(PENDULUMS), 2), colormap="plasma", width=1.6)
     camera = Orbit(-28.0, 14.0)
     pc.film(
@@ -75,7 +76,7 @@ def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None =
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The period of the longest one, between the first and the last time that it comes through the middle."""
+    """Period of the longest pendulum, from its first to its last passage through the middle."""
     times, x = recordings["pendulums"].times, recordings["pendulums"].positions[:, PENDULUMS, 0]
     after = np.flatnonzero((x[:-1] > 0.0) & (x[1:] <= 0.0))
     crossings = times[after] + x[after] / (x[after] - x[after + 1]) * (times[1] - times[0])

@@ -1,7 +1,7 @@
 """A heavy fluid lies on a light one, sinks into it as a mushroom and rolls up at its rim; pale is fast.
 
-The physics checked: the first ripple grows nearly as the linear theory has it, and what the heavy fluid loses in
-height both have as motion or heat.
+The physics checked: the initial ripple grows nearly as in the linear theory. The energy released by the heavy fluid
+becomes motion and heat of both.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ import physcore as pc
 from physcore.gallery.figure import Figure
 
 DENSITIES = (1.0, 1.8)
-"""Of the light and the heavy fluid [kg/m³]."""
+"""Densities of the light and the heavy fluid [kg/m³]."""
 RIPPLE = 0.04
-"""The amplitude that the surface between them begins with [m]; its wavelength is the width of the tank, one meter."""
+"""Initial amplitude of the interface [m]; its wavelength is the width of the tank, 1 m."""
 
 DURATION = 6.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Fill a tank of two square meters, where gravity is one meter per second squared."""
+    """Two fluids in a tank of 2 m², with a gravity of 1 m/s²."""
     spacing, upper = 1 / 64, (1.0, 2.0)
     cells = pc.block((0.0, 0.0), upper, spacing)
     above = cells[:, 1] > 1.0 + RIPPLE * np.cos(2.0 * np.pi * cells[:, 0])
@@ -36,7 +36,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
     light, heavy = recording.scene.bodies
     styles = [
@@ -48,11 +48,11 @@ def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | 
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """How much the ripple has grown after a second: by cosh(√(A g k) t) from rest, A = 0.8/2.8 by the densities.
+    """Growth of the ripple in the first second: cosh(√(A g k) t) from rest, with the Atwood number A = 0.8/2.8.
 
-    Its amplitude a is what Σ cos(kx) over the heavy fluid says, −a/2 by area. In the first second viscosity takes νk² t
-    from the exponent: 2μ/(ρ₁ + ρ₂) and αhc/8 together 0.05, so 5 % of the growth. The rest that is missing, less than
-    twice as much, is what rows of the lattice withstand before they slip.
+    The amplitude a follows from Σ cos(kx) over the heavy fluid, which is −a/2 per area. In the first second, viscosity
+    reduces the exponent by νk² t. Together 2μ/(ρ₁ + ρ₂) and αhc/8 give 0.05, which is 5 % of the growth. The remaining
+    difference is less than twice as large; rows of the particle lattice resist shear until they slip.
 
     Source: G. I. Taylor, Proc. R. Soc. A 201, 192 (1950).
     """

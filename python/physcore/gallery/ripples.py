@@ -1,6 +1,6 @@
-"""Drops fall into a pond without shores; their rings run through each other and leave.
+"""Drops fall into a pond without shores; their circular waves cross each other and leave through the open edges.
 
-The physics checked: what the drops gave is all there, in motion, in height, and in what crossed the open edges.
+The physics checked: the energy of the drops becomes kinetic and potential energy, and the flux through the open edges.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure
 
 DURATION = 6.0
-"""[s]"""
+"""Simulated time [s]."""
 DROPS = (
     (1.0, 1.9, 0.0),
     (2.9, 1.1, 0.4),
@@ -29,11 +29,11 @@ DROPS = (
     (1.2, 1.4, 4.5),
     (3.5, 1.5, 4.9),
 )
-"""Where and when they fall [m, m, s]."""
+"""Positions and times of the drops [m, m, s]."""
 
 
 def scene() -> pc.Scene:
-    """Let drops fall into a part of an endless pond."""
+    """Drops that fall into a part of an infinite pond."""
     pulse = pc.Ricker(3.0)
     drops = [pc.Source((x, y), 1.0, signal=partial(_later, pulse, start)) for x, y, start in DROPS]
     pond = pc.Wave(pc.Grid.over((0.0, 0.0), (4.0, 3.0), 0.025), speed=1.0, sources=drops, edges="absorbing")
@@ -41,12 +41,12 @@ def scene() -> pc.Scene:
 
 
 def _later(pulse: pc.Ricker, start: float, time: float) -> float:
-    """A pulse that begins at a time."""
+    """A pulse that begins at the time `start` [s]."""
     return float(pulse(time - start))
 
 
 def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
     style, camera = pc.styles.Relief(range=0.08, height=0.1), Orbit(-70.0, 36.0, target=(2.0, 1.5, -0.1), extent=2.7)
     pc.film(recording, path, size=(520, 360), style=style, camera=camera, color_bar=False, progress=progress)
@@ -54,7 +54,9 @@ def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = N
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The energy in the pond at the end with what has left, which is metered at the edges, and what the drops did."""
+    """Energy in the pond at the end plus the energy that has left through the edges, compared with the work of the
+    drops.
+    """
     energy = recordings["pond"].energy
     found = float(energy.total[-1] + energy.dissipated_by["edges"][-1])
     return Figure("waves at the end and what has left", found, float(energy.work[-1]), "from the drops", 0.01, "J")

@@ -1,6 +1,6 @@
-"""A fan of ropes, let go at all angles, closes and opens again; the outer ones crack like whips.
+"""A fan of ropes, released at all angles, closes and opens again; the outer ones crack like whips.
 
-The physics checked: nothing but damping and drag takes energy, and the budget says how much each of them took.
+The physics checked: only damping and drag dissipate energy, and the budget lists both.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from physcore.gallery.figure import Figure, budget
 ROPES = 31
 
 DURATION = 2.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Let go of ropes that hang by one end, the first and the last of them horizontal."""
+    """Ropes held at one end, at rest, at angles over a semicircle; the first and the last are horizontal."""
     ropes = [
         pc.rope(
             50,
@@ -40,15 +40,15 @@ def scene() -> pc.Scene:
 
 
 def rainbow(bodies: Sequence[pc.Body]) -> dict[pc.Body | str, tuple[int, int, int]]:
-    """A color for each body, around the circle of hues but for the last sixth."""
+    """A color for each body, along the circle of hues without its last sixth."""
     hues = [colorsys.hsv_to_rgb(0.83 * index / (len(bodies) - 1), 0.72, 1.0) for index in range(len(bodies))]
     colors = [(round(255 * red), round(255 * green), round(255 * blue)) for red, green, blue in hues]
     return dict(zip(bodies, colors, strict=True))
 
 
 def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
-    # The tips crack with frequencies close to the limit of stability: a fifth of it keeps the budget closed there too.
+    """Simulate the scene and draw the film."""
+    # The tips oscillate at frequencies close to the limit of stability. With a fifth of it the budget closes too.
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=pc.AutoStep(safety=0.2), progress=progress)
     style = pc.styles.Strain(width=4.0, color=rainbow(recording.scene.bodies))
     camera = Window((-1.1, -1.1), (1.1, 0.1))
@@ -57,5 +57,5 @@ def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What gravity gave is all there, after the whip too."""
+    """Compare the energy released by gravity with its final forms, after the cracks of the whips."""
     return budget(recordings, bound=5e-3)

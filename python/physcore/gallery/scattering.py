@@ -1,6 +1,6 @@
-"""A wave packet runs into a hill, which throws it apart in all directions.
+"""A wave packet meets a potential hill, which scatters it in all directions.
 
-The physics checked: as much comes back as of classical particles with the same places and velocities.
+The physics checked: the reflected probability is that of classical particles with the same positions and velocities.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 1.3
-"""[s]"""
+"""Simulated time [s]."""
 START, MOMENTUM, WIDTH = (-5.0, 0.35), 8.0, 0.9
-"""Of the packet, ħ = m = 1."""
+"""Initial position, momentum and width of the packet, with ħ = m = 1."""
 HEIGHT, RADIUS = 60.0, 1.2
-"""Of the hill, V = V₀ exp(−r²/2w²) [J, m]."""
+"""Height [J] and radius [m] of the hill, V = V₀ exp(−r²/2w²)."""
 PARTICLES = 4000
 
 
 def scene() -> pc.Scene:
-    """Let a packet run against a hill, in a room that is open on all sides."""
+    """A wave packet that meets a hill, in a room with absorbing edges."""
     room = pc.Grid.over((-10.0, -8.0), (10.0, 8.0), 0.1)
     packet = pc.wave_packet(room, START, (MOMENTUM, 0.0), WIDTH)
 
@@ -36,7 +36,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "scattering.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=0.003, progress=progress)
     camera = Window((-7.0, -5.25), (7.0, 5.25))
     style = pc.styles.Phase(range=0.025)
@@ -45,7 +45,7 @@ def main(path: str | os.PathLike[str] = "scattering.gif", progress: bool | None 
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The probability on the near side of the hill at the end, and the share of particles that fly back."""
+    """The probability on the near side of the hill at the end, and the fraction of particles that are reflected."""
     recording = recordings["electron"]
     (electron,) = recording.scene.systems
     assert isinstance(electron, pc.Schrodinger)

@@ -1,6 +1,6 @@
-"""Twenty-four chains of six rods hang on to one motion for five seconds, and a second later none is like another.
+"""Twenty-four chains of six rods move alike for five seconds; a second later all of them differ.
 
-The physics checked: while they are close together, they part as fast as neighbors do by their Lyapunov exponent.
+The physics checked: as long as they are close, they separate at the rate given by the Lyapunov exponent.
 """
 
 from __future__ import annotations
@@ -18,18 +18,20 @@ from physcore.gallery.figure import Figure
 
 PENDULUMS = 24
 RODS, LENGTH = 6, 0.3
-"""Of a pendulum, and of a rod [m]."""
+"""Number of rods of a pendulum, and length of a rod [m]."""
 ANGLE, SPREAD = math.radians(95.0), math.radians(1e-6)
-"""Of all rods at the start, from below, and between the upper rods of the first pendulum and the last."""
+"""Initial angle of all rods from the downward vertical, and range of the upper angles over all pendulums [rad]."""
 
 DURATION = 9.0
-"""[s]"""
+"""Simulated time [s]."""
 NEAR = (3.0, 5.0)
-"""When all have turned to the direction in which they part, and when they are still a millimeter apart [s]."""
+"""Interval of the measurement [s]. At its start all separations have the direction of fastest growth; at its end they
+are still a millimeter.
+"""
 
 
 def scene(pendulum_count: int = PENDULUMS) -> pc.Scene:
-    """All hang from one point and do not feel each other; of one alone, that in the middle."""
+    """Pendulums at one pivot, without interaction; a single pendulum is the middle one."""
     turns = SPREAD * (np.arange(pendulum_count) / max(pendulum_count - 1, 1) - 0.5 * (pendulum_count > 1))
     return pc.Scene(*pendulums([LENGTH] * RODS, [ANGLE] * RODS, [1.0] * RODS, turns), down())
 
@@ -37,7 +39,7 @@ def scene(pendulum_count: int = PENDULUMS) -> pc.Scene:
 def main(
     path: str | os.PathLike[str] = "sixfold_pendulum.gif", progress: bool | None = None
 ) -> dict[str, pc.Recording]:
-    """Simulate it by RATTLE of order 4, and draw rods and bobs with light behind them."""
+    """Simulate the scene by RATTLE of order 4, and draw rods and bobs with fading paths."""
     recording = pc.simulate(scene(), DURATION, fps=20, integrator=pc.RATTLE(4), dt=1e-3, progress=progress)
     camera = Window((-1.9, -1.95), (1.9, 0.9))
     draw(recording, path, fade=0.6, size=(520, 420), camera=camera, progress=progress)
@@ -45,5 +47,5 @@ def main(
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """How fast neighbors part, and the Lyapunov exponent of the pendulum in the middle over the same time."""
+    """The rate at which neighbors separate, and the Lyapunov exponent of the middle pendulum over the same time."""
     return parting(recordings["pendulums"], scene(1), PENDULUMS, NEAR)

@@ -1,4 +1,4 @@
-"""The inner planets for two years, among all eight, which attract each other: places, masses and times of the sky.
+"""The inner planets for two years, in a simulation of all eight planets with their real positions, masses and times.
 
 The physics checked: the Earth takes a sidereal year to go around the Sun.
 """
@@ -17,9 +17,9 @@ from physcore.gallery.figure import Figure
 from physcore.units import AU, day, gravitational_constant, solar_mass, year
 
 DURATION = 2.0 * year
-"""[s]"""
+"""Simulated time [s]."""
 SIDEREAL_YEAR = 365.25636 * day
-"""Of the Earth [s]."""
+"""Sidereal year of the Earth [s]."""
 
 PLANETS = {
     "Mercury": (6023600.0, 0.38709927, 0.20563593, 7.00497902, 252.25032350, 77.45779628, 48.33076593),
@@ -31,19 +31,21 @@ PLANETS = {
     "Uranus": (22902.98, 19.18916464, 0.04725744, 0.77263783, 313.23810451, 170.95427630, 74.01692503),
     "Neptune": (19412.24, 30.06992276, 0.00859048, 1.77004347, -55.12002969, 44.96476227, 131.78422574),
 }
-"""Mass of the Sun over that of the planet; semi-major axis [AU], eccentricity, inclination, mean longitude, longitudes
-of the perihelion and of the ascending node [degrees] at J2000.
+"""Orbital elements at J2000 and masses of the planets.
+
+The columns are: mass of the Sun over that of the planet; semi-major axis [AU]; eccentricity; inclination; mean
+longitude; longitude of the perihelion; longitude of the ascending node. All angles are in degrees.
 
 Source: E. M. Standish, "Keplerian elements for approximate positions of the major planets", JPL; masses: IAU 2009.
 """
 
 
 COLORS = ((255, 206, 84), (170, 160, 150), (240, 214, 160), (92, 160, 240), (226, 96, 58), (210, 160, 120))
-"""Of the Sun and of the planets as far as they are in the picture."""
+"""Colors of the Sun and of the planets in the picture."""
 
 
 def state(planet: str) -> tuple[float, np.ndarray, np.ndarray]:
-    """The mass [kg] of a planet, its place [m] and its velocity [m/s] about the Sun, in the plane of the ecliptic."""
+    """The mass [kg], the heliocentric position [m] and velocity [m/s] of a planet, in ecliptic coordinates."""
     ratio, axis, eccentricity, *angles = PLANETS[planet]
     inclination, longitude, perihelion, node = np.radians(angles)
     mean, anomaly = longitude - perihelion, longitude - perihelion
@@ -62,7 +64,7 @@ def state(planet: str) -> tuple[float, np.ndarray, np.ndarray]:
 
 
 def scene() -> pc.Scene:
-    """The Sun and eight planets, their center of mass at rest."""
+    """The Sun and eight planets, with their center of mass at rest."""
     masses, places, velocities = zip((solar_mass, np.zeros(3), np.zeros(3)), *map(state, PLANETS), strict=True)
     rest = np.average(velocities, axis=0, weights=masses)
     bodies = [
@@ -73,7 +75,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "solar_system.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate two years in half days, and draw the inner planets from above at a slant."""
+    """Simulate two years in steps of half a day, and draw the inner planets from an oblique view."""
     recording = pc.simulate(
         scene(), DURATION, fps=100 / year, integrator=pc.BlanesMoan6(), dt=year / 700, progress=progress
     )
@@ -99,7 +101,7 @@ def main(path: str | os.PathLike[str] = "solar_system.gif", progress: bool | Non
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The time in which the Earth turns by a whole circle about the Sun."""
+    """The time of one revolution of the Earth about the Sun."""
     sky = recordings["planets"]
     x, y = (sky.positions[:, 3] - sky.positions[:, 0])[:, :2].T
     angle = np.unwrap(np.arctan2(y, x))

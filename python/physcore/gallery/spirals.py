@@ -1,6 +1,6 @@
-"""A wave of excitation in a sheet of cells, cut at both ends, curls up into two spirals that turn for ever.
+"""A wave of excitation in a sheet of cells, with two free ends, curls up into two rotating spirals.
 
-The physics checked: it turns steadily, so that its waves pass all cells equally often.
+The physics checked: the rotation is steady, so that the waves have the same period everywhere.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ import physcore as pc
 from physcore.gallery.figure import Figure
 
 DURATION = 220.0
-"""[s]"""
+"""Simulated time [s]."""
 MEDIUM = pc.FitzHughNagumo(epsilon=0.1, beta=0.5, gamma=0.5)
 REST = (-0.8177, -0.6355)
-"""u and v where nothing happens."""
+"""Values of u and v at rest."""
 
 
 def scene() -> pc.Scene:
-    """Excite a strip of a sheet that cannot be excited again below it for some time."""
+    """An excited strip in a sheet that is refractory below it."""
     grid = pc.Grid.over((0.0, 0.0), (130.0, 100.0), 0.5)
     start = {
         "u": lambda x, y: np.where((np.abs(x - 65.0) < 16.0) & (np.abs(y - 50.0) < 4.0), 1.5, REST[0]),
@@ -31,7 +31,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "spirals.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.5, precision="f32", progress=progress)
     style = pc.styles.Field(colormap="inferno", range=(-2.6, 2.2), relief=0.3)
     pc.film(recording, path, size=(440, 372), style=style, speed=50.0, progress=progress)
@@ -39,7 +39,7 @@ def main(path: str | os.PathLike[str] = "spirals.gif", progress: bool | None = N
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The time between two waves on the left at the end, beside that at the bottom."""
+    """The period of the waves on the left at the end, compared with that at the bottom."""
     recording = recordings["sheet"]
     (sheet,) = recording.scene.systems
     u = recording[sheet]["u"]

@@ -1,6 +1,6 @@
-"""A plucked string is the sum of its harmonics: each swings in its own time, and after each period all is as it was.
+"""A plucked string is the sum of its harmonics: each oscillates at its own period, and all repeat after the longest.
 
-The physics checked: the period of the lowest tone is twice the length over the speed.
+The physics checked: the period of the fundamental is twice the length over the speed.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from physcore.checks import FloatArray
 from physcore.gallery.figure import Figure
 
 LENGTH, SPEED = 1.0, 0.5
-"""[m], [m/s]: some hundred times slower than a guitar's."""
+"""Length [m] and wave speed [m/s] of the string; the speed is some hundred times lower than on a guitar."""
 HARMONICS = 4
-"""How many of them are shown."""
+"""Number of harmonics shown."""
 HEIGHT = 0.015
-"""Of the string where it is plucked [m]."""
+"""Height of the string where it is plucked [m]."""
 DURATION = 2.0 * LENGTH / SPEED
-"""A period [s]."""
+"""Simulated time: one period [s]."""
 
 
 def pluck(x: FloatArray) -> FloatArray:
-    """Pulled up at a quarter of its length, with a finger's width."""
+    """Initial shape: a triangle with a rounded corner at a quarter of the length."""
     corner = 0.25 * LENGTH
     rise, fall = x / corner, (LENGTH - x) / (LENGTH - corner)
     return 0.5 * HEIGHT * (rise + fall - np.sqrt((rise - fall) ** 2 + 0.01))
 
 
 def scene() -> pc.Scene:
-    """Let go of a plucked string, and of others that begin as its harmonics, b sin(nπx/L) with b = 2⟨u sin(nπx/L)⟩."""
+    """A plucked string at rest, and strings with its harmonics, b sin(nπx/L) with b = 2⟨u sin(nπx/L)⟩."""
     line = pc.Grid.over(0.0, LENGTH, 0.0025)
     (x,) = line.coordinates
     shapes = [np.sin(n * np.pi * x / LENGTH) for n in range(1, HARMONICS + 1)]
@@ -44,7 +44,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "string.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate a period, and draw the string thick and its harmonics thin, all to one scale."""
+    """Simulate one period, and draw the string with a thick line and its harmonics with thin ones, on one scale."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
     string, *harmonics = recording.scene.systems
     style = [pc.styles.Line(range=HEIGHT, width=4.0, on=string), pc.styles.Line(range=HEIGHT, width=1.4, on=harmonics)]
@@ -53,7 +53,7 @@ def main(path: str | os.PathLike[str] = "string.gif", progress: bool | None = No
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """Twice the time from one passage of the lowest mode through zero to the next."""
+    """Period: twice the time between two successive zeros of the lowest mode."""
     recording = recordings["string"]
     x = recording.scene.systems[0].grid.coordinates[0]  # type: ignore[attr-defined]
     mode = recording["string"].displacement @ np.sin(np.pi * x / LENGTH)

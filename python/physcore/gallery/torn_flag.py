@@ -1,6 +1,6 @@
-"""A storm of eighteen meters per second tears a flag: its fabric goes where it flutters hardest, from an old cut on.
+"""A storm of 18 m/s tears a flag: the fabric breaks where it flutters most, from an initial cut on.
 
-The physics checked: what the wind and gravity give ends up as motion, strain and heat, that of the tearing with it.
+The physics checked: the energy from wind and gravity becomes motion, strain and heat, including the energy of tearing.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 COLUMNS, ROWS, SPACING = 37, 25, 1.0 / 24.0
-"""A flag of one and a half square meters [m]."""
+"""Columns, rows and spacing [m] of a flag of 1.5 m²."""
 STRENGTH, SCATTER, HEM = 0.1, 0.1, 1.6
-"""The strain at which springs break, by how much it differs between them, and what the hems bear beside it."""
+"""Strain at which springs break, its relative scatter, and the factor of this strain at the hems."""
 CUT = 8
-"""Columns that an old cut in the middle goes in from the free edge."""
+"""Length of the initial cut, from the free edge, in columns."""
 
 DURATION = 6.0
-"""[s]"""
+"""Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """A nylon flag of 150 g/m² hangs on its mast, with a seam of two columns that does not tear."""
+    """A nylon flag of 150 g/m² on its mast, with a seam of two columns that cannot tear."""
     whole = pc.cloth(
         (COLUMNS, ROWS),
         SPACING,
@@ -62,7 +62,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "torn_flag.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.2), progress=progress)
     style = pc.styles.Surface("#ef5a3c", back="#d98a6e")
     camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.75, 0.1, 0.44), extent=1.55)
@@ -71,5 +71,5 @@ def main(path: str | os.PathLike[str] = "torn_flag.gif", progress: bool | None =
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """What the wind and gravity gave is all there."""
+    """Compare the energy from wind and gravity with its final forms."""
     return budget(recordings, bound=0.02)

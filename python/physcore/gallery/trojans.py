@@ -1,6 +1,6 @@
-"""Asteroids keep 60° ahead of Jupiter and behind it, in the frame that turns with the Sun and Jupiter.
+"""Asteroids stay about 60° ahead of and behind Jupiter, in the frame that rotates with the Sun and Jupiter.
 
-The physics checked: the period of a small oscillation about Lagrange's point L4 in the restricted problem.
+The physics checked: the period of a small oscillation about the Lagrange point L4 in the restricted problem.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from physcore.gallery.figure import Figure
 from physcore.units import AU, gravitational_constant, jupiter_mass, solar_mass, year
 
 DURATION = 170.0 * year
-"""[s]"""
+"""Simulated time [s]."""
 DISTANCE = 5.2044 * AU
-"""Between the Sun and Jupiter, here on a circle [m]."""
+"""Distance of Jupiter from the Sun, on a circular orbit [m]."""
 SHARE = jupiter_mass / (solar_mass + jupiter_mass)
-"""Mass of Jupiter over that of both."""
+"""Mass ratio μ: mass of Jupiter over that of both bodies."""
 RATE = float(np.sqrt(gravitational_constant * (solar_mass + jupiter_mass) / DISTANCE**3))
-"""Of the turning of both [rad/s]."""
+"""Angular velocity of the pair [rad/s]."""
 AHEAD = np.array([57.0, 50.0, 44.0, 38.0, 33.0, 29.0])
-"""Angles of the asteroids ahead of Jupiter at the start, or behind it [degrees]."""
+"""Initial angles of the asteroids ahead of Jupiter, or behind it [degrees]."""
 COLORS = ((255, 206, 84), (226, 150, 96), (92, 200, 180), (120, 150, 250), (240, 110, 140))
 
 
 def turning(places: np.ndarray) -> np.ndarray:
-    """Velocities [m/s] at rest in the corotating frame."""
+    """Velocities [m/s] of points at rest in the corotating frame."""
     return RATE * np.column_stack([-places[:, 1], places[:, 0]])
 
 
 def scene() -> pc.Scene:
-    """The Sun and Jupiter about their center of mass, and asteroids without weight at rest in the corotating frame."""
+    """The Sun and Jupiter about their center of mass, and massless asteroids at rest in the corotating frame."""
     pair = DISTANCE * np.array([[-SHARE, 0.0], [1.0 - SHARE, 0.0]])
     sun = pc.Particles(pair[:1], turning(pair[:1]), mass=solar_mass, name="Sun")
     jupiter = pc.Particles(pair[1:], turning(pair[1:]), mass=jupiter_mass, name="Jupiter")
@@ -48,7 +48,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "trojans.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate an oscillation and more, and draw it in the corotating frame."""
+    """Simulate more than one oscillation, and draw it in the corotating frame."""
     recording = pc.simulate(
         scene(), DURATION, fps=1.5 / year, integrator=pc.BlanesMoan6(), dt=year / 3.0, progress=progress
     )
@@ -75,7 +75,7 @@ def main(path: str | os.PathLike[str] = "trojans.gif", progress: bool | None = N
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """Twice the time between two passages of the middle by the smallest oscillation about L4.
+    """Period of the smallest oscillation about L4: twice the time between two passages through its middle.
 
     Source: V. Szebehely, Theory of Orbits (1967), section 5.3: the slow root of λ⁴ + λ² + 27/4 μ(1 − μ) = 0.
     """
@@ -83,7 +83,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     sun, jupiter, asteroid = (sky[name].positions[:, 0] for name in ("Sun", "Jupiter", "Greeks"))
     x, y = asteroid - sun, jupiter - sun
     angle = np.arctan2(y[:, 0] * x[:, 1] - y[:, 1] * x[:, 0], (x * y).sum(axis=1))
-    turn = round(2.0 * np.pi / RATE * sky.fps)  # over which the short oscillation averages out
+    turn = round(2.0 * np.pi / RATE * sky.fps)  # a mean over this removes the short oscillation
     slow = np.convolve(angle, np.ones(turn) / turn, mode="valid")
     slow -= 0.5 * (slow.min() + slow.max())
     before = np.flatnonzero(slow[:-1] * slow[1:] < 0.0)[:2]

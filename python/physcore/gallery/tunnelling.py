@@ -1,6 +1,6 @@
-"""A packet of waves meets a barrier that is higher than its energy: most of it comes back, and some of it is beyond.
+"""A wave packet meets a barrier higher than its energy: most of it is reflected, and some is transmitted.
 
-The physics checked: the probability beyond is that of plane waves, weighted by how much of each is in the packet.
+The physics checked: the transmitted probability is that of plane waves, weighted by their shares in the packet.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 4.5
-"""[s]"""
+"""Simulated time [s]."""
 MOMENTUM, WIDTH = 4.0, 1.3
-"""Of the packet, ħ = m = 1."""
+"""Momentum and width of the packet, with ħ = m = 1."""
 HEIGHT, THICK = 9.0, 0.6
-"""Of the barrier [J, m]."""
+"""Height [J] and thickness [m] of the barrier."""
 
 
 def scene() -> pc.Scene:
-    """Let a packet run to the right, with a barrier on its way."""
+    """A packet that moves to the right, toward a barrier."""
     plane = pc.Grid.over((-24.0, -8.0), (24.0, 8.0), 0.1, periodic=(False, True))
     packet = pc.wave_packet(plane, (-9.0, 0.0), (MOMENTUM, 0.0), (WIDTH, 2.2))
 
@@ -34,7 +34,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=24, progress=progress)
     style, camera = pc.styles.Phase(range=0.02), Window((-15.0, -5.0), (15.0, 5.0))
     pc.film(recording, path, size=(540, 224), style=style, camera=camera, speed=0.5, quality="high", progress=progress)
@@ -42,7 +42,7 @@ def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None 
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The probability beyond the barrier, where nothing that was reflected is."""
+    """The probability beyond the barrier, after the reflected part has left."""
     recording = recordings["electron"]
     (electron,) = recording.scene.systems
     assert isinstance(electron, pc.Schrodinger)

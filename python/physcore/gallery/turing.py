@@ -1,6 +1,6 @@
-"""Two substances that are even everywhere, but for some parts in a hundred, order themselves into spots: Turing's idea.
+"""Two almost uniform substances form spots by reaction and diffusion, as Turing predicted.
 
-The physics checked: the spots are as far apart as the waves that grow fastest, by linear stability analysis.
+The physics checked: the distance of the spots is the wavelength of fastest growth, by linear stability analysis.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import physcore as pc
 from physcore.gallery.figure import Figure
 
 DURATION = 50.0
-"""[s]"""
+"""Simulated time [s]."""
 A, B = 0.1, 0.9
 DIFFUSION = {"u": 1.0, "v": 20.0}
-"""[m²/s]: the activator spreads slowly, the substance that it uses up quickly."""
+"""Diffusivities [m²/s]: the activator spreads slowly, the substance that it consumes quickly."""
 
 
 def scene() -> pc.Scene:
-    """Disturb the even state u = a + b, v = b/(a + b)²."""
+    """The uniform state u = a + b, v = b/(a + b)², with noise."""
     grid = pc.Grid.over((0.0, 0.0), (130.0, 100.0), 0.5, periodic=True)
     noise = 0.05 * np.random.default_rng(5).standard_normal(grid.cells)
     start = {"u": (A + B) * (1.0 + noise), "v": np.full(grid.cells, B / (A + B) ** 2)}
@@ -30,7 +30,7 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "turing.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(
         scene(), duration=DURATION, fps=2.0, integrator=pc.RungeKuttaChebyshev(), precision="f32", progress=progress
     )
@@ -40,7 +40,7 @@ def main(path: str | os.PathLike[str] = "turing.gif", progress: bool | None = No
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The wavelength when spots begin to show, from the mean square of wave numbers, and that of the fastest growth."""
+    """Wavelength at the onset of the spots, from the mean square of wave numbers, and that of the fastest growth."""
     recording = recordings["dish"]
     (dish,) = recording.scene.systems
     assert isinstance(dish, pc.ReactionDiffusion)

@@ -1,6 +1,6 @@
-"""Two rows of vortices, as they leave a cylinder in a stream, wrap dye of two colors into spirals and go on.
+"""Two rows of vortices, as in the wake of a cylinder, move on and wind dye of two colors into spirals.
 
-The physics checked: the street moves at the speed that von Kármán found.
+The physics checked: the vortex street moves at the speed found by von Kármán.
 """
 
 from __future__ import annotations
@@ -17,33 +17,37 @@ from physcore.gallery.figure import Figure
 
 PAIRS = 40
 SPACING = 1.0
-"""The distance of neighbors in a row [m]."""
+"""Distance a of neighbors in a row [m]."""
 WIDTH = SPACING * math.asinh(1.0) / math.pi
-"""That of the rows at which the street is stable [m]. Source: T. von Kármán, Nachr. Ges. Wiss. Göttingen (1911) 509."""
+"""Distance b of the rows at which the street is stable [m]. Source: T. von Kármán, Nachr. Ges. Wiss. Göttingen (1911)
+509.
+"""
 CIRCULATION = 2.0
-"""[m²/s]"""
+"""Circulation Γ of a vortex [m²/s]."""
 SPEED = CIRCULATION / (2.0 * SPACING) * math.tanh(math.pi * WIDTH / SPACING)
-"""That of an endless street, Γ/(2 a) tanh(π b/a) [m/s]."""
+"""Speed of an infinite street, Γ/(2 a) tanh(π b/a) [m/s]."""
 CORE = 0.05
-"""Within which a vortex turns dye as a whole [m]."""
+"""Core radius of a vortex, within which dye rotates rigidly [m]."""
 DURATION = 3.0
-"""[s]"""
+"""Simulated time [s]."""
 DYE = 200_000
-"""About how many tracers there are of each color."""
+"""Approximate number of tracers of each color."""
 LAYER = 0.35
-"""How thick a layer of dye is [m]."""
+"""Thickness of a layer of dye [m]."""
 SHOWN = 3.4
-"""How much of the street the picture shows [m]."""
+"""Length of the street in the picture [m]."""
 
 
 def scene(dye: int = DYE) -> pc.Scene:
-    """The upper row turns counterclockwise and the lower one clockwise, so that the street goes to the right."""
+    """Two rows of vortices: counterclockwise in the upper row and clockwise in the lower one, so that they move to the
+    right.
+    """
     along = SPACING * (np.arange(PAIRS) - 0.5 * (PAIRS - 1))
     upper, lower = np.column_stack([along, 0.0 * along + WIDTH / 2]), np.column_stack([along, 0.0 * along - WIDTH / 2])
     lower[:, 0] += 0.5 * SPACING
     turns = np.repeat([CIRCULATION, -CIRCULATION], PAIRS)
     street = pc.PointVortices(np.concatenate([upper, lower]), turns, CORE, name="street")
-    # As far as the picture goes.
+    # Range of the dye: the picture during the whole film.
     left, right = -SHOWN / 2 - SPACING, SHOWN / 2 + SPACING + SPEED * DURATION
     layer = pc.block((left, 0.0), (right, LAYER), math.sqrt((right - left) * LAYER / dye))
     above, below = (pc.Tracers(layer * (1.0, sign), street, name=name) for sign, name in ((1, "above"), (-1, "below")))
@@ -53,7 +57,7 @@ def scene(dye: int = DYE) -> pc.Scene:
 def main(
     path: str | os.PathLike[str] = "vortex_street.gif", progress: bool | None = None, dye: int = DYE
 ) -> dict[str, pc.Recording]:
-    """Simulate it while it is drawn, from an eye that goes along, and record the street."""
+    """Simulate the scene while it is drawn, with a camera that moves along, and record the street."""
     whole = scene(dye)
     street, above, below = whole.systems
 
@@ -82,7 +86,7 @@ def main(
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The speed of the middle in the first half; beyond n pairs on either side 1/(π n) of it is missing."""
+    """Speed of the middle of the street in the first half; a street with n pairs on each side is slower by 1/(π n)."""
     street = recordings["street"]["street"].positions
     middle = street[:, [PAIRS // 2 - 1, PAIRS // 2, PAIRS + PAIRS // 2 - 1, PAIRS + PAIRS // 2], 0].mean(axis=1)
     times = recordings["street"].times

@@ -1,6 +1,6 @@
-"""A whisper runs around a round hall along its wall, from which it cannot part: it is reflected again and again.
+"""A sound packet travels along the wall of a round hall, where it is reflected again and again.
 
-The physics checked: how far it has come, as rays that leave the wall and meet it again go.
+The physics checked: the angle traveled is that of rays, which are reflected repeatedly at the wall.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from physcore.checks import FloatArray
 from physcore.gallery.figure import Figure
 
 DURATION = 9.0
-"""[s]"""
+"""Simulated time [s]."""
 RADIUS, START = 2.0, 1.8
-"""Of the hall, and of the circle to which the rays are tangents [m]."""
+"""Radius of the hall, and of the circle to which the rays are tangent [m]."""
 WAVELENGTH, WIDTH, LENGTH = 0.25, 0.12, 0.35
-"""Of the sound; standard deviations of the packet across and along its way [m]."""
+"""Wavelength of the sound, and standard deviations of the packet across and along its direction [m]."""
 
 
 def scene() -> pc.Scene:
-    """Let a packet of waves start at the lowest place of the wall, to the right."""
+    """A wave packet at the lowest point of the wall, moving to the right."""
     hall = pc.Grid.over((-2.1, -2.1), (2.1, 2.1), 0.02)
     wall = np.hypot(*hall.coordinates) > RADIUS
 
@@ -34,7 +34,7 @@ def scene() -> pc.Scene:
         return whisper
 
     def rate(x: FloatArray, y: FloatArray) -> FloatArray:
-        """−c ∂u/∂x, by which the packet runs to the right."""
+        """Initial rate −c ∂u/∂x, for a packet that moves to the right."""
         step = 1e-5
         change: FloatArray = -(packet(x + step, y) - packet(x - step, y)) / (2.0 * step)
         return change
@@ -45,7 +45,7 @@ def scene() -> pc.Scene:
 def main(
     path: str | os.PathLike[str] = "whispering_gallery.gif", progress: bool | None = None
 ) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
     style = pc.styles.Field(range=0.6)
     pc.film(recording, path, size=(328, 346), style=style, speed=1.25, quality="high", progress=progress)
@@ -53,8 +53,9 @@ def main(
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The angle by which the middle of the packet's energy went around, and that of rays: chords of a half-angle φ, of
-    length 2R sin φ, each of which goes around by 2φ.
+    """The angle around the hall traveled by the packet's energy, and that of rays.
+
+    Rays are chords of half-angle φ and length 2R sin φ, each of which advances by the angle 2φ.
     """
     recording = recordings["hall"]
     (wave,) = recording.scene.systems

@@ -1,1 +1,1 @@
-"""How a scene is computed: integrators, the choices beside the scene, and the arithmetic of time steps."""
+"""Numerical methods: integrators, options, and the arithmetic of time steps."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, TypedDict
 
 from physcore.checks import MOST, count, is_word, number, shown, span, word
-from physcore.errors import SceneError, warn
+from physcore.errors import SceneError
 from physcore.forces import ElectromagneticField
 from physcore.numerics.fluids import FluidMethod, Fluids, fluid_methods
 from physcore.numerics.integrators import (
@@ -133,16 +133,14 @@ class Options(TypedDict, total=False):
     max_energy_growth: float | None
     on_divergence: DivergenceRule
     fluids: Fluids
-    runaway: float | None
-    """The deprecated name of max_energy_growth."""
 
 
 @dataclass(frozen=True)
 class Numerics:
-    """The same choices, checked, with every "auto" but the time step's resolved."""
+    """Numerical choices, checked, with every "auto" but the time step's resolved."""
 
     integrator: Integrator
-    """That of the bodies; of the first system where there are none."""
+    """The integrator of the bodies; of the first system where there are none."""
     dt: float | StepRule
     precision: Literal["f32", "f64"]
     threads: int | None
@@ -169,7 +167,7 @@ def check(options: Options, scene: Scene) -> Numerics:
     """
     threads = options.get("threads")
     rule = word(options.get("on_divergence", "raise"), "on_divergence", DIVERGENCE_RULES)
-    growth = _max_energy_growth(options)
+    growth = options.get("max_energy_growth")
     chosen, dt = _integrators(options.get("integrator", "auto"), scene), _dt(options.get("dt", "auto"), scene)
     integrator = next(iter(chosen.values()))
     for each in chosen.values():
@@ -199,17 +197,6 @@ def check(options: Options, scene: Scene) -> Numerics:
         on_divergence=rule,
         fluids=fluid_methods(options.get("fluids", "auto"), scene),
     )
-
-
-def _max_energy_growth(options: Options) -> float | None:
-    """The choice under its name, or under that of before."""
-    growth, before = options.get("max_energy_growth"), options.get("runaway")
-    if before is None:
-        return growth
-    warn("runaway= is now max_energy_growth=", DeprecationWarning)
-    if growth is not None:
-        raise SceneError("runaway: is the old name of max_energy_growth, which is given too")
-    return before
 
 
 def suited(scene: Scene) -> list[type[Integrator]]:

@@ -1,6 +1,6 @@
-"""Trajectories for the tools of the field: `export` is the recipe, and each format is a file.
+"""Export of trajectories to common file formats: the function `export`, and one module per format.
 
-To add a format: a file here and a line in FORMATS.
+To add a format: a module here and a line in FORMATS.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from physcore.spelling import spelled
 from physcore.storage.formats import writable
 
 FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter)
-"""Every format that a trajectory can be exported to."""
+"""All formats of exported trajectories."""
 
 __all__ = ["FORMATS", "export"]
 
@@ -38,36 +38,36 @@ def export(
     progress: bool | None = None,
     **numerics: Unpack[Options],
 ) -> None:
-    """Write a recording, or a scene while it is simulated, to a file that other tools read.
+    """Write a recording, or a scene while it is simulated, to a file for other programs.
 
         pc.export(recording, "cloth.xyz")
 
-    The end of the name says which format:
+    The suffix of the file selects the format:
 
         .xyz, .extxyz   extended XYZ: text, for OVITO, ASE and many others
         .pvd            for ParaView, files in a folder beside it: for each frame a .vtp of particles and springs with
                         their strain, and a .vti of each system on a grid, whose fields no other format has
         .h5md           H5MD 1.1, for MDAnalysis, OVITO and VMD, with the energies; needs `pip install 'physcore[hdf5]'`
 
-    Everything is in SI units, as always in physcore: meters, seconds, kilograms. Readers made for atoms, such as ASE,
-    take lengths for Å and do not convert them. What is 2D is written with z = 0. Positions are those of the recording,
-    within the periodic domain, with all their digits. Only one frame of a scene is in memory at a time. The file
-    appears under its name when it is whole; until then, and on any failure, what was there stays.
+    All values are in SI units, as everywhere in physcore: meters, seconds, kilograms. Programs for atoms, such as ASE,
+    interpret lengths as Å without conversion. 2D scenes are written with z = 0. Positions are those of the recording,
+    within the periodic domain, with all their digits. With a scene, only one frame is in memory at a time. The file
+    appears under its name when it is complete. Until then, and after any failure, an existing file stays unchanged.
 
     Args:
-        recording: what to write.
-        path: where to.
-        duration: how long to simulate a scene [s].
+        recording: the recording or scene.
+        path: the file to write.
+        duration: the simulated duration of a scene [s].
         fps: frames per second of simulated time; None: 30.
-        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
-        numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
+        progress: whether to show a progress bar; None: on a terminal, after one second.
+        numerics: options for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Raises:
-        SceneError: an argument is not valid, or the recording has no energies, or nothing that the format
-            holds.
+        SceneError: an argument is not valid, the recording has no energies, or it has nothing that the format can
+            store.
         FileError: the file cannot be written.
-        PhyscoreError: what the format needs is not installed.
-        SimulationDiverged: the scene blew up.
+        PhyscoreError: a package that the format needs is not installed.
+        SimulationDiverged: the simulation of the scene diverged.
     """
     writer, target = writable(path, FORMATS), Path(path)
     bar = None if progress is None else flag(progress, "progress")

@@ -1,4 +1,4 @@
-"""Formats of trajectories: the job that a writer is given, in three dimensions, one frame at a time."""
+"""Base class of trajectory formats, and the job given to a writer: frames in three dimensions, one at a time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from physcore.simulation.sources import Source
 from physcore.storage.formats import Format
 
 FIELDS = {"densities": "density", "pressures": "pressure"}
-"""The name of a channel in the singular, for the column or the array of a particle's values."""
+"""Names of channels in the singular, for the values of a single particle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,36 +29,36 @@ class Sample:
     """All particles at one time."""
 
     index: int
-    """Of the frame, from 0."""
+    """Index of the frame, from 0."""
     time: float
-    """[s]"""
+    """Time [s]."""
     positions: FloatArray
-    """[m], shape (N, 3)."""
+    """Positions [m], shape (N, 3)."""
     velocities: FloatArray | None
-    """[m/s], shape (N, 3), if they were recorded."""
+    """Velocities [m/s], shape (N, 3); None if they were not recorded."""
     fields: Mapping[str, FloatArray]
-    """Density [kg/m³] and pressure [Pa], each of shape (N,), as far as there are any."""
+    """Densities [kg/m³] and pressures [Pa], each of shape (N,), as far as there are any."""
     energy: Energy
-    """The energy budget of the last step at or before."""
+    """Energy budget of the last step at or before this time."""
     systems: Mapping[str, Mapping[str, FloatArray]]
-    """The fields of each system on a grid, by its path and their names, as far as they were recorded."""
+    """Fields of each system on a grid, by the system's path and their names, as far as they were recorded."""
 
 
 @dataclass(frozen=True, eq=False)
 class Springs:
-    """The springs of all bodies."""
+    """Springs of all bodies."""
 
     pairs: IntArray
-    """The two particles that each connects, shape (M, 2)."""
+    """The two particles of each spring, shape (M, 2)."""
     rest_length: FloatArray
-    """[m], shape (M,)."""
+    """Rest lengths [m], shape (M,)."""
     domain: Periodic | None
 
     def strain(self, positions: FloatArray) -> FloatArray:
-        """Length over rest length less one, (M,); not a number where the rest length is zero."""
+        """The strains (M,): length over rest length, minus 1; NaN if the rest length is zero."""
         first, second = self.pairs.T
         separation = positions[second] - positions[first]
-        if self.domain is not None:  # Of positions within a domain: that of the nearest images.
+        if self.domain is not None:  # In a periodic domain, between nearest images.
             axes = self.domain.dimension
             separation[:, :axes] = self.domain.nearest(separation[:, :axes])
         rest = np.where(self.rest_length > 0.0, self.rest_length, np.nan)
@@ -67,7 +67,7 @@ class Springs:
 
 
 class ExportJob:
-    """A trajectory to be written: what does not change, and the frames."""
+    """Job of a writer: the constants of a trajectory, and its frames."""
 
     def __init__(self, source: Source, progress: bool | None) -> None:
         self._source = source
@@ -75,17 +75,17 @@ class ExportJob:
 
     @property
     def count(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
         return self._source.count
 
     @property
     def particles(self) -> int:
-        """N."""
+        """The number N of particles."""
         return self._source.scene.particles
 
     @property
     def has_bodies(self) -> bool:
-        """Whether there are bodies, maybe without particles."""
+        """Whether there are bodies, which may be without particles."""
         return bool(self._bodies)
 
     @property
@@ -95,7 +95,7 @@ class ExportJob:
 
     @cached_property
     def grids(self) -> dict[str, Grid]:
-        """The grids of systems, by their paths."""
+        """The grids of systems, by path."""
         scene = self._source.scene
         return {str(scene.system(each)): each.grid for each in scene.systems if isinstance(each, GridSystem)}
 
@@ -112,12 +112,12 @@ class ExportJob:
 
     @cached_property
     def body(self) -> IntArray:
-        """The index of the body that each particle belongs to, shape (N,)."""
+        """The index of the body of each particle, shape (N,)."""
         return np.repeat(np.arange(len(self._bodies)), [len(body) for body in self._bodies])
 
     @cached_property
     def springs(self) -> Springs:
-        """Those of all bodies together."""
+        """The springs of all bodies."""
         starts = np.cumsum([0, *(len(body) for body in self._bodies)])
         pairs, rest = [np.empty((0, 2), dtype=np.int64)], [np.empty(0)]
         for body, start in zip(self._bodies, starts, strict=False):
@@ -133,7 +133,7 @@ class ExportJob:
                 velocities = _in_space(frame.fields["velocities"]) if "velocities" in frame.fields else None
                 fields = {name: frame.fields[field] for field, name in FIELDS.items() if field in frame.fields}
                 systems = {path: _own(frame.fields, f"{path}.") for path in self.grids}
-                assert frame.energy is not None  # `export` has asked
+                assert frame.energy is not None  # `export` has checked this
                 yield Sample(index, frame.time, _in_space(frame.positions), velocities, fields, frame.energy, systems)
                 bar.update(index + 1)
 
@@ -146,25 +146,25 @@ class ExportJob:
 
 
 class TrajectoryWriter(Format, ABC):
-    """A format of trajectories."""
+    """Base class of trajectory formats."""
 
     holds_fields: ClassVar[bool] = False
-    """Whether it has fields on grids too, not particles alone."""
+    """Whether the format stores fields on grids, in addition to particles."""
 
     @abstractmethod
     def write(self, job: ExportJob, target: Path) -> None:
-        """Write all frames; the file appears under its name when it is whole, and until then what was there stays.
+        """Write all frames. The file appears under its name when it is complete; until then an existing file stays.
 
         Raises:
-            FileError: it cannot be written.
+            FileError: the file cannot be written.
         """
 
 
 def _own(fields: Mapping[str, FloatArray], prefix: str) -> dict[str, FloatArray]:
-    """The fields whose names begin so, by what follows."""
+    """The fields whose names begin with a prefix, by the rest of their names."""
     return {name.removeprefix(prefix): values for name, values in fields.items() if name.startswith(prefix)}
 
 
 def _in_space(vectors: FloatArray) -> FloatArray:
-    """The same vectors in three dimensions."""
+    """Vectors (N, D) padded with zeros to three dimensions."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

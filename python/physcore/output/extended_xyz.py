@@ -1,6 +1,6 @@
-"""Extended XYZ: text, one block of lines for each frame, with named columns.
+"""Extended XYZ: text with one block of lines per frame, in named columns.
 
-Source: https://github.com/libAtoms/extxyz, the specification; the keys of OVITO and ASE where they name more.
+Source: https://github.com/libAtoms/extxyz, the specification; further keys as in OVITO and ASE.
 """
 
 from __future__ import annotations
@@ -16,13 +16,15 @@ from physcore.scene.periodic import Periodic
 from physcore.storage.files import replacing
 
 SPECIES = "X"
-"""The species that readers know as an atom of no element; bodies are told apart by the column `body`."""
+"""Species of all particles; readers take it for an atom of no element. The column `body` tells bodies apart."""
 
 
 class ExtendedXyzWriter(TrajectoryWriter):
-    """Columns: species (always X), position [m], velocity [m/s], mass [kg], radius [m] and charge [C] where there are
-    any, density [kg/m³] and pressure [Pa] of fluids, and the index of the body. The line above them has the time [s]
-    and the energies [J]. Numbers have all their digits.
+    """Writer of extended XYZ.
+
+    The columns are species (always X), position [m], velocity [m/s], mass [kg], and radius [m] and charge [C] if there
+    are any. They are followed by density [kg/m³] and pressure [Pa] of fluids, and the index of the body. The comment
+    line has the time [s] and the energies [J]. Numbers have all their digits.
     """
 
     suffixes: ClassVar = (".xyz", ".extxyz")
@@ -41,7 +43,7 @@ class ExtendedXyzWriter(TrajectoryWriter):
 
 
 def _columns(job: ExportJob, sample: Sample) -> tuple[list[list[float]], str]:
-    """The columns after the species, and the names of all."""
+    """The columns after the species, and the names of all columns."""
     vectors = {"pos": sample.positions}
     if sample.velocities is not None:
         vectors["velo"] = sample.velocities
@@ -53,7 +55,7 @@ def _columns(job: ExportJob, sample: Sample) -> tuple[list[list[float]], str]:
 
 
 def _cell(domain: Periodic | None) -> str:
-    """Which axes are periodic, and the domain; the length along an axis that is not means nothing, and is 1."""
+    """The periodic axes and the domain; the length along an axis that is not periodic is 1, without meaning."""
     if domain is None:
         return 'pbc="F F F"'
     lower, lengths = np.zeros(3), np.full(3, math.inf)

@@ -21,24 +21,27 @@ UNITS = {
     **{"time": "s", "position": "m", "velocity": "m s-1", "density": "kg m-3", "pressure": "Pa"},
     **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J"},
 }
-"""They stand in `parameters/units`, and not at each element, as a module of H5MD has it: MDAnalysis opens no file whose
-lengths have a unit that it does not know, and meters are one."""
+"""Units, stored in `parameters/units`. H5MD's units module would store them at each element, but MDAnalysis opens no
+file with an unknown unit of length, and meters are unknown to it.
+"""
 ENERGIES = ("kinetic", "potential", "internal", "total", "dissipated", "work")
-"""The parts of the budget, each an observable."""
+"""Parts of the energy budget; each is an observable."""
 
 
 class H5mdWriter(TrajectoryWriter):
-    """`particles/all` has position and velocity, of fluids density and pressure, over time, and mass, radius, charge,
-    and `species`, the index of the body; `observables` has the energies [J] at the times of their steps. `step`
-    counts frames. Lengths of the box along axes that are not periodic mean nothing, and are 1. Units are in
-    `parameters/units`; MDAnalysis needs `convert_units=False`.
+    """Writer of H5MD.
+
+    `particles/all` has the positions and velocities over time, and the densities and pressures of fluids. It also has
+    mass, radius, charge, and `species`, the index of the body. `observables` has the energies [J] at the times of their
+    steps. `step` counts frames. Lengths of the box along axes that are not periodic are 1, without meaning. Units are
+    in `parameters/units`; MDAnalysis needs `convert_units=False`.
     """
 
     suffixes: ClassVar = (".h5md",)
 
     @classmethod
     def missing(cls) -> str | None:
-        """The library, if it is not there."""
+        """The instruction to install h5py, if it is missing; otherwise None."""
         from importlib.util import find_spec
 
         return None if find_spec("h5py") else "H5MD needs h5py: pip install 'physcore[hdf5]'; a .xyz needs nothing"
@@ -59,9 +62,9 @@ class H5mdWriter(TrajectoryWriter):
 
 
 class _Disk:
-    """A file that keeps its failures to itself: HDF5 would print some of them and lose others, as those at its end.
+    """File object that records its errors instead of raising them.
 
-    Who writes asks for them.
+    HDF5 would print some errors and lose others, such as those at the end of the file. The writer calls `check`.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -70,22 +73,22 @@ class _Disk:
         self.read, self.seek, self.tell = file.read, file.seek, file.tell
 
     def check(self) -> None:
-        """Raise the first failure, if there was one."""
+        """Raise the first recorded error, if any."""
         if self._failure is not None:
             raise self._failure
 
     def write(self, content: bytes) -> int:
-        """Write, or fail in silence."""
+        """Write the content; record an error."""
         self._try(self._file.write, content)
         return len(content)
 
     def truncate(self, size: int | None = None) -> int:
-        """Cut or lengthen the file, or fail in silence."""
+        """Truncate or extend the file; record an error."""
         self._try(self._file.truncate, size)
         return size or 0
 
     def flush(self) -> None:
-        """Hand everything to the system, or fail in silence."""
+        """Flush the buffers to the system; record an error."""
         self._try(self._file.flush)
 
     def _try(self, action: Callable[..., object], *arguments: object) -> None:
@@ -96,7 +99,7 @@ class _Disk:
 
 
 def _describe(file: h5py.File, job: ExportJob) -> None:
-    """All that does not change."""
+    """Write all constants."""
     head = file.create_group("h5md")
     head.attrs["version"] = np.array([1, 1], dtype=np.int32)
     head.create_group("author").attrs["name"] = "physcore"
@@ -114,7 +117,7 @@ def _describe(file: h5py.File, job: ExportJob) -> None:
 
 
 def _edges(domain: Periodic | None) -> FloatArray:
-    """The period along each axis [m], shape (3,); inf where an axis is not periodic."""
+    """The period along each axis [m], shape (3,); inf along an axis that is not periodic."""
     lengths = np.full(3, np.inf)
     if domain is not None:
         lengths[: domain.dimension] = domain.lengths
@@ -122,11 +125,11 @@ def _edges(domain: Periodic | None) -> FloatArray:
 
 
 class _Series:
-    """The elements that change with time: their data sets are made with the first frame, and filled one by one."""
+    """Time-dependent elements. Their data sets are created with the first frame, and filled frame by frame."""
 
     def __init__(self, file: h5py.File, count: int, edges: FloatArray) -> None:
         self._file, self._count = file, count
-        # With each frame, though they stay as they are: MDAnalysis reads no others.
+        # The edges are constant, but MDAnalysis reads only time-dependent ones.
         self._edges = np.where(np.isfinite(edges), edges, 1.0) if np.isfinite(edges).any() else None
         self._values: dict[str, Any] = {}
 
@@ -152,7 +155,7 @@ class _Series:
         self._file[path]["time"][index] = time
 
     def _begin(self, path: str, shape: tuple[int, ...]) -> None:
-        """Lay out an element: step and time are one data set for all that are taken together."""
+        """Create an element. All elements that are sampled together share the data sets of step and time."""
         group, parent = self._file.create_group(path), path.partition("/")[0]
         self._values[path] = group.create_dataset("value", (self._count, *shape), dtype="<f8")
         first = next(name for name in self._values if name.startswith(parent))

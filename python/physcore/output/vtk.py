@@ -20,19 +20,21 @@ from physcore.scene.grid import Grid
 from physcore.storage.files import held, replacing, sweep, temporary_name, unwritable
 
 FRAMES = "frames"
-"""The folder of frames in its temporary name, until its content is known."""
+"""Temporary name of the folder of frames, until its content is known."""
 TYPES = {np.dtype("float64"): "Float64", np.dtype("int64"): "Int64"}
-"""Names of the types in VTK."""
+"""Names of the data types in VTK."""
 
 
 class VtkWriter(TrajectoryWriter):
-    """Points with velocity [m/s], mass [kg], radius [m], charge [C], density [kg/m³], pressure [Pa] and index of the
-    body, and the springs as lines with their strain; each point is a cell too, so that it is seen. Systems on grids are
+    """Writer of VTK.
+
+    Points have velocity [m/s], mass [kg], radius [m], charge [C], density [kg/m³], pressure [Pa] and the index of the
+    body. Springs are lines with their strain. Each point is a cell too, so that it is visible. Systems on grids are
     images with the values of each field in the cells.
 
-    The frames of film.pvd are in film/ and there in a folder that is named by what is in them. The .pvd is written when
-    all of them are there, and only then those of its predecessor are removed: at every moment it lists frames that
-    exist. Springs across a face of the periodic domain are drawn across; their strain is right.
+    The frames of film.pvd are in a subfolder of film/, which is named by a hash of its content. The .pvd is written
+    after all frames, and the frames of an earlier .pvd are removed after that. The .pvd therefore always lists existing
+    frames. Springs across a face of the periodic domain are drawn across the domain, but with the right strain.
     """
 
     suffixes: ClassVar = (".pvd",)
@@ -43,7 +45,7 @@ class VtkWriter(TrajectoryWriter):
         import shutil
 
         frames_folder = target.with_suffix("")
-        text(frames_folder.name, "path")  # It stands in the list, which is XML.
+        text(frames_folder.name, "path")  # The name must be valid in the list, which is XML.
         new = frames_folder / temporary_name(FRAMES)
         try:
             sweep(frames_folder, FRAMES)
@@ -61,13 +63,15 @@ class VtkWriter(TrajectoryWriter):
             raise unwritable(target, error) from error
         finally:
             shutil.rmtree(new, ignore_errors=True)
-            with suppress(OSError):  # It has the frames, or it was made for nothing.
+            with suppress(OSError):  # The folder is kept if it is not empty.
                 frames_folder.rmdir()
 
 
 def _write_frames(job: ExportJob, new: Path, frames_folder: Path) -> tuple[list[tuple[float, int, str, str]], str]:
-    """Write the frames into a new folder and give it its name; of each file the time [s], the number of its part among
-    those of the frame, the name of that part and its own, and then the name of the folder.
+    """Write the frames into a new folder and rename it by a hash of its content.
+
+    Returns one entry for each file, and the name of the folder. An entry has the time [s], the number of the part
+    within the frame, the name of the part, and the name of the file.
     """
     import hashlib
 
@@ -82,13 +86,13 @@ def _write_frames(job: ExportJob, new: Path, frames_folder: Path) -> tuple[list[
                 file.write(content)
             written.append((sample.time, number, name, file_name))
     folder = frames_folder / digest.hexdigest()
-    if not folder.exists():  # If it does, it is the same.
+    if not folder.exists():  # An existing folder has the same content.
         new.rename(folder)
     return written, folder.name
 
 
 def _listed(target: Path) -> str | None:
-    """The folder whose frames a list has that is there already, if it was written here."""
+    """The folder of frames listed in an existing .pvd file, if physcore wrote it."""
     try:
         text = target.read_text("utf-8", errors="replace")
     except OSError:
@@ -98,7 +102,7 @@ def _listed(target: Path) -> str | None:
 
 
 def _collection(folder: str, parts: list[tuple[float, int, str, str]]) -> bytes:
-    """The list of frames."""
+    """The .pvd file: the list of frames."""
     from xml.sax.saxutils import quoteattr
 
     rows = [
@@ -110,14 +114,14 @@ def _collection(folder: str, parts: list[tuple[float, int, str, str]]) -> bytes:
 
 
 class _Appended:
-    """Arrays behind the text of a file, each after its length."""
+    """Binary arrays after the text of a file, each preceded by its length."""
 
     def __init__(self) -> None:
         self.blocks: list[bytes] = []
         self.size = 0
 
     def add(self, name: str, values: NDArray[np.float64] | NDArray[np.int64], components: int = 1) -> str:
-        """Take an array in; the element that says where it is."""
+        """Append an array, and return the XML element that refers to it."""
         kind = f'type="{TYPES[values.dtype]}" Name="{name}" NumberOfComponents="{components}"'
         element = f'<DataArray {kind} format="appended" offset="{self.size}"/>'
         content = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).tobytes()
@@ -127,7 +131,7 @@ class _Appended:
 
 
 def _poly_data(job: ExportJob, sample: Sample) -> bytes:
-    """One frame."""
+    """The .vtp file of one frame."""
     count, springs, data = job.particles, job.springs, _Appended()
     points = {**job.constants, **sample.fields}
     on_points = [data.add(name, values) for name, values in points.items()] + [data.add("body", job.body)]
@@ -148,7 +152,7 @@ def _poly_data(job: ExportJob, sample: Sample) -> bytes:
 
 
 def _image_data(grid: Grid, sample: Sample, path: str) -> bytes:
-    """The fields of one system: each value in its cell, x fastest; both parts of a complex number."""
+    """The .vti file of one system: values in the cells, x fastest; a complex number has two components."""
     data, missing = _Appended(), 3 - grid.dimension
     extent = " ".join(f"0 {count}" for count in (*grid.cells, *[0] * missing))
     origin = " ".join(map(repr, (*grid.origin, *[0.0] * missing)))
@@ -157,7 +161,7 @@ def _image_data(grid: Grid, sample: Sample, path: str) -> bytes:
         parts = (
             values.view(np.float64).reshape(*values.shape, -1) if np.iscomplexobj(values) else values[..., np.newaxis]
         )
-        # Axes from last to first, so that x is the fastest, and after them the components of a cell.
+        # Axes in reverse order, so that x is the fastest, followed by the components of a cell.
         ordered = np.moveaxis(parts, -1, 0).T
         arrays.append(data.add(name, ordered, ordered.shape[-1]))
     geometry = f'WholeExtent="{extent}" Origin="{origin}" Spacing="{grid.spacing!r} {grid.spacing!r} {grid.spacing!r}"'
@@ -166,7 +170,7 @@ def _image_data(grid: Grid, sample: Sample, path: str) -> bytes:
 
 
 def _file(kind: str, attributes: str, sample: Sample, lines: list[str], data: _Appended) -> bytes:
-    """A file of one kind of data: its lines, and the arrays behind them."""
+    """A VTK file: the lines of text, followed by the arrays."""
     head = [
         '<?xml version="1.0"?>',
         f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
@@ -180,6 +184,6 @@ def _file(kind: str, attributes: str, sample: Sample, lines: list[str], data: _A
 
 
 def _cells(data: _Appended, connectivity: NDArray[np.int64], each: int) -> str:
-    """Cells of so many points each."""
+    """Cells of `each` points each."""
     ends = np.arange(each, len(connectivity) + 1, each, dtype=np.int64)
     return data.add("connectivity", connectivity) + data.add("offsets", ends)

@@ -1,1 +1,1 @@
-"""What is there, and nothing about how it is computed: bodies, the bases of forces and boundaries, and the scene."""
+"""Description of a scene, without its numerics: bodies, base classes of forces and boundaries, and the scene."""

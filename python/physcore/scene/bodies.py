@@ -1,4 +1,4 @@
-"""Bodies: particles, and particles that springs connect. Immutable, and used as keys into results."""
+"""Bodies: particles, and particles connected by springs. Bodies are immutable, and serve as keys into results."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from physcore.checks import (
 from physcore.errors import SceneError
 
 ROUNDED = 1e-4
-"""The relative difference by which a rod may miss its length, as of coordinates in f32; its ends are moved."""
+"""Tolerance of a rod's length, relative, as for coordinates in f32; its ends are moved to fit."""
 BEYOND = 1e-3
-"""The relative excess of the longest length of a spring at which it may start: what impulses leave."""
+"""Tolerance of the largest length of a spring at the start, relative, equal to the residual error of impulses."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Body:
-    """N particles in D dimensions: what all bodies have in common.
+    """Base class of bodies: N particles in D dimensions.
 
         isinstance(cloth, pc.Body)  # True
         len(cloth), cloth.positions, cloth.mass
@@ -51,13 +51,13 @@ class Body:
     radius: FloatArray
     """Radius of each particle [m], shape (N,)."""
     fixed: BoolArray
-    """Which particles keep their given velocity for ever, shape (N,)."""
+    """Mask of the particles that keep their given velocity, shape (N,)."""
     name: str | None
-    """A name by which results can be asked for."""
+    """Name of the body, also a key into results."""
 
     @property
     def dimension(self) -> int:
-        """2 or 3."""
+        """The dimension of space, 2 or 3."""
         return int(self.positions.shape[1])
 
     def __len__(self) -> int:
@@ -68,11 +68,11 @@ class Body:
         return f"{type(self).__name__}({label}{len(self)} particles in {self.dimension}D)"
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        """A copy, or what comes out of a pickle, has read-only arrays too."""
+        """Make the arrays of a copy or an unpickled body read-only."""
         self._set(**state)
 
     def _set(self, **values: object) -> None:
-        """Fill in the fields; only for constructors, because the dataclass is frozen."""
+        """Set fields of the frozen dataclass; only for constructors."""
         for name, value in values.items():
             object.__setattr__(self, name, frozen(value) if isinstance(value, np.ndarray) else value)
 
@@ -86,7 +86,7 @@ class Body:
         fixed: ArrayLike | None,
         name: str | None,
     ) -> None:
-        """Check, copy and store what every particle has."""
+        """Check, copy and store the fields of all particles."""
         kind = type(self).__name__
         points = array(positions, f"{kind}.positions")
         if points.ndim != 2 or points.shape[1] not in DIMENSIONS:
@@ -117,13 +117,13 @@ class Particles(Body):
         balls = pc.Particles([[0.0, 1.0], [0.5, 1.2]], velocities=[[1.0, 0.0], [0.0, 0.0]], radius=0.05, name="balls")
 
     Args:
-        positions: [m], shape (N, D) with D = 2 or 3.
-        velocities: [m/s], broadcast to (N, D).
-        mass: of each particle [kg], broadcast to (N,), above zero.
-        charge: of each particle [C], broadcast to (N,).
-        radius: of each particle [m], broadcast to (N,); boundaries are met at center ± radius.
+        positions: positions [m], shape (N, D) with D = 2 or 3.
+        velocities: velocities [m/s], broadcast to (N, D).
+        mass: mass of each particle [kg], broadcast to (N,), above zero.
+        charge: charge of each particle [C], broadcast to (N,).
+        radius: radius of each particle [m], broadcast to (N,); contact with boundaries is at center ± radius.
         fixed: a bool mask of shape (N,), or integer indices. A fixed particle feels no force and keeps its velocity.
-        name: a name by which results can be asked for.
+        name: name of the body, also a key into results.
 
     Raises:
         SceneError: a shape does not fit, or a value is not finite or out of range.
@@ -149,32 +149,35 @@ class SpringNetwork(Body):
         corners, sides = [[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 2], [2, 0]]
         triangle = pc.SpringNetwork(corners, pairs=sides, stiffness=100.0, fixed=[0])
 
-    A spring of length l and direction n between the particles i and j pulls them together with the force
-    k (l − l₀) + c (v_j − v_i)·n, along n [N].
+    A spring of length l and direction n between the particles i and j exerts the attractive force k (l − l₀) + c (v_j −
+    v_i)·n, along n [N].
 
     Args:
-        positions: [m], shape (N, D) with D = 2 or 3.
+        positions: positions [m], shape (N, D) with D = 2 or 3.
         pairs: indices of the two particles that each spring connects, shape (M, 2).
-        stiffness: k of each spring [N/m], broadcast to (M,), at least zero; math.inf makes a rod, whose length does not
-            change and which has no damping. Its ends must be at its rest length, and RATTLE holds it there, or XPBD in
-            sweeps.
+        stiffness: k of each spring [N/m], broadcast to (M,), at least zero. math.inf gives a rod of constant length and
+            without damping. The ends of a rod must be at its rest length. Rods require RATTLE or XPBD.
         damping: c of each spring, along the spring [N·s/m], broadcast to (M,), at least zero.
         rest_length: l₀ of each spring [m], broadcast to (M,); None: the lengths that the springs have in `positions`.
         mass, fixed, velocities, charge, radius, name: as in Particles.
         breaking_strain: strain (l − l₀)/l₀ of each spring beyond which it breaks, broadcast to (M,), at least zero;
-            infinite by default. A broken spring is gone from the end of that step on, and its energy is dissipated as
-            "tearing"; `recording[network].broken` says which are. Rods, and springs of rest length 0, do not break.
-        strain_limit: strain (l − l₀)/l₀ of each spring at which it is as long as it gets, broadcast to (M,), at least
-            zero; infinite by default. There it is a rod until it is shorter again: impulses along it keep its length,
-            to 1e-4 of that where few springs are at their limits, and what they dissipate stands under "contacts". A
-            spring without stiffness is a string then. Rods, and springs of rest length 0, have no limit.
-        faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: it has none. They say
-            how it can be drawn (`physcore.styles.Surface`), what meets (`SelfContact`) and what bends (`Dihedral`), and
-            exert no force themselves.
+            infinite by default. A broken spring is removed at the end of the step, and its energy is dissipated as
+            "tearing". `recording[network].broken` has the broken springs. Rods, and springs of rest length 0, cannot
+            break.
+        strain_limit: largest strain (l − l₀)/l₀ of each spring, broadcast to (M,), at least zero; infinite by default.
+            At the limit a spring acts as a rod until it becomes shorter. Impulses along it keep its length, with an
+                error
+            of 1e-4 if few springs are at their limits. Their losses are dissipated by "contacts". A spring with a limit
+            and without stiffness is a string. Rods, and springs of rest length 0, have no limit.
+        faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: no surface. Faces are
+            used
+            by `physcore.styles.Surface` (drawing), `SelfContact` and `Dihedral` (bending). They exert no force
+            themselves.
 
     Raises:
-        SceneError: a shape does not fit, an index points outside, a value is not finite or out of range, or a rod is
-            not as long as it has to be.
+        SceneError: a shape does not fit, an index or a value is out of range, a value is not finite, or the ends of a
+            rod
+            are not at its rest length.
     """
 
     pairs: IntArray
@@ -188,9 +191,9 @@ class SpringNetwork(Body):
     breaking_strain: FloatArray
     """Strain beyond which each spring breaks, shape (M,)."""
     strain_limit: FloatArray
-    """Strain at which each spring is as long as it gets, shape (M,)."""
+    """Largest strain of each spring, shape (M,)."""
     faces: IntArray
-    """Indices of the corners of each triangle of its surface, shape (T, 3)."""
+    """Indices of the corners of each triangle of the surface, shape (T, 3)."""
 
     def __init__(
         self,
@@ -213,7 +216,7 @@ class SpringNetwork(Body):
         links = _indices(pairs, 2, len(self), "SpringNetwork.pairs")
         self._set(faces=_indices([] if faces is None else faces, 3, len(self), "SpringNetwork.faces"))
         if rest_length is None:
-            with np.errstate(over="ignore"):  # A length that is too large is refused as infinite.
+            with np.errstate(over="ignore"):  # Overflow gives infinity, which is refused below.
                 rest_length = lengths(self.positions[links[:, 1]] - self.positions[links[:, 0]])
         springs = {
             "stiffness": stiffness,
@@ -233,7 +236,7 @@ class SpringNetwork(Body):
 
     @property
     def rods(self) -> BoolArray:
-        """Which springs are rods, shape (M,)."""
+        """Mask of the springs that are rods, shape (M,)."""
         return np.isinf(self.stiffness)
 
     @property
@@ -242,7 +245,8 @@ class SpringNetwork(Body):
         return bool(np.isfinite(self.breaking_strain).any())
 
     def _check_strains(self) -> None:
-        """A spring that breaks or has a limit has a strain, as neither a rod has nor a spring of rest length 0."""
+        """Check that springs with a breaking strain or a limit have a strain, unlike rods and those of rest length 0.
+        """
         for column in ("breaking_strain", "strain_limit"):
             strains = getattr(self, column)
             strainless = np.isfinite(strains) & (self.rods | (self.rest_length == 0.0))
@@ -256,7 +260,7 @@ class SpringNetwork(Body):
         limited = np.flatnonzero(np.isfinite(self.strain_limit))
         ends = self.positions[self.pairs[limited]]
         apart = lengths(ends[:, 1] - ends[:, 0])
-        with np.errstate(over="ignore"):  # the greatest numbers limit nothing, as infinity does
+        with np.errstate(over="ignore"):  # an overflow to infinity is no limit
             longest = (1.0 + self.strain_limit[limited]) * self.rest_length[limited]
             beyond = apart > (1.0 + BEYOND) * longest
         if beyond.any():
@@ -267,7 +271,7 @@ class SpringNetwork(Body):
             )
 
     def _check_rods(self) -> None:
-        """Rods are as long as their ends are apart, but for rounding, and that is not zero."""
+        """Check that the ends of rods are at their rest lengths, which are not zero."""
         rods = np.flatnonzero(self.rods)
         ends, rest_length = self.positions[self.pairs[rods]], self.rest_length[rods]
         apart = lengths(ends[:, 1] - ends[:, 0])
@@ -282,7 +286,7 @@ class SpringNetwork(Body):
 
 
 def _indices(value: ArrayLike, width: int, number: int, path: str) -> IntArray:
-    """Checked indices of particles that belong together, shape (M, width); negative indices count from the end."""
+    """Validated indices of particles, shape (M, width); negative indices count from the end."""
     given = regular(value, path)
     if given.size == 0:
         return np.empty((0, width), dtype=np.int64)

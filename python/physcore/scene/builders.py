@@ -1,7 +1,7 @@
-"""Spring networks that everybody needs: a rope, a cloth and a block of jelly.
+"""Builders of common spring networks: a rope, a cloth and a soft body.
 
-All are pieces of a lattice. Springs are listed kind by kind and row by row, and every kind has one stiffness, one
-damping and one exact rest length, so that the engine sees the regularity and runs it as a stencil.
+All are regular lattices. Springs are ordered by kind and row, and each kind has one stiffness, one damping and one
+exact rest length. The engine detects this regularity and evaluates the springs as a stencil.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
 
 ROPE_BYTES, CLOTH_BYTES, SOFT_BODY_BYTES = 225, 900, 1130
-"""Memory of a particle with its springs while they are joined, at most [bytes]."""
+"""Peak memory per particle with its springs while a network is built [bytes]."""
 
 
 @dataclass(frozen=True)
 class _Kind:
-    """One kind of spring in a lattice: it joins every particle to the ones at the given offsets."""
+    """Kind of springs in a lattice: connects every particle with those at the given offsets."""
 
     offsets: tuple[Offset, ...]
     rest_length: float
     stiffness: float
     damping: float
     halved: bool = False
-    """Whether those along a border of a sheet carry half the width of the others, and have half their stiffness."""
+    """Whether springs along a border of a sheet carry half the width of the others, and have half their stiffness."""
 
 
 @spelled
@@ -75,22 +75,22 @@ def rope(
     breaking_strain: float = math.inf,
     strain_limit: float = math.inf,
 ) -> SpringNetwork:
-    """A straight chain of particles, each joined to the next by a spring.
+    """Rope: a straight chain of particles, each connected with the next by a spring.
 
         rope = pc.rope(20, length=1.0, stiffness=500.0, damping=0.05, mass=0.01, pinned="start")
 
     Args:
-        particles: how many, at least 2; there are particles − 1 springs.
-        length: from the first to the last particle [m]; every spring is at rest.
-        stiffness: of each spring [N/m]; a rope of n springs in a row is n times softer.
-        damping: along each spring [N·s/m].
-        mass: per particle [kg], one or (particles,).
-        start: where the first particle is [m]; the origin by default. Three numbers make the rope 3D.
-        direction: where the rope points to; +x by default; its length does not matter.
-        pinned: "start", "end", "both", a bool mask, or integer indices.
-        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
+        particles: number of particles, at least 2; there are particles − 1 springs.
+        length: distance from the first to the last particle [m]; every spring is at rest.
+        stiffness: stiffness of each spring [N/m]; a rope of n springs is n times softer.
+        damping: damping along each spring [N·s/m].
+        mass: mass per particle [kg], one or (particles,).
+        start: position of the first particle [m]; the origin by default. Three numbers give a rope in 3D.
+        direction: direction of the rope, a vector of any length; +x by default.
+        pinned: the fixed particles: "start", "end", "both", a bool mask, or integer indices.
+        fixed: synonym of `pinned`, as in Particles; the particles of both are fixed.
         velocities, radius, name: as in Particles.
-        breaking_strain, strain_limit: of each spring, as in SpringNetwork.
+        breaking_strain, strain_limit: values of each spring, as in SpringNetwork.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
@@ -140,46 +140,49 @@ def cloth(
     breaking_strain: float = math.inf,
     strain_limit: float = math.inf,
 ) -> SpringNetwork:
-    """A rectangular cloth of structural, shear and bend springs (Provot 1995), at rest.
+    """Cloth: a rectangle of structural, shear and bend springs (Provot 1995), at rest.
 
-    Structural springs join neighbors in a row and in a column, shear springs the diagonals of each cell, bend springs
-    every second particle of a row and of a column. Particles are listed row by row from the lower left.
+    Structural springs connect neighbors in a row and in a column. Shear springs are the diagonals of each cell, and
+    bend springs connect every second particle of a row and of a column. Particles are ordered row by row from the lower
+    left.
 
         flag = pc.cloth((40, 30), 0.025, 400.0, damping=0.02, mass=0.002, pinned="left")
         scarf = pc.cloth((40, 30), 0.025, damping=0.02, origin=(0.0, 0.0, 0.0), material=pc.materials.silk)
 
-    With a `material` the springs are those of the sheet, whatever the spacing a, for small strains. Sheared by γ, both
-    diagonals of a cell change their length by a γ/√2, which takes ½ k γ² a² together: k is the shear stiffness of the
-    material. Stretched by ε along a row at constant width, they take ½ k ε² a², so that the springs of a row, which
-    carries the width a, have the stiffness of the material along the warp less k, and half of that at the border, where
-    a row carries a/2. Columns have that along the weft. Poisson's ratio follows from that: k over the stiffness along
-    warp or weft. There are no bend springs: `Dihedral(cloth, material.bending)` resists bending. A particle has the
-    mass of its share of the area, a², half of that at the border and a quarter at a corner.
+    With a `material`, the springs reproduce the sheet at any spacing a, for small strains. A shear γ changes the length
+    of both diagonals of a cell by a γ/√2, with the energy ½ k γ² a² together. Hence k is the shear stiffness of the
+    material. At a strain ε along a row and constant width, the diagonals have the energy ½ k ε² a². The springs of a
+    row, which carries the width a, therefore have the material's stiffness along the warp, minus k. At the border a row
+    carries a/2, and has half of this. Columns have the stiffness along the weft, likewise. Poisson's ratio follows as k
+    over the stiffness along warp or weft. There are no bend springs; use `Dihedral(cloth, material.bending)` for the
+    resistance to bending. A particle has the mass of the area a², half of it at the border and a quarter at a corner.
 
     Args:
         shape: (columns, rows), each at least 2.
-        spacing: between neighbors [m].
-        stiffness: of each structural spring [N/m]; None: that of the material.
-        damping: along each structural spring [N·s/m].
-        mass: per particle [kg], one or (columns · rows,); None: that of the material, or 1.
-        origin: of the lower left particle [m]; zero by default. Three numbers make the cloth 3D.
-        axes: the directions of a row and of a column, perpendicular; +x and +y by default.
-        shear_stiffness, bend_stiffness: [N/m]; None: that of the material, or the same as `stiffness`; 0 leaves those
-            springs out, unless their damping is given.
-        pinned: "top", "bottom", "left", "right", "corners", "top corners", "bottom corners", a tuple of these,
-            a bool mask, or integer indices.
-        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
-        shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
-        material: one of `physcore.materials`, or another; what is given beside it counts instead of its values.
+        spacing: distance between neighbors [m].
+        stiffness: stiffness of each structural spring [N/m]; None: from the material.
+        damping: damping along each structural spring [N·s/m].
+        mass: mass per particle [kg], one or (columns · rows,); None: from the material, or 1.
+        origin: position of the lower left particle [m]; zero by default. Three numbers give a cloth in 3D.
+        axes: directions of a row and of a column, perpendicular; +x and +y by default.
+        shear_stiffness, bend_stiffness: stiffness of each shear and bend spring [N/m]; None: from the material, or as
+            `stiffness`. 0 omits these springs, unless their damping is given.
+        pinned: the fixed particles: "top", "bottom", "left", "right", "corners", "top corners", "bottom corners", a
+            tuple
+            of these, a bool mask, or integer indices.
+        fixed: synonym of `pinned`, as in Particles; the particles of both are fixed.
+        shear_damping, bend_damping: damping along each shear and bend spring [N·s/m]; None: as `damping`.
+        material: one of `physcore.materials`, or another Material; other arguments take precedence over its values.
         velocities, radius, name: as in Particles.
-        breaking_strain, strain_limit: of each spring, as in SpringNetwork.
+        breaking_strain, strain_limit: values of each spring, as in SpringNetwork.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape, there is neither a stiffness nor a material, or
-            the shear stiffness is above the material's along warp or weft.
+            the
+            shear stiffness is above the material's stiffness along warp or weft.
 
-    Source: X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior",
-    Graphics Interface 1995.
+    Source: X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics
+    Interface 1995.
     """
     columns, rows = _shape(shape, (2,), "cloth.shape", CLOTH_BYTES)
     step = span(spacing, "cloth.spacing")
@@ -253,28 +256,28 @@ def soft_body(
     breaking_strain: float = math.inf,
     strain_limit: float = math.inf,
 ) -> SpringNetwork:
-    """A block of jelly: a lattice of springs along its axes and along the diagonals of its faces, at rest.
+    """Soft body: a rectangular lattice with springs along its axes and along the diagonals of its faces, at rest.
 
         jelly = pc.soft_body((8, 6), spacing=0.1, stiffness=200.0, damping=0.2, mass=0.05, origin=(0.0, 1.0))
         scene = pc.Scene(jelly, pc.Gravity(), pc.Floor())
 
-    Particles are listed along x first, then along y, then along z.
+    Particles are ordered along x first, then along y, then along z.
 
     Args:
         shape: (columns, rows) in 2D, (columns, rows, layers) in 3D; each at least 2.
-        spacing: between neighbors along an axis [m].
-        stiffness: of each spring along an axis [N/m].
-        damping: along each of them [N·s/m].
-        mass: per particle [kg], one or (N,).
-        origin: of the particle with the smallest coordinates [m]; zero by default.
-        shear_stiffness: of each diagonal [N/m]; None: the same as `stiffness`; 0 leaves the diagonals out, unless their
+        spacing: distance between neighbors along an axis [m].
+        stiffness: stiffness of each spring along an axis [N/m].
+        damping: damping along each spring along an axis [N·s/m].
+        mass: mass per particle [kg], one or (N,).
+        origin: position of the particle with the smallest coordinates [m]; zero by default.
+        shear_stiffness: stiffness of each diagonal [N/m]; None: as `stiffness`; 0 omits the diagonals, unless their
             damping is given.
-        pinned: "left" and "right" (along x), "bottom" and "top" (along the last axis), in 3D also "front" and "back"
-            (along y), a tuple of these, a bool mask, or integer indices.
-        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
-        shear_damping: along each diagonal [N·s/m]; None: the same as `damping`.
+        pinned: the fixed particles: "left" and "right" (along x), "bottom" and "top" (along the last axis), in 3D also
+            "front" and "back" (along y), a tuple of these, a bool mask, or integer indices.
+        fixed: synonym of `pinned`, as in Particles; the particles of both are fixed.
+        shear_damping: damping along each diagonal [N·s/m]; None: as `damping`.
         velocities, radius, name: as in Particles.
-        breaking_strain, strain_limit: of each spring, as in SpringNetwork.
+        breaking_strain, strain_limit: values of each spring, as in SpringNetwork.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
@@ -287,7 +290,7 @@ def soft_body(
     )
     axial = _strength(stiffness, damping, "soft_body.")
     shear = _strength(shear_stiffness, shear_damping, "soft_body.shear_", axial)
-    # The first half of all offsets, in the sense that the opposite of each is left out: no pair is listed twice.
+    # One of each pair of opposite offsets, so that no pair of particles is listed twice.
     offsets = [
         offset[::-1]
         for offset in product((-1, 0, 1), repeat=dimension)
@@ -303,7 +306,7 @@ def soft_body(
         faces = _faces(grid)
     else:
         edges |= {"front": grid[:, 0], "back": grid[:, -1]}
-        # Columns times rows point outward on the right, at the front and on top; the opposite sides are turned over.
+        # The cross product of columns and rows points outward on three sides; the opposite sides are transposed.
         outward = ("right", "front", "top")
         faces = np.concatenate([_faces(side if name in outward else side.T) for name, side in edges.items()])
     return _lattice(
@@ -335,7 +338,7 @@ def _lattice(
     breaking_strain: float,
     strain_limit: float,
 ) -> SpringNetwork:
-    """Join the particles of a lattice by every kind of spring that has any strength."""
+    """A network of the particles of a lattice, with every kind of spring that has stiffness or damping."""
     present = [kind for kind in kinds if kind.stiffness > 0 or kind.damping > 0]
     links = [np.concatenate([_links(shape, offset) for offset in kind.offsets]) for kind in present]
     sizes = [len(pairs) for pairs in links]
@@ -361,8 +364,9 @@ def _lattice(
 
 
 def _faces(grid: IntArray) -> IntArray:
-    """Two triangles (T, 3) for each cell of a grid of particles (rows, columns), going round to the left; the diagonals
-    of neighboring cells alternate, so that a surface bends alike both ways.
+    """Two counterclockwise triangles (T, 3) for each cell of a grid of particles (rows, columns).
+
+    The diagonals of neighboring cells alternate, so that the surface bends alike along both diagonals.
     """
     first, second, third, fourth = (
         part.ravel() for part in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
@@ -374,7 +378,7 @@ def _faces(grid: IntArray) -> IntArray:
 
 
 def _links(shape: tuple[int, ...], offset: Offset) -> IntArray:
-    """Index pairs (M, 2) of all lattice particles that have another one at `offset`, row by row."""
+    """Index pairs (M, 2) of all lattice particles with a neighbor at `offset`, row by row."""
     grid = np.arange(math.prod(shape), dtype=np.int64).reshape(shape[::-1])
     first = tuple(slice(max(0, -o), size - max(0, o)) for o, size in zip(offset, shape, strict=True))
     second = tuple(slice(max(0, o), size + min(0, o)) for o, size in zip(offset, shape, strict=True))
@@ -382,8 +386,8 @@ def _links(shape: tuple[int, ...], offset: Offset) -> IntArray:
 
 
 def _shares(shape: tuple[int, ...], offset: Offset) -> FloatArray:
-    """The width that every spring of `_links` carries, in spacings: ½ along a border. With no offset the area of every
-    particle.
+    """The width that every spring of `_links` carries, in spacings: ½ along a border. Without an offset, the area of
+    every particle.
     """
     shares = np.ones((1,))
     for size, step in zip(shape[::-1], offset[::-1], strict=True):
@@ -403,7 +407,7 @@ def _grid(shape: tuple[int, ...], spacing: float) -> FloatArray:
 def _frame(
     origin: Vector | None, axes: Sequence[Vector] | None, rank: int, origin_path: str, axes_path: str
 ) -> tuple[FloatArray, FloatArray]:
-    """The origin (D,) and `rank` unit directions (rank, D); what is not given is zero, and +x, +y, +z."""
+    """The origin (D,) and `rank` unit directions (rank, D); by default zero, and +x, +y, +z."""
     start = None if origin is None else vector(origin, origin_path)
     if axes is not None:
         axes = items(axes, axes_path, f"{rank} directions")
@@ -423,7 +427,7 @@ def _frame(
     if (largest == 0.0).any():
         raise SceneError(f"{axes_path}: a direction must not be zero")
     if not ((largest >= SHORTEST) & (largest <= LONGEST)).all():
-        matrix /= largest  # Squares would be out of the range of numbers.
+        matrix /= largest  # Avoids overflow of squares.
     matrix /= lengths(matrix)[:, None]
     if np.abs(combined(matrix, matrix.T) - np.eye(rank)).max() > 1e-9:
         raise SceneError(f"{axes_path}: must be perpendicular, got {shown(axes)}")
@@ -431,7 +435,7 @@ def _frame(
 
 
 def _shape(shape: object, ranks: tuple[int, ...], path: str, size: int) -> tuple[int, ...]:
-    """Checked numbers of particles along each axis, each particle of so many bytes."""
+    """Validated numbers of particles along each axis, for `size` bytes per particle."""
     given = shape.tolist() if isinstance(shape, np.ndarray) and shape.ndim == 1 else shape
     if not isinstance(given, (tuple, list)) or len(given) not in ranks:
         names = " or ".join(f"({', '.join(('columns', 'rows', 'layers')[:rank])})" for rank in ranks)
@@ -446,7 +450,7 @@ def _shape(shape: object, ranks: tuple[int, ...], path: str, size: int) -> tuple
 def _strength(
     stiffness: float | None, damping: float | None, prefix: str, default: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[float, float]:
-    """Checked (stiffness, damping) of one kind of spring; one whose stiffness is set to 0 has no damping by default."""
+    """Validated (stiffness, damping) of one kind of spring. If the stiffness is set to 0, the default damping is 0."""
     k = default[0] if stiffness is None else number(stiffness, f"{prefix}stiffness", least=0.0)
     if damping is None:
         return k, (0.0 if stiffness is not None and k == 0.0 else default[1])
@@ -454,7 +458,7 @@ def _strength(
 
 
 def _along_threads(whole: float, shear: float, thread: str) -> float:
-    """The stiffness of springs along warp or weft: that of the sheet less what the diagonals take."""
+    """The stiffness of springs along warp or weft: that of the sheet minus the share of the diagonals."""
     if shear > whole:
         raise SceneError(
             f"cloth.shear_stiffness: must be at most the material's stiffness along the {thread}, {whole:g} N/m, "

@@ -1,4 +1,4 @@
-"""The fields that a scene has, by name, and the part of each that belongs to a body."""
+"""Names of the fields of a scene, and the parts that belong to each body."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from physcore.scene.probe import Probe
 from physcore.scene.scene import BodyKey, Scene
 
 CHANNELS = ("positions", "velocities")
-"""The fields of all particles."""
+"""Fields of all particles."""
 FLUID_CHANNELS = ("densities", "pressures")
-"""The fields that fluids have beside."""
+"""Additional fields of fluids."""
 SPRING_CHANNELS = ("tensions", "broken")
-"""The fields of springs: tensions in scenes with rods, broken springs where springs can break."""
+"""Fields of springs: tensions in scenes with rods, broken springs if springs can break."""
 
 GAUGES = {"wall_forces": "wall_impulses", "probe_pressures": "probe_impulses"}
-"""The fields of what fluids press on, boundaries and bodies, and of probes, with those of their integrals over time."""
+"""Fields of boundaries and bodies that fluids press on, and of probes, with the names of their time integrals."""
 
 OWNERS = {
     **dict.fromkeys(FLUID_CHANNELS, "a Fluid has"),
     "tensions": "networks with rods have",
     "broken": "networks with a breaking_strain have",
 }
-"""The bodies that have a field, in words."""
+"""Description of the bodies that have a field, for messages."""
 
 
 def field_names(scene: Scene) -> tuple[str, ...]:
-    """The names of the fields that a scene has; positions and velocities always, if only of no particles."""
+    """The names of the fields of a scene. Positions and velocities are always included, even without particles."""
     fluids = FLUID_CHANNELS if scene.fluids else ()
     return (*CHANNELS, *fluids, *gauge_shapes(scene), *spring_channels(scene), *system_shapes(scene))
 
 
 def gauge_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
-    """The shapes of what is measured where fluids press: forces on all boundaries and bodies, pressures at probes."""
+    """The shapes of measured fields: forces of fluids on all boundaries and bodies, and pressures at probes."""
     pressed = any(isinstance(body, Fluid) for boundary in scene.boundaries for body in scene.targets(boundary))
     solid = any(len(body) for body in scene.bodies if not isinstance(body, Fluid))
     meets = solid and any(fluid.obstacles for fluid in scene.fluids)
@@ -45,10 +45,10 @@ def gauge_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
 
 
 def gauge(scene: Scene, key: object) -> tuple[str, str, int] | None:
-    """What is measured of a probe or a boundary: its name in results, its field, and the row there; None of others.
+    """The measurement of a probe or a boundary: its name in results, its field, and its row; None for other keys.
 
     Raises:
-        SceneError: a boundary is none of the scene's, or no fluid presses on it.
+        SceneError: a boundary does not belong to the scene, or no fluid presses on it.
     """
     for index, probe in enumerate(scene.probes):
         if key is probe or (isinstance(key, str) and key == probe.name) or (isinstance(key, Probe) and key == probe):
@@ -66,7 +66,7 @@ def gauge(scene: Scene, key: object) -> tuple[str, str, int] | None:
 
 
 def body_gauges(scene: Scene, body: BodyKey) -> dict[str, tuple[str, int]]:
-    """What is measured of a body, by its name in results: the field, and the row there."""
+    """The measurements of a body, by name in results: the field, and the row."""
     index = scene.index(body)
     if isinstance(scene.bodies[index], Fluid) or "wall_forces" not in gauge_shapes(scene):
         return {}
@@ -74,7 +74,7 @@ def body_gauges(scene: Scene, body: BodyKey) -> dict[str, tuple[str, int]]:
 
 
 def system_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
-    """The shapes of the fields of further systems."""
+    """The shapes of the fields of systems."""
     shapes = (
         (scene.system(system), name, shape) for system in scene.systems for name, shape in system.shapes().items()
     )
@@ -82,7 +82,7 @@ def system_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
 
 
 def body_fields(scene: Scene, body: BodyKey) -> dict[str, slice]:
-    """The fields of one of its bodies, and where in each its elements are: particles, or springs."""
+    """The fields of a body, with the slice of its particles or springs in each."""
     index = scene.index(body)
     found = scene.bodies[index]
     names = (*CHANNELS, *FLUID_CHANNELS) if isinstance(found, Fluid) else CHANNELS
@@ -94,12 +94,12 @@ def body_fields(scene: Scene, body: BodyKey) -> dict[str, slice]:
 
 
 def first_spring(scene: Scene, body: SpringNetwork) -> int:
-    """The index of a body's first spring among those of the scene."""
+    """The index of a body's first spring among the springs of the scene."""
     return springs(scene, scene.index(body))
 
 
 def spring_channels(scene: Scene) -> tuple[str, ...]:
-    """The fields that the springs of a scene have."""
+    """The names of the fields of the scene's springs."""
     has = {"tensions": has_rods(scene), "broken": can_tear(scene)}
     return tuple(name for name in SPRING_CHANNELS if has[name])
 
@@ -110,7 +110,7 @@ def can_tear(scene: Scene) -> bool:
 
 
 def has_rods(scene: Scene) -> bool:
-    """Whether a spring network of a scene has rods that are free to move at one end at least."""
+    """Whether a spring network of a scene has rods."""
     return any(isinstance(body, SpringNetwork) and body.rods.any() for body in scene.bodies)
 
 

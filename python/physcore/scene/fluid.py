@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore.arithmetic import lengths
 from physcore.checks import FloatArray, Vector, flag, number, span
-from physcore.errors import SceneError, warn
+from physcore.errors import SceneError
 from physcore.scene.bodies import Body
-from physcore.scene.compressible import CHECKS
-from physcore.scene.kernels import Kernel
 from physcore.scene.overlaps import closer_than
 from physcore.scene.shapes import block
 
@@ -64,8 +62,6 @@ class Fluid(Body):
         name: a name by which results can be asked for.
         obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
         surface_tension: σ [N/m], at least zero; 0.072 is water. It acts on what is some particles thick.
-        sound_speed, kernel, artificial_viscosity, density_diffusion, density_from, shifting: deprecated: those of
-            `WeaklyCompressible`, which is passed as fluids= beside the scene.
 
     Raises:
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together
@@ -82,19 +78,10 @@ class Fluid(Body):
     """The density at rest [kg/m³]."""
     viscosity: float
     """The dynamic viscosity [Pa·s]."""
-    sound_speed: float | Literal["auto"] | None
-    """Deprecated, and None where it is not given, as are the next three."""
-    kernel: Kernel | None
-    artificial_viscosity: float | Literal["auto"] | None
-    density_diffusion: float | None
     obstacles: bool
     """Whether it meets the bodies that are no fluids."""
-    density_from: Literal["continuity", "summation"] | None
-    """Deprecated, and None where it is not given."""
     surface_tension: float
     """The surface tension [N/m]."""
-    shifting: float | Literal["auto"] | None
-    """Deprecated, and None where it is not given."""
 
     def __init__(
         self,
@@ -102,16 +89,10 @@ class Fluid(Body):
         spacing: float,
         density: float = 1000.0,
         viscosity: float = 1e-3,
-        sound_speed: float | Literal["auto"] | None = None,
-        kernel: Kernel | None = None,
-        artificial_viscosity: float | Literal["auto"] | None = None,
-        density_diffusion: float | None = None,
         velocities: ArrayLike = 0.0,
         name: str | None = None,
         obstacles: bool = True,
-        density_from: Literal["continuity", "summation"] | None = None,
         surface_tension: float = 0.0,
-        shifting: float | Literal["auto"] | None = None,
     ) -> None:
         step = number(span(spacing, "Fluid.spacing"), "Fluid.spacing", least=FINEST)
         rest = number(density, "Fluid.density", above=0.0)
@@ -124,34 +105,9 @@ class Fluid(Body):
             surface_tension=number(surface_tension, "Fluid.surface_tension", least=0.0),
             obstacles=flag(obstacles, "Fluid.obstacles"),
         )
-        self._set_numerics(
-            sound_speed=sound_speed,
-            kernel=kernel,
-            artificial_viscosity=artificial_viscosity,
-            density_diffusion=density_diffusion,
-            density_from=density_from,
-            shifting=shifting,
-        )
         pair = closer_than(self.positions, CLOSEST * step)
         if pair is not None:
             raise SceneError(f"Fluid.positions: overlapping particles: {describe_pair(self.positions, pair, step)}")
-
-    def _set_numerics(self, **values: object) -> None:
-        """Take the deprecated arguments, and warn of those that are given."""
-        given = {name: CHECKS[name](value, f"Fluid.{name}") for name, value in values.items() if value is not None}
-        self._set(**{**values, **given})
-        if given:
-            named = ", ".join(f"{name}=…" for name in given)
-            warn(
-                f"Fluid({named}) is numerics now: pass fluids=pc.WeaklyCompressible({named}) to simulate, film or "
-                "Simulation",
-                DeprecationWarning,
-            )
-
-    @property
-    def numerics(self) -> dict[str, Any]:
-        """The deprecated arguments that are given, which are those of WeaklyCompressible."""
-        return {name: value for name in CHECKS if (value := getattr(self, name)) is not None}
 
     @classmethod
     def block(cls, lower: Vector, upper: Vector, spacing: float, **options: Any) -> Fluid:
@@ -179,7 +135,7 @@ def describe_pair(points: FloatArray, pair: tuple[int, int], spacing: float) -> 
 
 
 def _mass(density: float, spacing: float, dimension: int) -> float:
-    """That of one particle [kg].
+    """The mass of one particle [kg].
 
     Raises:
         SceneError: it is too large or too small for a number.

@@ -1,4 +1,4 @@
-"""Uniform grids: their geometry, fields on them, what is at their edges, and the base of systems that live on one."""
+"""Uniform grids: geometry, fields, edges, and the base class of systems on a grid."""
 
 from __future__ import annotations
 
@@ -31,39 +31,39 @@ from physcore.errors import SceneError
 from physcore.scene.items import System
 
 AXES = "xyz"
-"""The names of the axes."""
+"""Names of the axes."""
 MOST_CELLS = 2**31
-"""The largest number of cells along an axis."""
+"""Largest number of cells along an axis."""
 WIDEST = 4096
-"""The widest layer of an absorbing edge [cells]."""
+"""Largest width of an absorbing layer [cells]."""
 
 Field: TypeAlias = ArrayLike | Callable[..., ArrayLike]
-"""A field on a grid: a number, an array of its shape, or a function of the coordinates, which is called with arrays."""
+"""A field on a grid: a number, an array of its shape, or a function of the coordinate arrays."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """A uniform grid of cells in 1D, 2D or 3D.
+    """Uniform grid of cells in 1D, 2D or 3D.
 
-    Fields on it are arrays of shape `cells`, indexed [i, j, k] along x, y, z, with values at the centers of the cells,
+    Fields are arrays of shape `cells`, indexed [i, j, k] along x, y, z. Their values are at the centers of the cells,
     origin + (i + ½) h:
 
         grid = pc.Grid((64, 32), spacing=0.1)
         x, y = np.moveaxis(grid.centers, -1, 0)
 
     Args:
-        cells: how many there are along each axis: (nx,), (nx, ny) or (nx, ny, nz); a whole number in 1D.
+        cells: number of cells along each axis: (nx,), (nx, ny) or (nx, ny, nz); in 1D also an integer.
         spacing: the edge h of a cell [m], the same along all axes.
-        origin: the lower corner [m]; a number stands for all axes.
-        periodic: whether the upper end of an axis continues at the lower one, for all axes or one flag each.
+        origin: the lower corner [m]; a single number is used for all axes.
+        periodic: whether the axes are periodic, one flag for all or one for each axis.
 
     Raises:
-        SceneError: a number is out of range, or their number is not that of the axes.
+        SceneError: a value is out of range, or the number of values differs from the number of axes.
     """
 
     cells: tuple[int, ...]
     spacing: float
-    origin: tuple[float, ...] = 0.0  # type: ignore[assignment]  # made a tuple below
+    origin: tuple[float, ...] = 0.0  # type: ignore[assignment]  # converted to a tuple below
     periodic: tuple[bool, ...] = False  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
@@ -89,12 +89,12 @@ class Grid:
     def over(
         cls, lower: ArrayLike, upper: ArrayLike, spacing: float, periodic: bool | tuple[bool, ...] = False
     ) -> Grid:
-        """The grid that covers a box: along each axis round((upper − lower) / spacing) cells from `lower` on.
+        """The grid that covers a box, with round((upper − lower) / spacing) cells along each axis, starting at `lower`.
 
         Args:
             lower, upper: corners [m], one number for each axis; a number in 1D.
-            spacing: the edge of a cell [m]. Where an extent is no whole multiple of it, the last cell ends before or
-                behind `upper`, by less than half a cell.
+            spacing: the edge of a cell [m]. If an extent is not a multiple of it, the end of the last cell differs from
+                `upper` by less than half a cell.
             periodic: as in Grid.
 
         Raises:
@@ -119,7 +119,7 @@ class Grid:
 
     @property
     def dimension(self) -> int:
-        """1, 2 or 3."""
+        """The dimension: 1, 2 or 3."""
         return len(self.cells)
 
     @property
@@ -147,12 +147,12 @@ class Grid:
         """A field as a new array of shape `cells`.
 
         Raises:
-            SceneError: a function fails; a shape is not that of the grid; or a number is complex or not finite.
+            SceneError: a function fails, a shape is not that of the grid, or a number is complex or not finite.
         """
         given = array(called(value, path, *self.coordinates) if callable(value) else value, path)
         if given.shape == self.cells:
             return given
-        # A function that does not depend on all coordinates may give what broadcasts; an array has the grid's shape.
+        # The result of a function may broadcast to the grid's shape; an array must have this shape.
         if given.ndim == 0 or (callable(value) and _broadcasts(given.shape, self.cells)):
             return np.array(np.broadcast_to(given, self.cells))
         what = (
@@ -161,16 +161,16 @@ class Grid:
         raise SceneError(f"{path}: {what} the shape {self.cells} of the grid, got the shape {given.shape}")
 
     def uniform_or_field(self, value: Field, path: str) -> float | FloatArray:
-        """The same, read-only; a number stays a number, so that a system knows that its field is uniform."""
+        """A read-only field. A number is returned unchanged, so that a system can distinguish uniform fields."""
         if not callable(value) and np.ndim(regular(value, path)) == 0:
             return number(value, path)
         return frozen(self.field(value, path))
 
     def mask(self, value: object, path: str) -> BoolArray:
-        """Some of the cells, as a mask of shape `cells` or a function that gives one.
+        """A mask of shape `cells`, from a mask or a function that returns one.
 
         Raises:
-            SceneError: it is something else.
+            SceneError: the value is not such a mask.
         """
         given = regular(called(value, path, *self.coordinates) if callable(value) else value, path)
         if given.dtype.kind != "b":
@@ -182,23 +182,24 @@ class Grid:
     def edges(
         self, value: object, path: str, words: Collection[str], default: str
     ) -> tuple[tuple[str, ...], Absorbing | None]:
-        """What is at the edges, one word for each side in the order x−, x+, y−, y+, z−, z+, and the absorbing layer.
+        """The edge conditions, one word for each side in the order x−, x+, y−, y+, z−, z+, and the absorbing layer.
 
         Args:
-            value: one word for all sides, or a mapping from axes ("x") and sides ("x-", "x+") to words; those that are
-                not named keep the default. An `Absorbing` stands for the word "absorbing". Or words of all 2·D sides.
-            path: of the argument.
-            words: that are known; a periodic axis has the word "periodic", and takes no other.
-            default: of these.
+            value: one word for all sides, words for all 2·D sides, or a mapping from axes ("x") and sides ("x-", "x+")
+                to
+                words. Sides without a word have the default. An `Absorbing` is used as the word "absorbing".
+            path: path of the argument.
+            words: the known words. A periodic axis has the word "periodic", and takes no other.
+            default: the default word.
 
         Raises:
-            SceneError: there is no such axis or word; an axis is periodic and named; or layers differ.
+            SceneError: there is no such axis or word, a word is given for a periodic axis, or layers differ.
         """
         sides = [f"{axis}{end}" for axis in AXES[: self.dimension] for end in "-+"]
         closed = dict(zip(sides, np.repeat(self.periodic, 2).tolist(), strict=True))
         found: dict[str, object] = dict.fromkeys(sides, default)
         if isinstance(value, Mapping):
-            for key, word in sorted(value.items(), key=lambda entry: len(str(entry[0]))):  # "x-" wins over "x"
+            for key, word in sorted(value.items(), key=lambda entry: len(str(entry[0]))):  # "x-" precedes "x"
                 named = [side for side in sides if is_word(key, side) or is_word(key, side[0])]
                 if not named:
                     known = ", ".join(map(repr, (*AXES[: self.dimension], *sides)))
@@ -224,17 +225,16 @@ class Grid:
 
 @dataclass(frozen=True)
 class Absorbing:
-    """A layer outside of an edge of a grid in which waves fade away; what is in it counts in no total.
+    """Absorbing layer outside of an edge of a grid, in which waves decay. The layer is not included in totals.
 
         grid = pc.Grid((100, 60), spacing=0.1)
         pond = pc.Wave(grid, speed=1.0, edges={"x": pc.Absorbing(), "y": "free"})
 
-    What crosses the edge is metered there: it counts as dissipated, or removed, by "edges", and negative where it
-    comes back.
+    The flux across the edge counts as dissipated, or removed, by "edges"; an inward flux counts as negative.
 
     Args:
-        cells: the width of the layer; "auto": as suits the system, which its plan states.
-        reflection: the amplitude that comes back at normal incidence beside that which goes in, between 0 and 1.
+        cells: width of the layer [cells]; "auto": a width that suits the system, stated in the plan.
+        reflection: ratio of the reflected to the incident amplitude at normal incidence, between 0 and 1.
 
     Raises:
         SceneError: a value is out of range.
@@ -252,25 +252,23 @@ class Absorbing:
         object.__setattr__(self, "reflection", reflection)
 
 
+# To add a system on a grid: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class GridSystem(System):
-    """A system of fields on a grid, all of its shape.
-
-    To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
-    """
+    """Base class of systems of fields on a grid, all of the grid's shape."""
 
     grid: Grid
     """The grid."""
     edges: tuple[str, ...]
-    """What is at each side, in the order x−, x+, y−, y+, z−, z+."""
+    """Edge condition of each side, in the order x−, x+, y−, y+, z−, z+."""
 
     @property
     def shut(self) -> tuple[bool, ...]:
-        """Whether there is a wall at each side, instead of nothing or of what is at the other end."""
+        """Mask of the sides that have a wall, as opposed to absorbing and periodic ones."""
         return tuple(word not in ("absorbing", "periodic") for word in self.edges)
 
     def outer(self, values: FloatArray) -> tuple[float, float]:
-        """The values on both outer faces in 1D: zero where it is fixed, else those of the cells beside."""
+        """The values on both outer faces in 1D: zero on a fixed side, otherwise the value of the adjacent cell."""
         low, high = (
             0.0 if word == "fixed" else float(values[at]) for word, at in zip(self.edges, (0, -1), strict=True)
         )
@@ -278,7 +276,7 @@ class GridSystem(System):
 
     @property
     def solid(self) -> BoolArray | None:
-        """The cells that are cut out of it, if any."""
+        """Mask of the solid cells that are excluded from the fields; None if there are none."""
         return None
 
     @property
@@ -287,21 +285,21 @@ class GridSystem(System):
         return self.grid.dimension
 
     def unit(self, field: str) -> str:
-        """The unit of a field, with the number of dimensions D."""
+        """The unit of a field, for the dimension of the grid."""
         return self.units[field].replace("D", str(self.grid.dimension))
 
     def shapes(self) -> dict[str, tuple[int, ...]]:
-        """The shapes of its fields by name."""
+        """The shapes of the fields by name."""
         return dict.fromkeys(self.units, self.grid.cells)
 
     def values(self, field: str, value: object, path: str) -> FloatArray:
-        """New values of a field: a number, an array or a function of the coordinates."""
+        """New values of a field, from a number, an array or a function of the coordinates."""
         del field
         return self.grid.field(value, path)  # type: ignore[arg-type]
 
 
 def _per_axis(value: object, axes: int, path: str, check: Callable[[object, str], object]) -> tuple[object, ...]:
-    """One checked value for each axis, of one for all or one each."""
+    """One validated value for each axis, from one value for all axes or one for each."""
     if not isinstance(value, (tuple, list)) and not (isinstance(value, np.ndarray) and value.ndim > 0):
         return (check(value, path),) * axes
     each = items(value, path, "values, one for each axis")
@@ -327,5 +325,5 @@ def _edge(word: object, side: str, periodic: bool, path: str, words: Collection[
 
 
 def _broadcasts(shape: tuple[int, ...], cells: tuple[int, ...]) -> bool:
-    """Whether an array of a shape is repeated along some axes to fill the cells."""
+    """Whether an array of a shape broadcasts to the cells."""
     return len(shape) == len(cells) and all(own in (1, n) for own, n in zip(shape, cells, strict=True))

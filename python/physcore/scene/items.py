@@ -1,4 +1,4 @@
-"""Scene items beside bodies: their parameters, whom they act on, and the bases of the kinds."""
+"""Base classes of scene items other than bodies: forces, systems, constraints and boundaries."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from physcore.scene.bodies import Body
 from physcore.spelling import did_you_mean
 
 On: TypeAlias = Body | str | Sequence[Body | str] | None
-"""Bodies, by themselves or by their names; None: all."""
+"""Bodies, as objects or by name; None: all."""
 T = TypeVar("T")
 
 
 def chosen(on: object, path: str, kinds: tuple[type, ...] = (Body,)) -> tuple[Body | str, ...] | None:
-    """The bodies, or other kinds of items, that `on=` says, checked, by themselves or by their names; None: all."""
+    """The validated value of `on=`: bodies, or items of other kinds, as objects or names; None: all."""
     if on is None:
         return None
     bodies = (on,) if isinstance(on, (*kinds, str)) else on
@@ -30,10 +30,10 @@ def chosen(on: object, path: str, kinds: tuple[type, ...] = (Body,)) -> tuple[Bo
 
 
 def found(keys: Sequence[T | str], items: Iterable[T], path: str) -> tuple[T, ...]:
-    """Items, where some are given by their names; all that have a name.
+    """Items from a list of items and names. A name stands for all items that have it.
 
     Raises:
-        SceneError: there is none of a name.
+        SceneError: no item has such a name.
     """
     named: dict[str, list[T]] = {}
     for item in items:
@@ -48,22 +48,22 @@ def found(keys: Sequence[T | str], items: Iterable[T], path: str) -> tuple[T, ..
 
 @dataclass(frozen=True)
 class SceneItem:
-    """Something in a scene beside bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
+    """Base class of scene items other than bodies. Fields are plain numbers, tuples of numbers for vectors, or None."""
 
     parts: ClassVar[tuple[type, ...]] = ()
-    """The classes of the things that its fields hold, which files have too."""
+    """Classes of the objects in its fields, which files can contain too."""
 
     def _set(self, **values: object) -> None:
-        """Replace what the user passed by its checked form; only for `__post_init__`."""
+        """Replace the user's values by their validated forms; only for `__post_init__`."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        """A copy, or what comes out of a pickle, has read-only arrays too."""
+        """Make the arrays of a copy or an unpickled item read-only."""
         self._set(**{name: frozen(value) if isinstance(value, np.ndarray) else value for name, value in state.items()})
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
-        """The name and the size of the first vector that has not `dimension` components, or None."""
+        """The name and the size of the first vector that does not have `dimension` components; otherwise None."""
         vectors = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name != "on"}
         wrong = (
             (name, len(value))
@@ -73,113 +73,115 @@ class SceneItem:
         return next(wrong, None)
 
     def resolved(self, dimension: int) -> SceneItem:
-        """What stands for it in a scene of `dimension` dimensions: the engine simulates that, and films draw it."""
+        """The form of the item in a scene of `dimension` dimensions, which the engine simulates and films draw."""
         del dimension
         return self
 
 
 def _is_vector(value: tuple[object, ...]) -> bool:
-    """Whether a tuple is one of numbers; others hold words or parts of an item."""
+    """Whether a tuple consists of numbers; other tuples hold words or parts of an item."""
     return bool(value) and all(isinstance(each, (int, float)) for each in value)
 
 
 @dataclass(frozen=True)
 class ActingItem(SceneItem):
-    """Something that acts on bodies."""
+    """Base class of items that act on bodies."""
 
     on: On = field(default=None, kw_only=True)
-    """The body or bodies that it acts on, or their names; None: all, but for fluids where it spares them."""
+    """The body or bodies that the item acts on, or their names; None: all, or all except fluids (`spares_fluids`)."""
 
     spares_fluids: ClassVar[bool] = False
-    """Whether it acts on a fluid only where that is named."""
+    """Whether the item acts on a fluid only if the fluid is named."""
     naming: ClassVar[tuple[str, ...]] = ("on",)
-    """Its fields that name bodies."""
+    """The fields that name bodies."""
 
     def __post_init__(self) -> None:
         self._set(**{name: chosen(getattr(self, name), f"{type(self).__name__}.{name}") for name in self.naming})
 
     @property
     def by_name(self) -> bool:
-        """Whether it says some bodies by their names: until it is in a scene, it does not know them."""
+        """Whether some bodies are given by name. These are not known until the item is in a scene."""
         return any(isinstance(each, str) for keys in self._keys().values() for each in keys)
 
     def _keys(self) -> dict[str, tuple[Body | str, ...]]:
-        """What its fields name, where they do."""
+        """The bodies and names in each field; fields that are None are omitted."""
         given = {name: chosen(getattr(self, name), f"{type(self).__name__}.{name}") for name in self.naming}
         return {name: keys for name, keys in given.items() if keys is not None}
 
     def among(self, bodies: Sequence[Body], path: str) -> Self:
-        """The same item, with the bodies of a scene in the place of their names.
+        """A copy of the item in which names are replaced by the bodies of a scene.
 
         Raises:
-            SceneError: there is none of a name, or it cannot be acted on.
+            SceneError: no body has such a name, or the item cannot act on it.
         """
         if not self.by_name:
             return self
         return replace(self, **{name: found(keys, bodies, f"{path}.{name}") for name, keys in self._keys().items()})
 
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
-        """The bodies that it names in a field, or None; of an item of a scene."""
-        return cast("tuple[Body, ...] | None", getattr(self, field))  # made so by __post_init__ and `among`
+        """The bodies that a field names, or None; for an item of a scene."""
+        return cast("tuple[Body, ...] | None", getattr(self, field))  # converted by __post_init__ and `among`
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
-        """Look at the bodies that it acts on, once they are known; `path` says where it stands in the scene.
+        """Check the bodies that the item acts on, after names are replaced; `path` is the item's path in the scene.
 
         Raises:
-            SceneError: it cannot act on them.
+            SceneError: the item cannot act on them.
         """
 
 
+# To add a force: a module in `forces`, a line in `FORCES`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class Force(ActingItem):
-    """A force on the particles of some bodies.
+    """Base class of forces on the particles of bodies.
 
         scene.forces  # (Gravity(…),)
         all(isinstance(force, pc.Force) for force in scene.forces)  # True
 
-    To add one: a file in `forces`, a line in `FORCES`, and its counterpart in Rust.
+    `Scene.forces` has all forces of a scene.
     """
 
     feels_charges: ClassVar[bool] = False
-    """Whether it may act on the charges of bodies."""
+    """Whether the force may act on the charges of bodies."""
 
 
 Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]
-"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t) of all bodies, and of
-a field; x' = f(x, t); iħ ψ' = H ψ; incompressible flow."""
+"""Kind of an equation of motion, which determines the integrators that support it.
+
+The kinds are x'' = a(x, v, t) of all bodies; x'' = a(x, v, t) of a field; x' = f(x, t); iħ ψ' = H ψ; incompressible
+flow.
+"""
 
 
+# To add a system: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class System(SceneItem):
-    """A state with a law of motion of its own, beside that of the bodies.
-
-    To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
-    """
+    """Base class of systems: a state with its own law of motion, in addition to the bodies."""
 
     equation: ClassVar[Equation] = "second order"
-    """The kind of its equation of motion."""
+    """Kind of the equation of motion."""
     default_integrator: ClassVar[str] = "VelocityVerlet"
-    """The name of the integrator that advances it where nothing is said."""
+    """Name of the default integrator."""
     naming: ClassVar[tuple[str, ...]] = ()
-    """Its fields that may name another system of the scene."""
+    """The fields that may name another system of the scene."""
     derived: ClassVar[tuple[str, ...]] = ()
-    """The names of its results that follow from the others."""
+    """Names of results that are computed from the others."""
 
     name: str | None = field(default=None, kw_only=True)
-    """A name by which results can be asked for."""
+    """Name of the system, also a key into results."""
 
     def named(self) -> dict[str, System]:
-        """The systems that it names, by field."""
+        """The systems that fields name, by field."""
         return {name: value for name in self.naming if isinstance(value := getattr(self, name), System)}
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Its fields by name, with their units; the first one is that which is shown, and compared between runs."""
+        """The units of the fields by name. The first field is the one that films show and that studies compare."""
         return {}
 
     @property
     def signed(self) -> bool:
-        """Whether that field is as often below zero as above: its colors are then symmetric about zero."""
+        """Whether the first field has both signs, so that its color scale is symmetric about zero."""
         return True
 
     @property
@@ -189,44 +191,41 @@ class System(SceneItem):
 
     @abstractmethod
     def shapes(self) -> dict[str, tuple[int, ...]]:
-        """The shapes of its fields by name, as the engine has them."""
+        """The shapes of the fields by name, as in the engine."""
 
     def values(self, field: str, value: object, path: str) -> FloatArray:
-        """New values of one of its fields, checked.
+        """Validated new values of a field.
 
         Raises:
-            SceneError: they are no array of finite numbers of its shape.
+            SceneError: the value is not an array of finite numbers of the field's shape.
         """
         return broadcast(value, self.shapes()[field], path)  # type: ignore[arg-type]
 
     def shown(self, fields: dict[str, FloatArray]) -> dict[str, FloatArray]:
-        """The fields as results have them, of fields as the engine has them; over time or not."""
+        """The fields in the form of results, from the form of the engine; with or without a time axis."""
         return fields
 
     def __post_init__(self) -> None:
         self._set(name=None if self.name is None else text(self.name, f"{type(self).__name__}.name"))
 
 
+# To add a constraint: a module in `constraints`, a line in `CONSTRAINTS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class Constraint(ActingItem):
-    """A condition on the motion of bodies, such as that they do not pass through each other.
-
-    To add one: a file in `constraints`, a line in `CONSTRAINTS`, and its counterpart in Rust.
-    """
+    """Base class of constraints: conditions on the motion of bodies, such as mutual impenetrability."""
 
 
+# To add a boundary: a module in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class Boundary(ActingItem):
-    """A wall that particles bounce off.
+    """Base class of boundaries, which reflect particles.
 
         floor = pc.Floor(restitution=0.5, friction=0.3)
         isinstance(floor, pc.Boundary)  # True
 
-    To add one: a file in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.
-
-    A contact happens at center ± radius. It turns the normal velocity v_n into −restitution · v_n, and the tangential
-    impulse follows Coulomb: at most friction times the normal impulse, and never more than what stops the sliding.
-    What a contact takes counts as dissipated.
+    A contact happens at center ± radius. The normal velocity v_n becomes −restitution · v_n. The tangential impulse
+    follows Coulomb's law: at most friction times the normal impulse, and never more than is needed to stop the sliding.
+    The energy loss of a contact counts as dissipated.
     """
 
     restitution: float = field(default=1.0, kw_only=True)
@@ -234,7 +233,7 @@ class Boundary(ActingItem):
     friction: float = field(default=0.0, kw_only=True)
     """Coulomb's coefficient of friction, at least zero."""
     no_slip: bool = field(default=False, kw_only=True)
-    """Whether fluids stick to it; by default they slip along it freely."""
+    """Whether fluids stick to the boundary; by default they slip along it freely."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

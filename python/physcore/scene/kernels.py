@@ -1,4 +1,4 @@
-"""Smoothing kernels: how a fluid's quantities are spread around its particles."""
+"""Smoothing kernels of fluids."""
 
 from __future__ import annotations
 
@@ -7,21 +7,22 @@ from dataclasses import dataclass
 from physcore.checks import number
 
 NARROWEST, WIDEST = 0.6, 4.0
-"""The least and the greatest smoothing: the support of 2h has to reach the next particle, and every one in it costs."""
+"""Range of the smoothing. The support of 2h must reach the next particle; the cost grows with its particles."""
 
 
+# To add a kernel: a class here, a line in `KERNELS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class Kernel:
-    """A weight W(q) of the distance r = q h, zero from q = 2 on. Kernels of the same kind and smoothing are equal.
+    """Smoothing kernel: a weight W(q) of the distance r = q h, zero from q = 2 on.
 
         kernel = pc.WendlandC4()  # a Kernel
         method = pc.WeaklyCompressible(kernel=kernel)
 
-    To add one: a class here, a line in `KERNELS`, and its counterpart in Rust.
+    Kernels of the same class with equal smoothing are equal.
     """
 
     smoothing: float
-    """The smoothing length h over the spacing of the particles; the support is 2h."""
+    """Smoothing length h over the spacing of the particles; the support is 2h."""
 
     def __post_init__(self) -> None:
         path = f"{type(self).__name__}.smoothing"
@@ -30,11 +31,11 @@ class Kernel:
 
 @dataclass(frozen=True)
 class WendlandC2(Kernel):
-    """W(q) = α (1 − q/2)⁴ (1 + 2q), with α = 7/(4π h²) in 2D and 21/(16π h³) in 3D.
+    """Wendland C2 kernel, W(q) = α (1 − q/2)⁴ (1 + 2q), with α = 7/(4π h²) in 2D and 21/(16π h³) in 3D.
 
         method = pc.WeaklyCompressible(kernel=pc.WendlandC2())
 
-    Its Fourier transform is positive, so that particles do not pair up.
+    The Fourier transform of the kernel is positive, so that particles do not form pairs.
 
     Args:
         smoothing: the smoothing length h over the spacing, from 0.6 to 4; the support is 2h.
@@ -50,11 +51,11 @@ class WendlandC2(Kernel):
 
 @dataclass(frozen=True)
 class WendlandC4(Kernel):
-    """W(q) = α (1 − q/2)⁶ (1 + 3q + 35/12 q²), with α = 9/(4π h²) in 2D and 495/(256π h³) in 3D.
+    """Wendland C4 kernel, W(q) = α (1 − q/2)⁶ (1 + 3q + 35/12 q²), with α = 9/(4π h²) in 2D, 495/(256π h³) in 3D.
 
         method = pc.WeaklyCompressible(kernel=pc.WendlandC4())
 
-    Smoother than WendlandC2, for more neighbors.
+    This kernel is smoother than WendlandC2, and suited to more neighbors.
 
     Args:
         smoothing: the smoothing length h over the spacing, from 0.6 to 4; the support is 2h.
@@ -70,11 +71,12 @@ class WendlandC4(Kernel):
 
 @dataclass(frozen=True)
 class CubicSpline(Kernel):
-    """W(q) = α (1 − 3/2 q² + 3/4 q³) up to q = 1, then α (2 − q)³/4, with α = 10/(7π h²) in 2D and 1/(π h³) in 3D.
+    """Cubic spline kernel, W(q) = α (1 − 3/2 q² + 3/4 q³) up to q = 1, then α (2 − q)³/4.
 
         method = pc.WeaklyCompressible(kernel=pc.CubicSpline())
 
-    The classical kernel. Particles pair up under it when the smoothing is large.
+    The factor is α = 10/(7π h²) in 2D and 1/(π h³) in 3D. This is the classical kernel. Particles form pairs if the
+    smoothing is large.
 
     Args:
         smoothing: the smoothing length h over the spacing, from 0.6 to 4; the support is 2h.
@@ -93,4 +95,4 @@ KERNELS: tuple[type[Kernel], ...] = (
     WendlandC4,
     CubicSpline,
 )
-"""Every kernel; what is registered here can be saved, and is tested."""
+"""All kernels. Those registered here can be saved and are tested."""

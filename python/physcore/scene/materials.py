@@ -1,12 +1,13 @@
-"""Materials of thin sheets: what a cloth weighs, and how it stretches, shears and bends.
+"""Materials of thin sheets: areal density, and stiffness against stretching, shear and bending.
 
     cloth = pc.cloth((40, 30), 0.025, damping=0.02, origin=(0.0, 0.0, 0.0), material=pc.materials.silk)
     scene = pc.Scene(cloth, pc.Dihedral(cloth, pc.materials.silk.bending), pc.Gravity((0.0, 0.0, -9.81)))
 
-The values are representative and rounded: starting points, not data of a fabric. Fabrics of one name differ by a factor
-of two or three in each value; they are softer along the first percent of a stretch than beyond it, and lose energy at
-every bend and shear, while these sheets are linear and lose what the damping takes. Those of rubber and steel follow
-from Young's modulus E, Poisson's ratio ν and the thickness h: E h/(1 − ν²), E h/2(1 + ν) and E h³/12(1 − ν²).
+The values are representative and rounded. They are starting points, not data of a particular fabric. Fabrics of one
+name differ by a factor of two or three in each value. Real fabrics are softer in the first percent of a stretch than
+beyond, and lose energy at every bend and shear. The sheets here are linear, and lose energy only by damping. The values
+of rubber and steel follow from Young's modulus E, Poisson's ratio ν and the thickness h: E h/(1 − ν²), E h/2(1 + ν) and
+E h³/12(1 − ν²).
 """
 
 from __future__ import annotations
@@ -20,19 +21,20 @@ from physcore.errors import SceneError
 
 @dataclass(frozen=True)
 class Material:
-    """A sheet that is elastic along its threads.
+    """Material of a thin sheet, elastic along its threads.
 
         mine = pc.materials.Material(areal_density=0.2, warp=1e4, weft=5e3, shear=50.0, bending=1e-5)
 
     Args:
         areal_density: mass per area [kg/m²], above zero.
-        warp: stiffness along the rows [N/m], the force per width and strain of a sheet that keeps its width; above 0.
-        weft: the same along the columns [N/m].
+        warp: stiffness along the rows [N/m], the force per width and strain of a sheet at constant width; above 0.
+        weft: stiffness along the columns [N/m], likewise.
         shear: shear stiffness G h [N/m], the shear force per width and angle [rad]; at least zero, and at most `warp`
-            and `weft`, because a lattice of springs that resists shear resists a stretch at least as much.
+            and `weft`. A lattice of springs resists stretching at least as much as shear.
         bending: bending rigidity B [N·m], at least zero: the stiffness of `Dihedral`.
-        thickness: h [m], at least zero; for information, all other values are those of the whole sheet.
-        source: where the values come from.
+        thickness: thickness h [m], at least zero; for information only, because all other values are for the whole
+            sheet.
+        source: source of the values.
 
     Raises:
         SceneError: a value is out of range or not finite.
@@ -59,7 +61,7 @@ class Material:
 
 
 def _elastic(density: float, modulus: float, ratio: float, thickness: float, source: str) -> Material:
-    """A sheet of an isotropic solid: density [kg/m³], Young's modulus [Pa], Poisson's ratio, thickness [m]."""
+    """A sheet of an isotropic solid, from density [kg/m³], Young's modulus [Pa], Poisson's ratio and thickness [m]."""
     stretch = modulus * thickness / (1.0 - ratio * ratio)
     shear = 0.5 * modulus * thickness / (1.0 + ratio)
     return Material(density * thickness, stretch, stretch, shear, stretch * thickness * thickness / 12.0, thickness, source)
@@ -87,6 +89,6 @@ denim: Final = Material(
 )
 """Denim of 12 ounces, 0.9 mm thick."""
 rubber: Final = _elastic(1000.0, 1.5e6, 0.5, 1e-3, "soft rubber, E = 1.5 MPa, of the range 1 to 5 MPa of handbooks")
-"""Soft rubber, 1 mm thick, for small strains; springs make its ν a quarter."""
+"""Soft rubber, 1 mm thick, for small strains; in a spring network its Poisson's ratio is 1/4."""
 steel: Final = _elastic(7850.0, 2e11, 0.3, 1e-4, "mild steel, E = 200 GPa, of any handbook")
 """Steel foil, 0.1 mm thick."""

@@ -1,4 +1,4 @@
-"""Finding points that are too close together, in N log N."""
+"""Search for points that are too close together, in N log N."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from physcore.arithmetic import dots
 from physcore.checks import FloatArray, IntArray
 
 FARTHEST = 1e300
-"""Numbers of cells along an axis; what is farther away is in the last one."""
+"""Largest index of a cell along an axis; points farther away are put into the last cell."""
 LARGEST_KEY = 2.0**62
-"""Numbers of cells stay below this, so that sums of a few of them fit into 64 bits."""
+"""Upper bound of the keys of cells, such that sums of a few keys fit into 64 bits."""
 
 
 def closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
-    """Two points that are closer together than a distance, or None.
+    """Two points whose distance is below a bound, or None.
 
     Args:
-        points: [m], shape (N, D).
-        distance: [m], above zero.
+        points: points [m], shape (N, D).
+        distance: the bound [m], above zero.
 
-    The points are sorted into cells as large as the distance, so that only neighboring cells need to be compared.
+    The points are sorted into cells of this size, so that only neighboring cells are compared.
     """
     if len(points) < 2:
         return None
-    with np.errstate(over="ignore"):  # What is infinitely far away is not too close.
+    with np.errstate(over="ignore"):  # An overflow to infinity means a large distance.
         return _closer_than(points, distance)
 
 
@@ -39,8 +39,8 @@ def _closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
 
 
 def close_pairs(points: FloatArray, distance: float) -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
-    """All pairs of points that are closer together than a distance, each once: indices, and how far apart [m]; a few
-    of them at a time.
+    """All pairs of points whose distance is below a bound, in batches: two arrays of indices, and the distances [m].
+    Each pair occurs once.
     """
     keys, strides = _keys(points, distance)
     order = np.argsort(keys, kind="stable")
@@ -54,10 +54,10 @@ def close_pairs(points: FloatArray, distance: float) -> Iterator[tuple[IntArray,
 
 
 def _keys(points: FloatArray, size: float) -> tuple[IntArray, IntArray]:
-    """A number for the cell of each point (N,), and what a step along each axis adds to it (D,)."""
+    """A key for the cell of each point (N,), and its increment for a step along each axis (D,)."""
     cells = np.minimum(np.floor((points - points.min(axis=0)) / size), FARTHEST)
     if np.prod(cells.max(axis=0) + 3.0) > LARGEST_KEY:
-        # Far apart: empty rows of cells are left out, but for one that keeps their neighbors apart.
+        # For points far apart, empty rows of cells are removed, except one that separates their neighbors.
         for axis in range(points.shape[1]):
             rows, inverse = np.unique(cells[:, axis], return_inverse=True)
             steps = np.minimum(np.diff(rows, prepend=rows[0]), 2.0)
@@ -68,13 +68,13 @@ def _keys(points: FloatArray, size: float) -> tuple[IntArray, IntArray]:
 
 
 def _candidates(keys: IntArray, strides: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
-    """Index pairs, each cell with itself and with half of its neighbors; a few of them at a time."""
+    """Candidate pairs of indices in the same cell or in half of its neighbors, in batches."""
     here = np.arange(len(keys))
     for offset in product((-1, 0, 1), repeat=len(strides)):
         step = int((np.array(offset) * strides).sum())
         if step < 0 or (step == 0 and any(offset)):
             continue
-        # Points in a cell are consecutive: go through them until no cell has any left.
+        # Points in a cell are consecutive: advance through all cells at once, until all are exhausted.
         first, second = here, here + 1 if step == 0 else np.searchsorted(keys, keys + step)
         while True:
             there = second < len(keys)

@@ -1,4 +1,4 @@
-"""The periodic domain: what leaves on one side comes back on the other."""
+"""Periodic domain, in which particles that leave on one side enter on the other."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from physcore.errors import SceneError
 
 @dataclass(frozen=True)
 class Periodic:
-    """The domain of a scene that repeats itself along some axes or all; at most one in a scene.
+    """Periodic domain along some or all axes; at most one in a scene.
 
         atoms = pc.Particles(pc.block((0.0, 0.0), (10.0, 10.0), 1.2), velocities=0.1)
         scene = pc.Scene(atoms, pc.LennardJones(1.0, 1.0), pc.Periodic((0.0, 0.0), (10.0, 10.0)))
 
-    Pair forces and fluids act across its faces, each particle with the nearest image of each other one. Positions are
-    shown within the domain: those of a simulation, of recordings and of films. Springs, boundaries, central and custom
-    forces see particles where they have gone without being put back, and so does the angular momentum.
+    Pair forces and fluids act across its faces, by the minimum image convention. Positions of a simulation, of
+    recordings and of films are wrapped into the domain. Springs, boundaries, central and custom forces, and the angular
+    momentum use unwrapped positions.
 
     Args:
-        lower: the lower end along each axis [m]; −inf where an axis is not periodic.
-        upper: the upper end along each axis [m]; inf where an axis is not periodic.
+        lower: the lower end along each axis [m]; −inf along an axis that is not periodic.
+        upper: the upper end along each axis [m]; inf along an axis that is not periodic.
 
     Raises:
         SceneError: `lower` is not below `upper`, an axis is infinite at one end only, or no axis is periodic.
@@ -56,23 +56,23 @@ class Periodic:
 
     @property
     def dimension(self) -> int:
-        """2 or 3."""
+        """The dimension of space, 2 or 3."""
         return len(self.lower)
 
     @property
     def lengths(self) -> FloatArray:
-        """The period along each axis [m], shape (D,); inf where an axis is not periodic."""
+        """The period along each axis [m], shape (D,); inf along an axis that is not periodic."""
         lengths: FloatArray = np.array(self.upper) - np.array(self.lower)
         return lengths
 
     def holds(self, point: Vector) -> bool:
-        """Whether a point is in the domain, its ends included."""
+        """Whether a point is in the domain, including its ends."""
         return all(low <= x <= high for low, x, high in zip(self.lower, point, self.upper, strict=True))
 
     def wrap(self, positions: FloatArray) -> FloatArray:
-        """The same points, within the domain: lower ≤ x < upper along each periodic axis; shape (…, D).
+        """Positions wrapped into the domain: lower ≤ x < upper along each periodic axis; shape (…, D).
 
-        What is within already keeps its bits.
+        Positions within the domain keep their bits.
         """
         result = positions.copy()
         for axis, length in enumerate(self.lengths.tolist()):
@@ -80,7 +80,7 @@ class Periodic:
                 continue
             low, high, x = self.lower[axis], self.upper[axis], positions[..., axis]
             wrapped = x - length * np.floor((x - low) / length)
-            # Rounding can lead to just below, or to the upper end: both are the lower end.
+            # By rounding, the result can be slightly below the lower end, or at the upper end: both mean the lower end.
             result[..., axis] = np.where((x < low) | (x >= high), _within(wrapped, low, high), x)
         return result
 
@@ -93,10 +93,10 @@ class Periodic:
         return result
 
     def with_images(self, positions: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
-        """Points (N, D) within the domain, followed by images of those that are within reach of a lower face [m].
+        """Points (N, D) wrapped into the domain, followed by images of those within `reach` of a lower face [m].
 
         Returns:
-            The points (M, D), and the index of the point that each is or is an image of (M,).
+            The points (M, D), and the index of the original of each (M,).
         """
         points = self.wrap(positions)
         indices = np.arange(len(points))

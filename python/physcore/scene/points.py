@@ -1,4 +1,4 @@
-"""The base of systems of massless points in a flow."""
+"""Base class of systems of massless points in a flow."""
 
 from __future__ import annotations
 
@@ -14,12 +14,10 @@ from physcore.errors import SceneError
 from physcore.scene.items import Equation, System
 
 
+# To add a system of points: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class PointSystem(System):
-    """N points in D dimensions that move with a velocity field, x' = v(x, t).
-
-    To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
-    """
+    """Base class of systems of N points in D dimensions in a velocity field, x' = v(x, t)."""
 
     equation: ClassVar[Equation] = "first order"
     default_integrator: ClassVar[str] = "RungeKutta4"
@@ -28,20 +26,20 @@ class PointSystem(System):
     @property
     @abstractmethod
     def start(self) -> FloatArray:
-        """The positions at the start [m], shape (N, D)."""
+        """The initial positions [m], shape (N, D)."""
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Positions and velocities."""
+        """The units of positions and velocities."""
         return {"positions": "m", "velocities": "m/s"}
 
     @property
     def dimension(self) -> int:
-        """2 or 3."""
+        """The dimension of space, 2 or 3."""
         return int(self.start.shape[1])
 
     def shapes(self) -> dict[str, tuple[int, ...]]:
-        """The shapes of its fields by name."""
+        """The shapes of the fields by name."""
         return dict.fromkeys(self.units, self.start.shape)
 
     def __len__(self) -> int:
@@ -53,10 +51,10 @@ class PointSystem(System):
 
 
 def points(value: ArrayLike, path: str, dimensions: tuple[int, ...] = DIMENSIONS) -> FloatArray:
-    """Points, shape (N, D), read-only.
+    """Validated points, shape (N, D), read-only.
 
     Raises:
-        SceneError: they have another shape, or are not finite.
+        SceneError: the value has another shape, or is not finite.
     """
     given = array(value, path)
     if given.ndim != 2 or given.shape[1] not in dimensions:

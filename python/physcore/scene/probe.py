@@ -1,4 +1,4 @@
-"""Probes: points at which the pressure of fluids is measured."""
+"""Probes, which measure the pressure of fluids at a point."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from physcore.scene.items import SceneItem
 
 @dataclass(frozen=True)
 class Probe(SceneItem):
-    """A point at which the pressure of fluids is measured, as a sensor in a wall does.
+    """Probe: a point at which the pressure of fluids is measured, like a sensor in a wall.
 
         water = pc.Fluid.block((0.0, 0.0), (0.4, 0.6), spacing=0.05)
         probe = pc.Probe((1.2, 0.0), name="P1")
@@ -19,26 +19,29 @@ class Probe(SceneItem):
         recording[probe].pressure  # (F,)
         recording[tank].force  # (F, D), on the tank
 
-    The pressure [Pa] at a wall, within a tenth of `radius` from a boundary, is what the wall bears of the fluid, as a
-    mean over its part within `radius`, weighted by the fluid's kernel with that support. Elsewhere it is the mean over
-    what is within `radius`, dry parts with 0 and what is behind boundaries or in other bodies left out; each particle's
-    pressure is carried to the probe hydrostatically, and where four fifths are wet, the mean is over those. In frames
-    and recordings it is the mean over the time since the frame before, over all steps, and so is the force on a
-    boundary or body: of the first frame, as of `simulation[probe].pressure`, it is that of the present.
+    A probe within a tenth of `radius` from a boundary measures the pressure [Pa] of the fluid on the wall. The pressure
+    is a mean over the part of the wall within `radius`, weighted by the fluid's kernel with this support. Elsewhere the
+    pressure is the mean over the space within `radius`. Dry parts count with 0; regions behind boundaries or in other
+    bodies are excluded. Each particle's pressure is extrapolated hydrostatically to the probe. If at least four fifths
+    are wet, the mean is over the wet part. In frames and recordings, the pressure is a time average over all steps
+    since the previous frame. The force on a boundary or body is averaged likewise. In the first frame, and in
+    `simulation[probe].pressure`, the value is that of the present.
 
-    A weakly compressible fluid rings, and a front of water, which is a particle thin, is stopped by a wall within the
-    time that sound takes for a spacing: values over a few times of sound through the radius are the method's and not
-    the water's. Frames that are twenty or more of these apart show what a sensor of that size would, if there are five
-    spacings or more along its radius: a coarser front bounces off as a whole, with several times the pressure.
+    A weakly compressible fluid has acoustic oscillations. A front of water is one particle thick, and a wall stops it
+    within the time in which sound travels one spacing. Averages over a few acoustic times, radius / sound speed,
+    therefore show the method and not the water. Frames at intervals of at least twenty acoustic times show the values
+    of a sensor of this size, if the radius has at least five spacings. With fewer, a front is reflected as a whole,
+    with several times the pressure.
 
     Args:
-        position: where [m], in the fluid's domain or on a wall of it.
-        radius: of the mean [m]; None: the kernel's support, three spacings.
-        name: a name by which results can be asked for.
+        position: position [m], in the fluid's domain or on its wall.
+        radius: radius of the mean [m]; None: the kernel's support, three spacings.
+        name: name of the probe, also a key into results.
 
     Raises:
-        SceneError: a value is out of range; later, with a scene, there is no fluid, or the position is behind a
-            boundary or outside of the periodic domain.
+        SceneError: a value is out of range. Scene raises it if there is no fluid, or if the position is behind a
+            boundary
+            or outside of the periodic domain.
 
     Source: D. Shepard, ACM National Conference (1968) 517.
     """

@@ -1,4 +1,4 @@
-"""Records: what a scene item says of itself, found from the fields of its class, and the forms that it takes."""
+"""Records of scene items: the values of their fields, in the forms of files, hashes and the engine."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ import numpy as np
 from physcore.storage.archive import Tree
 
 Named: TypeAlias = Mapping[str, "list[int] | None"]
-"""The indices of the bodies that fields name; None: all."""
+"""Indices of the bodies that fields name; None: all."""
 _NONE: Named = {}
 _OWN = ("name", "on")
-"""Fields that have a place of their own in the engine's form."""
+"""Fields that have a separate place in the form of the engine."""
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """A kind with named values. Whatever describes an item does so through its record, and names neither."""
+    """Record of an object: its class name and its named values, from which all other forms are made."""
 
     kind: str
-    """The name of the class in files, hashes and the engine."""
+    """Name of the class in files, hashes and the engine."""
     values: dict[str, Any]
-    """Every field by name; first the arguments of the class, in their order, then what follows from them."""
+    """All fields by name: first the arguments of the class, in order, then the derived fields."""
     arguments: tuple[str, ...]
-    """The names of the arguments."""
+    """Names of the arguments."""
 
     @classmethod
     def of(cls, item: object) -> Record:
-        """The record of an item, or of another thing with a dataclass; items in its fields are records too."""
+        """The record of an item, or of another dataclass instance; items in its fields become records too."""
         own = _declaring(type(item))
         arguments = tuple(parameters(own))
         named = {entry.name: entry for entry in fields(own)}
@@ -41,11 +41,11 @@ class Record:
 
     @property
     def is_code(self) -> bool:
-        """Whether it has functions of the user's, which are not written into files."""
+        """Whether the object has user functions, which cannot be saved."""
         return any(map(_is_code, self.values.values()))
 
     def packed(self, bodies: Named = _NONE) -> Tree:
-        """The form of files and hashes: the arguments of its class, the rest follows from them; `bodies` as below."""
+        """The form of files and hashes: the arguments of the class. `bodies` as in `described`."""
         values = {name: bodies[name] if name in bodies else pack(self.values[name]) for name in self.arguments}
         return {"kind": self.kind, "fields": values}
 
@@ -65,7 +65,7 @@ def _is_item(value: Any) -> bool:
 
 
 def _inner(value: Any) -> Any:
-    """A value of an item, with records for the items in it."""
+    """A value with records in place of items."""
     if isinstance(value, Mapping):
         return {name: _inner(each) for name, each in value.items()}
     if isinstance(value, tuple) and any(map(_is_item, value)):
@@ -74,16 +74,14 @@ def _inner(value: Any) -> Any:
 
 
 def _is_code(value: Any) -> bool:
-    """Whether a value is a function, or holds one."""
+    """Whether a value is a function, or contains one."""
     if isinstance(value, (tuple, dict)):
         return any(map(_is_code, value.values() if isinstance(value, dict) else value))
     return value.is_code if isinstance(value, Record) else callable(value)
 
 
 def _described(value: Any) -> object:
-    """A value in the form of the engine, to which a list without entries is one that was left open, and a mapping a
-    record of no kind.
-    """
+    """A value in the form of the engine. An empty tuple becomes None, a mapping becomes a record without a class."""
     if isinstance(value, dict):
         values = {name: _described(each) for name, each in value.items()}
         return {"kind": "", "name": None, "on": None, "values": values}
@@ -93,7 +91,7 @@ def _described(value: Any) -> object:
 
 
 def pack(value: Any) -> Tree:
-    """A record, or a thing that has one, in the form of files and hashes; a plain value as it is."""
+    """A record, or an object that has one, in the form of files and hashes; other values unchanged."""
     if isinstance(value, Record):
         return value.packed()
     if isinstance(value, dict):
@@ -104,17 +102,15 @@ def pack(value: Any) -> Tree:
 
 
 def kind_of(kind: type[Any]) -> str:
-    """The name of a class in files, hashes and the engine: its own, where it does not say another as `kind`."""
-    own = _declaring(kind)
-    name: str = vars(own).get("kind", own.__name__)
-    return name
+    """The name of a class in files, hashes and the engine."""
+    return _declaring(kind).__name__
 
 
 def parameters(kind: type[Any]) -> Mapping[str, inspect.Parameter]:
-    """What a class is called with."""
+    """The parameters of a class."""
     return inspect.signature(_declaring(kind)).parameters
 
 
 def _declaring(kind: type[Any]) -> type[Any]:
-    """The class that declares the fields: a subclass without fields of its own is of the same kind."""
+    """The class that declares the fields; a subclass without own fields has the name of its parent."""
     return next(each for each in kind.__mro__ if "__dataclass_fields__" in vars(each))

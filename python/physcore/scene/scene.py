@@ -1,4 +1,4 @@
-"""A scene says what is there, and nothing about how it is computed."""
+"""Scene: the description of a system, without its numerics."""
 
 from __future__ import annotations
 
@@ -20,27 +20,28 @@ from physcore.spelling import did_you_mean
 from physcore.storage.archive import Tree, digest
 
 BodyKey = Body | int | str
-"""How a body is asked for: by itself, by its index in the scene, or by its name."""
+"""Key of a body: the object, its index in the scene, or its name."""
 ItemKey = BodyKey | System | Boundary | Probe
-"""How a body or another item with results is asked for: a system or a probe by itself or by its name, a boundary by
-itself."""
+"""Key of a body or another item with results: a system or a probe by object or name, a boundary by object."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Scene:
-    """Bodies, forces, boundaries, constraints and further systems, in 2D or 3D, systems alone in 1D too. Immutable; the
-    dimension follows from the positions and grids.
+    """Scene: bodies, forces, boundaries, constraints and systems in 2D or 3D; in 1D, systems only.
 
         ball = pc.Particles([[0.0, 1.0]], radius=0.1, name="ball")
         scene = pc.Scene(ball, pc.Gravity(), pc.Floor(restitution=0.8), pc.Drag(linear=0.01, on="ball"))
 
+    Scenes are immutable. The dimension follows from the positions and grids.
+
     Args:
-        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, further systems, probes and at
-            most one Periodic domain, in any order. Results list the particles body by body in the order given here.
+        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, systems, probes and at most
+            one
+            Periodic domain, in any order. Results have the particles in the order of the bodies.
 
     Raises:
-        SceneError: there is neither a body nor a system, the dimensions differ, a body or a name is there twice, a
-            force acts on a body that is not in the scene or has nothing to act on, or fluids overlap.
+        SceneError: there is neither a body nor a system, the dimensions differ, a body or a name occurs twice, a force
+            acts on a body that is not in the scene or has nothing to act on, or fluids overlap.
     """
 
     bodies: tuple[Body, ...]
@@ -50,7 +51,7 @@ class Scene:
     systems: tuple[System, ...]
     probes: tuple[Probe, ...]
     periodic: Periodic | None
-    """The domain that repeats itself, or None."""
+    """Periodic domain, or None."""
 
     def __init__(self, *items: Body | Force | Boundary | Constraint | System | Probe | Periodic) -> None:
         for position, item in enumerate(items):
@@ -78,12 +79,12 @@ class Scene:
 
     @property
     def dimension(self) -> int:
-        """2 or 3; 1 where systems on a line are all that there is."""
+        """The dimension of space: 2 or 3; 1 if there are only systems in 1D."""
         return self.bodies[0].dimension if self.bodies else self.systems[0].dimension
 
     @property
     def particles(self) -> int:
-        """The number of particles in all bodies together."""
+        """The total number of particles."""
         return sum(len(body) for body in self.bodies)
 
     @property
@@ -95,7 +96,7 @@ class Scene:
         """The bodies that a force or a boundary of this scene acts on.
 
         Raises:
-            SceneError: it is neither.
+            SceneError: the item is neither.
         """
         if not isinstance(item, ActingItem):
             raise SceneError(f"targets.item: must be a force or a boundary, got {shown(item)}")
@@ -124,19 +125,19 @@ class Scene:
         )
 
     def path(self, key: BodyKey) -> str:
-        """What messages call a body: bodies['water'], or bodies[0] if it has no name."""
+        """The name of a body in messages: bodies['water'], or bodies[0] if it has no name."""
         index = self.index(key)
         name = self.bodies[index].name
         return f"bodies[{index if name is None else repr(name)}]"
 
     def slice(self, key: BodyKey) -> slice:
-        """The slice of a body's particles in the results."""
+        """The slice of a body's particles in results."""
         index = self.index(key)
         start = sum(len(body) for body in self.bodies[:index])
         return slice(start, start + len(self.bodies[index]))
 
     def system(self, key: object) -> str | None:
-        """The path of a further system, before the names of its fields; None if the key is none of theirs."""
+        """The path of a system, which precedes the names of its fields; None if the key is no system of the scene."""
         for position, system in enumerate(self.systems):
             path = system.name or f"systems[{position}]"
             if key is system or (isinstance(key, str) and key == path):
@@ -144,9 +145,9 @@ class Scene:
         return None
 
     def hash(self) -> str:
-        """A hash of everything that was said of the scene: the same for equal scenes, in every process and machine.
+        """Hash of all items of the scene: the same for equal scenes, in every process and on every machine.
 
-        A version of physcore whose classes have further arguments gives another one.
+        A version of physcore whose classes have additional arguments gives a different hash.
 
         Raises:
             FileError: the scene has a CustomForce, whose function is code.
@@ -159,18 +160,18 @@ class Scene:
         Raises:
             FileError: the scene has a CustomForce, whose function is code.
         """
-        tree = {
+        return {
             "bodies": [pack(body) for body in self.bodies],
             "forces": self._packed_items("forces", self.forces),
             "boundaries": self._packed_items("boundaries", self.boundaries),
+            "constraints": self._packed_items("constraints", self.constraints),
+            "systems": self._packed_items("systems", self.systems),
+            "probes": self._packed_items("probes", self.probes),
             "periodic": pack(self.periodic),
         }
-        # Scenes without constraints, further systems and probes keep the hash that they had before there were any.
-        later = {"constraints": self.constraints, "systems": self.systems, "probes": self.probes}
-        return tree | {name: self._packed_items(name, items) for name, items in later.items() if items}
 
     def _packed_items(self, path: str, items: Sequence[SceneItem]) -> list[Tree]:
-        """Items; the bodies and systems that they name by index, because each is saved once."""
+        """Items in packed form; the bodies and systems that they name are indices, because each is saved once."""
         trees = []
         for position, item in enumerate(items):
             record = Record.of(item)
@@ -199,7 +200,9 @@ class Scene:
         return f"Scene({', '.join(parts)})"
 
     def _check_bodies(self) -> None:
-        """There is at least one body or further system, each once, all of one dimension, with names of their own."""
+        """Check that there is at least one body or system, that each occurs once, and that dimensions and names are
+        consistent.
+        """
         if not self.bodies and not self.systems:
             raise SceneError(
                 "Scene: must have at least one body, such as Particles, SpringNetwork or Fluid, or a system"
@@ -226,7 +229,7 @@ class Scene:
                 )
 
     def _set_domain(self, domains: list[Periodic]) -> None:
-        """There is at most one domain, of the scene's dimension."""
+        """Check that there is at most one domain, of the scene's dimension."""
         if len(domains) > 1:
             raise SceneError(f"periodic: there must be at most one Periodic domain, got {len(domains)}")
         if domains and domains[0].dimension != self.dimension:
@@ -237,7 +240,7 @@ class Scene:
         object.__setattr__(self, "periodic", domains[0] if domains else None)
 
     def _check_fluids(self) -> None:
-        """No two particles of fluids are in the same place; each fluid has looked at its own."""
+        """Check that no particles of different fluids overlap; each fluid has checked its own particles."""
         fluids = self.fluids
         if not fluids or (len(fluids) == 1 and self.periodic is None):
             return
@@ -256,7 +259,7 @@ class Scene:
         raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
 
     def _check_probes(self) -> None:
-        """There is a fluid to measure the pressure of, where the probes are."""
+        """Check that there is a fluid at the probes."""
         self._check_items("probes", self.probes)
         named = [*(body.name for body in self.bodies), *(system.name for system in self.systems)]
         names = [*named, *(probe.name for probe in self.probes)]
@@ -270,7 +273,7 @@ class Scene:
                 raise SceneError(f"{path}.position: must be in the periodic domain, got {shown(probe.position)}")
 
     def _warn_of_charges(self) -> None:
-        """Charges have no effect where no force acts on them."""
+        """Warn if there are charges but no force that acts on charges."""
         charged = [position for position, body in enumerate(self.bodies) if body.charge.any()]
         if charged and not any(force.feels_charges for force in self.forces):
             warn(
@@ -284,7 +287,7 @@ class Scene:
             self._check_item(f"{section}[{position}]", item)
 
     def _check_item(self, path: str, item: SceneItem) -> None:
-        """Vectors have the scene's dimension, and `on` names bodies of the scene."""
+        """Check that vectors have the scene's dimension, and that `on` names bodies of the scene."""
         mismatch = item.mismatch(self.dimension)
         if mismatch is not None:
             name, size = mismatch
@@ -309,7 +312,7 @@ class Scene:
 
 
 def indices(scene: Scene, item: SceneItem) -> dict[str, list[int] | None]:
-    """The bodies that a force or a boundary of a scene names, and the system that a system names, by field."""
+    """The indices of the bodies that a force or a boundary names, and of the systems that a system names, by field."""
     if isinstance(item, System):
         places = {id(system): index for index, system in enumerate(scene.systems)}
         return {field: [places[id(other)]] for field, other in item.named().items()}
@@ -323,7 +326,7 @@ def indices(scene: Scene, item: SceneItem) -> dict[str, list[int] | None]:
 
 
 def _advice(item: object) -> str:
-    """A hint for the usual mistakes."""
+    """A hint about common mistakes."""
     if isinstance(item, type):
         return f"; write {item.__name__}(…)"
     if isinstance(item, (list, tuple)):

@@ -1,4 +1,4 @@
-"""Shapes filled with particles: the centers of the cells of a square or cubic lattice that are inside."""
+"""Shapes filled with particles: the cell centers of a square or cubic lattice inside the shape."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from physcore.errors import SceneError
 from physcore.spelling import spelled
 
 COPIES = 3
-"""Arrays of coordinates that are in memory at once while a shape is filled."""
+"""Peak memory in arrays of coordinates while a shape is filled."""
 
 
 @spelled
 def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
-    """A rectangle in 2D, a cuboid in 3D.
+    """Block of particles: a rectangle in 2D, a cuboid in 3D.
 
         water = pc.Fluid(pc.block((0.0, 0.0), (0.5, 1.0), spacing=0.05), spacing=0.05)
 
     Args:
         lower: the corner with the smallest coordinates [m].
         upper: the corner with the largest coordinates [m].
-        spacing: the edge of a cell [m]. There are round(extent / spacing) cells along each axis, the first one in the
-            lower corner.
+        spacing: the edge of a cell [m]. There are round(extent / spacing) cells along each axis, starting at the lower
+            corner.
 
     Returns:
-        The centers of all cells [m], shape (N, D), along x first.
+        The centers of all cells [m], shape (N, D), ordered along x first.
 
     Raises:
         SceneError: the extent along an axis is less than one cell, or a value is not finite.
@@ -54,17 +54,17 @@ def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
 
 @spelled
 def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
-    """A disc in 2D, a ball in 3D.
+    """Ball of particles, a disc in 2D.
 
         drop = pc.Fluid(pc.ball((0.0, 0.5), radius=0.2, spacing=0.02), spacing=0.02)
 
     Args:
-        center: [m].
-        radius: [m], above zero.
+        center: center of the ball [m].
+        radius: radius of the ball [m], above zero.
         spacing: the edge of a cell [m].
 
     Returns:
-        The centers of the cells that are inside [m], shape (N, D), along x first.
+        The centers of the cells inside [m], shape (N, D), ordered along x first.
 
     Raises:
         SceneError: the shape has no room for a cell, or a value is not finite.
@@ -75,18 +75,18 @@ def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
 
 @spelled
 def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
-    """An upright cylinder in 3D.
+    """Cylinder of particles in 3D, along z.
 
         water = pc.Fluid(pc.cylinder((0.0, 0.0, 0.0), radius=0.2, height=0.4, spacing=0.05), spacing=0.05)
 
     Args:
-        center: the middle of its base [m].
-        radius: [m], above zero.
-        height: along z [m], at least one spacing; there are round(height / spacing) layers, the first one on the base.
+        center: center of the base [m].
+        radius: radius of the cylinder [m], above zero.
+        height: height along z [m], at least one spacing; there are round(height / spacing) layers from the base on.
         spacing: the edge of a cell [m].
 
     Returns:
-        The centers of the cells that are inside [m], shape (N, 3), along x first.
+        The centers of the cells inside [m], shape (N, 3), ordered along x first.
 
     Raises:
         SceneError: the shape has no room for a cell, or a value is not finite.
@@ -107,27 +107,27 @@ def cylinder(center: Vector, radius: float, height: float, spacing: float) -> Fl
 
 
 def _cells(extent: float, step: float, whole: Callable[[float], int] = round) -> int:
-    """How many cells an extent [m] has; one more than can be counted, where they are more than that."""
+    """The number of cells along an extent [m], limited to MOST + 1."""
     return whole(min(max(extent / step, -1.0), MOST + 1.0))
 
 
 def _require_memory(cells: int, dimension: int, path: str) -> None:
-    """Refuse what does not fit into memory.
+    """Check that the cells fit into memory.
 
     Raises:
-        SceneError: it does not.
+        SceneError: they do not fit.
     """
     memory.require(COPIES * 8.0 * dimension * cells, f"{cells:.4g} cells", path, "make it larger")
 
 
 def _centers(counts: list[int]) -> FloatArray:
-    """The centers of cells of size 1 from the origin on, shape (N, D), the first axis fastest."""
+    """The centers of cells of size 1, starting at the origin, shape (N, D), the first axis fastest."""
     indices = np.indices(counts[::-1], dtype=np.float64).reshape(len(counts), -1)[::-1].T
     return np.ascontiguousarray(indices + 0.5)
 
 
 def _round(radius: float, spacing: float, dimension: int, path: str) -> FloatArray:
-    """The cells of a lattice around the origin whose centers are within a radius."""
+    """The cell centers of a lattice around the origin that are within a radius."""
     step = span(spacing, f"{path}.spacing")
     half = _cells(radius, step, math.floor) + 1
     _require_memory(math.prod([2 * half] * dimension), dimension, f"{path}.spacing")

@@ -1,4 +1,4 @@
-"""What the faces of a network must be for laws of surfaces."""
+"""Checks of the faces of a network."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
 
 LEAST_AREA = 1e-12
-"""Twice the least area of a face, relative to the square of its longest side: above what rounding makes of a line."""
+"""Least area of a face, doubled and relative to the square of its longest side; above rounding errors."""
 
 
 def check_areas(network: SpringNetwork, path: str) -> None:

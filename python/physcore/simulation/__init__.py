@@ -1,1 +1,1 @@
-"""State and clock: the engine's world, the stepper, frames and recordings, and their provenance."""
+"""Simulation: the engine's world, the stepper, frames, recordings and their provenance."""

@@ -1,4 +1,4 @@
-"""Diagrams of what was recorded, with Matplotlib."""
+"""Diagrams of recordings, drawn by Matplotlib."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ BAND = 0.2
 
 
 def canvas(axes: Axes | None) -> Axes:
-    """The axes to draw into: those given, or of a new figure.
+    """The given axes, or the axes of a new figure.
 
     Raises:
         PhyscoreError: Matplotlib is not installed.
-        SceneError: what was given are no Axes.
+        SceneError: the value is not an Axes object.
     """
     try:
         from matplotlib import pyplot
@@ -36,14 +36,14 @@ def canvas(axes: Axes | None) -> Axes:
 
 
 def over_time(times: FloatArray, values: FloatArray, names: str, label: str, axes: Axes | None) -> Axes:
-    """The components of a quantity over time: the mean of each, and a band from its smallest to its largest value.
+    """Plot the components of a quantity over time: the mean of each, and a band from its smallest to its largest value.
 
     Args:
-        times: [s], shape (F,).
-        values: shape (F, N, C): C components of N things.
+        times: times [s], shape (F,).
+        values: values, shape (F, N, C): C components of N objects.
         names: one letter for each component.
         label: the quantity, with its unit.
-        axes: where to draw; a new figure by default.
+        axes: the axes to draw into; a new figure by default.
     """
     axes = canvas(axes)
     if values.shape[1]:

@@ -1,12 +1,13 @@
-"""How many steps a run takes, and what to relax where they are too many."""
+"""Number of steps of a run, and advice if there are too many."""
 
 from __future__ import annotations
 
 from physcore.checks import MOST
 
 MOST_STEPS = 10_000_000
-"""Steps above which a run is called long: at a microsecond or so, which the smallest scene takes for each, 10 s; a film
-of a minute at 30 frames per second would take 5000 of them for each frame."""
+"""Number of steps above which a run is called long. The smallest scene takes about 1 µs per step, so that this is 10 s.
+A film of one minute at 30 frames per second would have 5000 steps per frame.
+"""
 
 RELAX = {
     "springs": "lower the stiffness or the damping of the springs, raise their masses, or take pc.BackwardEuler()",
@@ -21,18 +22,18 @@ RELAX = {
     "central": "start farther from the center of the CentralForce",
     "flow": "slow the flow down",
 }
-"""What to change where a term of the scene limits the time step, by the term's name in the plan."""
+"""Advice if a term of the scene limits the time step, by the term's name in the plan."""
 
 
 def remedy(term: str, given: bool) -> str:
-    """What to change where a run takes too many steps, with a time step that was given or follows from a term."""
+    """Advice for a run with too many steps. The time step was given, or follows from a term of the scene."""
     if given:
         return 'leave dt to "auto", or give a larger one'
     return RELAX.get(term, "make the scene coarser") + "; or ask for a shorter duration"
 
 
 def long_run(duration: float, dt: float, term: str, given: bool) -> str | None:
-    """What to say before a run of a duration [s] in steps of dt [s] that are too many; None where they are not."""
+    """The message before a run of a duration [s] with too many steps of dt [s]; None if there are not too many."""
     if not MOST_STEPS * dt < duration <= MOST * dt:
         return None
     steps = duration / dt

@@ -14,7 +14,6 @@ from physcore.errors import SceneError
 from physcore.numerics.choices import Limit, Numerics
 from physcore.numerics.fluids import FluidMethod
 from physcore.scene.bodies import Body
-from physcore.scene.compressible import CHECKS
 from physcore.scene.items import ActingItem, SceneItem
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene, indices
@@ -169,12 +168,11 @@ def _summary(system: StagesRecord) -> str:
 
 
 def _body(body: Body, method: FluidMethod | None) -> dict[str, Any]:
-    """A body; a fluid with its method, in which the deprecated arguments are."""
+    """A body; a fluid with its method."""
     described: dict[str, Any] = Record.of(body).described()
     if method is None:
         return described
-    own = {name: value for name, value in described["values"].items() if name not in CHECKS}
-    return {**described, "values": {**own, "method": Record.of(method).described()}}
+    return {**described, "values": {**described["values"], "method": Record.of(method).described()}}
 
 
 def _item(item: SceneItem, scene: Scene) -> dict[str, object]:

@@ -9,7 +9,7 @@ from typing import Self
 from physcore.checks import shown
 from physcore.errors import FileError
 from physcore.storage.archive import Tree
-from physcore.storage.schema import Rule, either, maybe, of, record, several, table, text
+from physcore.storage.schema import Rule, either, of, record, several, table, text
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Provenance:
     """The physcore that computed it."""
     numerics: dict[str, Tree]
     """The numerical choices: names and plain values, of an integrator or a rule for steps its kind and its fields."""
-    segments: tuple[Segment, ...] | None
-    """The steps that were taken; None where they were not kept, in checkpoints of an earlier physcore."""
+    segments: tuple[Segment, ...]
+    """The steps that were taken."""
     state_hash: str
     """`Simulation.state_hash()` at the end."""
 
@@ -58,12 +58,12 @@ class Provenance:
         return cls(**{**checked, "segments": segments_from(checked["segments"])})
 
 
-def segments_from(content: Tree) -> tuple[Segment, ...] | None:
-    """Segments out of a file, if it has any."""
-    return None if content is None else tuple(Segment.from_content(entry) for entry in content)
+def segments_from(content: Tree) -> tuple[Segment, ...]:
+    """Segments out of a file."""
+    return tuple(Segment.from_content(entry) for entry in content)
 
 
-SEGMENTS: Rule = maybe(several(of(Segment)))
+SEGMENTS: Rule = several(of(Segment))
 """The rule for the segments in a file."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 import numpy as np
@@ -38,7 +38,7 @@ from physcore.simulation.serial import unpack_scene
 from physcore.simulation.state import Frame
 from physcore.simulation.tables import data_frame
 from physcore.storage import archive, schema
-from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, text
+from physcore.storage.schema import Sizes, anything, of, real, record, several, table, text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -201,10 +201,10 @@ class Recording(Trajectory):
     """The scene that was simulated."""
     plan: Plan
     """The plan by which it was simulated."""
-    budgets: Mapping[str, AmountSeries] = field(default_factory=dict)
+    budgets: Mapping[str, AmountSeries]
     """The budgets of what is conserved beside energy, by name, such as `budgets["u"]` for the amount of a species."""
-    provenance: Provenance | None = None
-    """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
+    provenance: Provenance
+    """The steps that were taken, and the hash of the state at the end."""
     film: ClassVar[Callable[..., Any]]
     """`recording.film("run.gif", …)` is `physcore.film(recording, "run.gif", …)`; the package gives it to this class,
     because what draws films imports recordings."""
@@ -309,7 +309,7 @@ class Recording(Trajectory):
             "fps": self.fps,
             "scene": self.scene.packed(),
             "plan": asdict(self.plan),
-            "provenance": None if self.provenance is None else self.provenance.content(),
+            "provenance": self.provenance.content(),
         }
         archive.write(path, "recording", content)
 
@@ -335,7 +335,6 @@ class Recording(Trajectory):
         amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
         budget = record(unit=text, total=over_time, times=over_time, **dict.fromkeys(PARTS, table(over_time)))
         shape = record(
-            {"provenance": maybe(Provenance.from_content), "budgets": table(budget)},
             scene=anything,
             channels=anything,
             times=sizes.array("F", finite=True),
@@ -344,6 +343,8 @@ class Recording(Trajectory):
             momentum=sizes.array("F", "D"),
             angular_momentum=sizes.array("F", "A"),
             plan=of(Plan),
+            budgets=table(budget),
+            provenance=Provenance.from_content,
             **rules,
         )
         checked = shape(content, "")
@@ -356,8 +357,8 @@ class Recording(Trajectory):
             fps=checked["fps"],
             scene=scene,
             plan=Plan(**checked["plan"]),
-            budgets={name: AmountSeries(**each) for name, each in checked.get("budgets", {}).items()},
-            provenance=checked.get("provenance"),
+            budgets={name: AmountSeries(**each) for name, each in checked["budgets"].items()},
+            provenance=checked["provenance"],
         )
 
 

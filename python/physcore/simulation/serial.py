@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
@@ -42,10 +41,12 @@ _KINDS: dict[str, type[Any]] = {
 }
 
 _SCENE = record(
-    {"systems": several(anything), "constraints": several(anything), "probes": several(anything)},
     bodies=several(anything),
     forces=several(anything),
     boundaries=several(anything),
+    constraints=several(anything),
+    systems=several(anything),
+    probes=several(anything),
     periodic=anything,
 )
 _THING = record(kind=text, fields=anything)
@@ -62,12 +63,10 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
     acting = [
         _unpack_item(entry, f"{path}.{name}[{index}]", kinds, bodies)
         for name, kinds in _SECTIONS.items()
-        for index, entry in enumerate(content.get(name, ()))
+        for index, entry in enumerate(content[name])
     ]
-    systems = _unpack_systems(content.get("systems", ()), f"{path}.systems")
-    probes = [
-        _unpack(entry, f"{path}.probes[{index}]", (Probe,)) for index, entry in enumerate(content.get("probes", ()))
-    ]
+    systems = _unpack_systems(content["systems"], f"{path}.systems")
+    probes = [_unpack(entry, f"{path}.probes[{index}]", (Probe,)) for index, entry in enumerate(content["probes"])]
     domain = content["periodic"]
     items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
     with _named(path):
@@ -90,8 +89,8 @@ def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
     Raises:
         FileError: the tree has something else.
     """
-    known = {entry.name: anything for entry in fields(Numerics) if entry.name != "integrators"}
-    content = record(known)(tree, path)
+    known = {entry.name: anything for entry in fields(Numerics) if entry.name not in ("integrators", "fluids")}
+    content = record({"fluids": anything}, **known)(tree, path)
     kinds: dict[str, tuple[type[Any], ...]] = {"integrator": INTEGRATORS, "fluids": FLUID_METHODS}
     values = {name: _unpack_choice(value, f"{path}.{name}", kinds.get(name)) for name, value in content.items()}
     return cast(Options, values)
@@ -108,14 +107,9 @@ def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     """The thing of one of some kinds that `pack` was given."""
     thing = _THING(tree, path)
     kind = _KINDS[word(*map(kind_of, kinds))(thing["kind"], f"{path}.kind")]
-    arguments = parameters(kind).values()
-    optional = {each.name: anything for each in arguments if each.default is not each.empty}
-    required = {each.name: anything for each in arguments if each.default is each.empty}
-    fields_of = record(optional, **required)(thing["fields"], f"{path}.fields")
+    fields_of = record(**dict.fromkeys(parameters(kind), anything))(thing["fields"], f"{path}.fields")
     values = {name: _unpack_value(value, f"{path}.{name}", _PARTS) for name, value in fields_of.items()}
-    with _named(path), warnings.catch_warnings():
-        # Whoever reads a file cannot change the words in it.
-        warnings.simplefilter("ignore", DeprecationWarning)
+    with _named(path):
         return kind(**values)
 
 

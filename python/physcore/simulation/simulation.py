@@ -75,7 +75,6 @@ class Simulation:
             "ignore": go on until a position or velocity is not finite; energies, which are squares, cease to be before.
         fluids: how fluids are computed, such as WeaklyCompressible(…), one method for all or a mapping
             `{water: method}`, by fluids or their names; "auto": WeaklyCompressible().
-        runaway: the deprecated name of `max_energy_growth`.
 
     Raises:
         SceneError: a choice is not valid, dt="auto" finds no stable step, a particle starts outside a boundary, or the
@@ -98,7 +97,6 @@ class Simulation:
         max_energy_growth: float | None = None,
         on_divergence: DivergenceRule = "raise",
         fluids: Fluids = "auto",
-        runaway: float | None = None,
     ) -> None:
         require_scene(scene)
         options = Options(
@@ -109,7 +107,6 @@ class Simulation:
             max_energy_growth=max_energy_growth,
             on_divergence=on_divergence,
             fluids=fluids,
-            runaway=runaway,
         )
         self._build(scene, check(options, scene))
         check_flows(self._numerics.fluids, scene)
@@ -449,7 +446,7 @@ class Simulation:
             FileError: an entry is missing or wrong; with its path.
         """
         limits = several(of(Limit), lengths=(0, 2))
-        stepper = of(Captured, absent=("segments",), limits=limits, segments=SEGMENTS)
+        stepper = of(Captured, limits=limits, segments=SEGMENTS)
         shape = record(scene=unpack_scene, numerics=unpack_numerics, stepper=stepper, world=table(_numbers))
         checked = shape(content, "")
         numerics = check(checked["numerics"], checked["scene"])

@@ -66,7 +66,7 @@ class Captured(TypedDict):
 
     substepped: int
     limits: list[dict[str, Any]]
-    segments: list[dict[str, Any]] | None
+    segments: list[dict[str, Any]]
 
 
 _UNWARNED = ContextVar("unwarned", default=False)
@@ -104,7 +104,7 @@ class Stepper:
         self._mach_warned = False
         self._long_warned = False
         self._substepped = 0
-        self._segments: list[Segment] | None = []
+        self._segments: list[Segment] = []
 
     def begin(self) -> None:
         """Look at the limits before the first step; one of a stepper that was captured goes on with `restore`.
@@ -142,10 +142,10 @@ class Stepper:
         return self.fixed or self._world.dt or self._largest(FRAMES_PER_SECOND)
 
     @property
-    def segments(self) -> tuple[Segment, ...] | None:
-        """The steps that were taken since the scene's start; None where a checkpoint did not tell."""
+    def segments(self) -> tuple[Segment, ...]:
+        """The steps that were taken since the scene's start."""
         if self._adaptive is None:
-            return None if self._segments is None else tuple(self._segments)
+            return tuple(self._segments)
         _, _, smallest, largest = self._world.adaptation()
         return (Segment(0.0, self._world.steps, (smallest, largest)),) if self._world.steps else ()
 
@@ -258,7 +258,7 @@ class Stepper:
 
     def _note(self, new: Segment) -> None:
         """Add steps to the history; like the engine's clock, a segment ends only where the size of the step changes."""
-        if self._segments is None or new.steps == 0:
+        if new.steps == 0:
             return
         last = self._segments[-1] if self._segments else None
         if last is not None and last.dt == new.dt:
@@ -386,15 +386,14 @@ class Stepper:
 
     def capture(self) -> Captured:
         """The state of the stepper beside that of the world: limits, segments and counts."""
-        segments = None if self._segments is None else [asdict(segment) for segment in self._segments]
+        segments = [asdict(segment) for segment in self._segments]
         limits = [vars(limit) for limit in self._limits or ()]
         return {"substepped": self._substepped, "limits": limits, "segments": segments}
 
     def restore(self, state: Captured) -> None:
         """Go on as the stepper that was captured."""
         self._substepped = state["substepped"]
-        segments = segments_from(state.get("segments"))
-        self._segments = None if segments is None else list(segments)
+        self._segments = list(segments_from(state["segments"]))
         if state["limits"]:
             first, kept = (Limit(**limit) for limit in state["limits"])
             self._limits = first, kept

@@ -11,7 +11,6 @@ import math
 import types
 import typing
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -142,18 +141,14 @@ def anything(value: Any, path: str) -> Any:
     return value
 
 
-def of(kind: type, *, absent: tuple[str, ...] = (), **special: Rule) -> Rule:
+def of(kind: type, **special: Rule) -> Rule:
     """The fields of a dataclass or a TypedDict, each as its type says.
 
     Args:
         kind: the class.
-        absent: fields that files of an earlier version do not have, beside those with a default.
         special: rules for fields of other types.
     """
-    rules = {name: special.get(name) or _by_type(hint) for name, hint in get_type_hints(kind).items()}
-    defaults = [each.name for each in fields(kind) if each.default is not MISSING] if is_dataclass(kind) else []
-    optional = {name: rules.pop(name) for name in (*absent, *defaults)}
-    return record(optional, **rules)
+    return record(**{name: special.get(name) or _by_type(hint) for name, hint in get_type_hints(kind).items()})
 
 
 def _by_type(hint: Any) -> Rule:

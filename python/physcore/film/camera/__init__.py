@@ -1,1 +1,1 @@
-"""From where a scene is seen: views, cameras that move, and what they leave open."""
+"""Views, moving cameras, and the framing of the picture."""

@@ -1,4 +1,4 @@
-"""Corotating frames of reference, in which a pair of bodies does not turn."""
+"""Corotating frames of reference, in which a pair of bodies stays on a fixed line."""
 
 from __future__ import annotations
 
@@ -16,32 +16,33 @@ from physcore.scene.scene import BodyKey, Scene
 from physcore.simulation.sources import Source, SourceFrame
 
 Member = BodyKey | tuple[BodyKey, int]
-"""A body, by its center of mass, or one of its particles: (body, index)."""
+"""A body, represented by its center of mass, or one of its particles: (body, index)."""
 
 
 @dataclass(frozen=True)
 class Corotating:
-    """The frame of reference that turns with a pair of bodies about their center of mass, the origin.
+    """Frame of reference that rotates with a pair of bodies. The origin is their center of mass.
 
         planets = pc.Particles([[0, 0], [1, 0]], velocities=[[0, -0.1], [0, 1]], mass=[1.0, 0.1], name="planets")
         recording = pc.simulate(pc.Scene(planets, pc.Gravitation(1.0)), duration=2.0)
         frame = pc.Corotating(("planets", 0), ("planets", 1))
         pc.film(recording, "trojans.png", camera=frame, style=[pc.styles.Paths(), pc.styles.Points()])
 
-    The first body is on the left and the second on the right, at all times on one horizontal line. Positions and
-    velocities are those of the frame, v' = R(v − V − ω × (x − X)), with the position X and velocity V of the center of
-    mass, the rate of turning ω = (d × ḋ)_z/(d_x² + d_y²) of the distance d between the bodies, and the rotation R of
-    d onto the x axis: so trails and paths are those of the restricted three-body problem. In 3D the frame turns about
+    The first body is on the left and the second on the right, at all times on one horizontal line. Velocities in the
+    frame are v' = R(v − V − ω × (x − X)). X and V are the position and the velocity of the center of mass, and d is the
+    vector from the first body to the second. The angular velocity is ω = (d × ḋ)_z/(d_x² + d_y²), and R rotates d onto
+    the x axis. Trails and paths are therefore those of the restricted three-body problem. In 3D the frame rotates about
     the z axis.
 
     Args:
         first, second: the pair, each a body, its index or its name, or (body, index) for one of its particles.
-        camera: from where to look, in the frame's coordinates: a Window in 2D, an Orbit in 3D, Keyframes or a function
-            of these. None: so that nothing leaves the picture.
+        camera: the camera in the coordinates of the frame: a Window in 2D, an Orbit in 3D, Keyframes or a function of
+            these. None: a view that contains the whole motion.
 
     Raises:
-        SceneError: an argument is not valid; a scene has boundaries, a periodic domain or systems beside its bodies,
-            which would have to turn the other way; or the pair coincides.
+        SceneError: an argument is not valid; a scene has boundaries, a periodic domain or systems, which would rotate
+            in
+            this frame; or the two members of the pair coincide.
 
     Source: V. Szebehely, Theory of Orbits (1967), section 1.4.
     """
@@ -59,7 +60,7 @@ class Corotating:
             )
 
     def seen(self, source: Source) -> Source:
-        """A source in the corotating frame."""
+        """The source in the corotating frame."""
         return CorotatingSource(source, self)
 
 
@@ -83,12 +84,12 @@ class CorotatingSource(Derived):
             yield replace(frame, fields={**frame.fields, **self._turned(frame)})
 
     def _turned(self, frame: SourceFrame) -> dict[str, FloatArray]:
-        """The fields of a frame that turning changes."""
+        """The positions and velocities of a frame in the corotating frame."""
         one, other = self._pair
         share = other.sum() / (one.sum() + other.sum())
 
         def of_pair(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-            """The center of mass of the pair, and its distance."""
+            """The center of mass of the pair, and the vector from the first member to the second."""
             first, second = one @ vectors / one.sum(), other @ vectors / other.sum()
             return first + share * (second - first), second - first
 
@@ -112,14 +113,14 @@ class CorotatingSource(Derived):
 def corotating(
     camera: Camera | Follow | Corotating | None, found: list[Source]
 ) -> tuple[Camera | Follow | None, list[Source]]:
-    """The camera in its frame of reference, and sources in that frame."""
+    """The camera within its frame of reference, and the sources in that frame."""
     if isinstance(camera, Corotating):
         return camera.camera, [camera.seen(source) for source in found]
     return camera, found
 
 
 def _member(value: object, path: str) -> Member:
-    """A body's key, or that and the index of a particle."""
+    """A body's key, or a tuple of it and the index of a particle."""
     key, *rest = value if isinstance(value, tuple) and len(value) == 2 else (value,)
     if not isinstance(key, (Body, int, str)) or isinstance(key, bool):
         raise SceneError(f"{path}: must be a body or (body, index), got {shown(value)}")
@@ -127,7 +128,7 @@ def _member(value: object, path: str) -> Member:
 
 
 def _weights(scene: Scene, member: Member, path: str) -> FloatArray:
-    """The masses (N,) [kg] of the particles that make a member of the pair, 0 for all others."""
+    """The masses (N,) [kg] of the particles of one member of the pair, 0 for all other particles."""
     key, index = member if isinstance(member, tuple) else (member, None)
     try:
         where, body = scene.slice(key), scene.bodies[scene.index(key)]

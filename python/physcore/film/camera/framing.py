@@ -1,4 +1,4 @@
-"""Framing: what a camera leaves open is found from the motion, and gives the view of each panel in each frame."""
+"""Framing: completes cameras from the motion, and computes the view of each panel in each frame."""
 
 from __future__ import annotations
 
@@ -20,29 +20,29 @@ from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
 LOW, HIGH = Orbit(), Orbit(elevation=52.0)
-"""From where a 3D scene is seen by itself: from above if it is flat."""
+"""Default cameras of 3D scenes; HIGH is for flat ones."""
 SIDEWAYS = Orbit(azimuth=-74.0, elevation=38.0)
-"""From where a relief is seen by itself: along y, as the plane is, so that its width fills the picture."""
+"""Default camera of a relief: along y, so that the width of the plane fills the picture."""
 FLAT = 0.25
-"""A scene whose height is below this fraction of its width is flat."""
+"""A scene is flat if its height is below this fraction of its width."""
 MARGIN = 2.0
-"""The extent of the view around a followed body, over that of the body."""
+"""Ratio of the extent of the view around a followed body to the extent of the body."""
 AROUND = 0.1
-"""The least extent of that view, as a fraction of that of all that happens."""
+"""Least extent of the view around a followed body, as a fraction of the extent of the whole motion."""
 GROUND = 0.54
-"""Half the width of the ground in 3D, as a fraction of what happens upon it."""
+"""Half the width of the ground in 3D, as a fraction of the extent of the motion above it."""
 
 
 @dataclass(frozen=True, eq=False)
 class CameraTrack:
-    """The path of the camera: the cameras to choose from, each as it is at every frame, or once if it stands still."""
+    """The candidate cameras of a film, each with one entry per frame, or a single entry if it is at rest."""
 
     choices: list[list[Still]]
     follow: Follow | None
 
     @property
     def axes(self) -> list[FloatArray]:
-        """The axes of each choice, shape (K, D, D)."""
+        """The axes of each candidate, shape (K, D, D)."""
         return [np.stack([each.axes for each in stills]) for stills in self.choices]
 
     @property
@@ -52,15 +52,15 @@ class CameraTrack:
 
     @property
     def closed(self) -> bool:
-        """Whether nothing is left to be found from the motion."""
+        """Whether the cameras are complete without the bounds of the motion."""
         return self.follow is None and all(_is_closed(each) for stills in self.choices for each in stills)
 
 
 def camera_track(camera: Camera | Follow | None, found: Sequence[Source], clock: FloatArray) -> CameraTrack:
-    """The cameras of a film whose frames are at some times [s].
+    """The cameras of a film at the times `clock` of its frames [s].
 
     Raises:
-        SceneError: panels are of different dimensions, or the camera is not for theirs.
+        SceneError: the panels differ in dimension, or the camera does not suit their dimension.
     """
     dimensions = {drawn_dimension(source.scene) for source in found}
     if len(dimensions) > 1:
@@ -86,27 +86,27 @@ def camera_track(camera: Camera | Follow | None, found: Sequence[Source], clock:
 
 @dataclass(eq=False)
 class Extent:
-    """The extent of one panel: the centers of its views, and how far things reach from there.
+    """The extent of one panel: the centers of its views, and the reach of its contents from there.
 
-    All arrays have one row for each frame, or a single one if the view does not change.
+    All arrays have one row for each frame, or a single row if the view does not change.
     """
 
     stills: list[Still]
     centers: FloatArray
     """Centers of the views, along each camera's axes [m], shape (K, D)."""
     shown: FloatArray
-    """Half the size of what has to be in the picture [m], shape (K, D)."""
+    """Half the size of the box that must be in the picture [m], shape (K, D)."""
     seen: FloatArray
-    """Half the size of all that there is [m], shape (K, D)."""
+    """Half the size of the box of all contents [m], shape (K, D)."""
     scenery: Scenery
-    """The place of the scenery."""
+    """The placement of the scenery."""
     domain: Periodic | None
-    """The periodic domain, if it is shown from a body in it."""
+    """The periodic domain, if the camera follows a body in it; otherwise None."""
     follows: bool
-    """Whether a body stays in the middle."""
+    """Whether the camera follows a body."""
 
     def magnification(self, area: Area, inset: float) -> float:
-        """The least number of pixels per meter in a rectangle."""
+        """The smallest magnification of all views in a rectangle [pixels/m]."""
         framing = fit(self.stills, self.shown, area, inset, self.seen)
         if isinstance(self.stills[0], Window):
             return min(aim(each, self.centers[0], framing, area).scale for each in self.stills)
@@ -114,7 +114,9 @@ class Extent:
 
     @property
     def given(self) -> bool:
-        """Whether how much is shown does not go by the format: it was given, or is what is around a body."""
+        """Whether the extent of the view is independent of the picture's aspect ratio: it was given, or it surrounds a
+        body.
+        """
         if self.follows and not isinstance(self.stills[0], Window):
             return True
         return any(isinstance(each, Orbit) and each.extent is not None for each in self.stills)
@@ -138,9 +140,9 @@ class PanelView:
         return self._view(index) if self._standing is None else self._standing
 
     def scenery(self, view: View) -> Scenery:
-        """The place of the scenery in a view."""
+        """The placement of the scenery in a view."""
         scenery, left, right = self.extent.scenery, self.area[0], self.area[2]
-        if view.flat:  # the ground goes on beyond the picture
+        if view.flat:  # the ground extends beyond the picture
             wide = float(right - left + self.area[3]) / view.scale
             scenery = replace(scenery, middle=view.center, size=max(scenery.size, wide))
         if self.extent.domain is None:
@@ -148,13 +150,15 @@ class PanelView:
         center = view.axes.T @ view.center
         lower = np.where(np.isfinite(self.extent.domain.lengths), center - self.extent.domain.lengths / 2, -np.inf)
         upper = np.where(np.isfinite(self.extent.domain.lengths), center + self.extent.domain.lengths / 2, np.inf)
-        if not view.flat:  # the ground comes along, and its grid stays where it is
+        if not view.flat:  # the ground follows the view in steps of its grid
             step = 2.0 * scenery.size / GRID
             scenery = replace(scenery, middle=step * np.rint(center / step))
         return replace(scenery, domain=Periodic(lower, upper))
 
     def shown(self, frame: SourceFrame, view: View) -> SourceFrame:
-        """A frame as it is shown: around a followed body everything is where it is nearest to it."""
+        """A frame as drawn. With a followed body in a periodic domain, the image of each particle nearest to the camera
+        is shown.
+        """
         if self.extent.domain is None:
             return frame
         center = view.axes.T @ view.center
@@ -167,7 +171,7 @@ class PanelView:
 
 
 def extents(track: CameraTrack, passes: Sequence[FirstPass], found: Sequence[Source]) -> list[Extent]:
-    """The extent of each panel, so that all of them share one camera and one scale."""
+    """The extent of each panel, such that all panels share one camera and one scale."""
     whole = _merged([seen.whole for seen in passes])
     lower, upper = whole.lower[0], whole.upper[0]
     chosen = _choice(upper - lower) if len(track.choices) > 1 else 0
@@ -193,26 +197,28 @@ def extents(track: CameraTrack, passes: Sequence[FirstPass], found: Sequence[Sou
 
 
 def _centers(stills: Sequence[Still], axes: FloatArray, box: Bounds, middle: FloatArray) -> FloatArray:
-    """Centers of each camera's view, along its axes (K, D) [m]."""
+    """The centers of each camera's view, along its axes (K, D) [m]."""
     if len(stills) == 1 and look_at(stills[0]) is None:
-        return (box.lower + box.upper) / 2  # along the axes of a camera that stands, the box is the smallest
+        return (box.lower + box.upper) / 2  # the box is tight along the axes of a camera at rest
     targets = [look_at(each) for each in stills]
     return np.stack([axis @ (middle if at is None else at) for axis, at in zip(axes, targets, strict=True)])
 
 
 def _path(seen: FirstPass, follow: Follow, source: Source) -> FloatArray:
-    """The path of a camera that follows (F, D) [m]."""
-    assert seen.path is not None  # the first pass knew what to follow
+    """The path of a following camera (F, D) [m]."""
+    assert seen.path is not None  # the first pass has recorded the path
     return seen.path.smoothed(follow.smoothing * source.fps)
 
 
 def _around(passes: Sequence[FirstPass]) -> list[Bounds]:
-    """Bounds of the followed particles around the paths of the cameras."""
+    """Bounds of the followed particles, relative to the paths of the cameras."""
     return [seen.path.around for seen in passes if seen.path is not None]
 
 
 def _reach(domain: Periodic | None, whole: Bounds, path: FloatArray) -> FloatArray:
-    """How far things go from a path along the axes of the scene (D,) [m]; half a period in a domain."""
+    """The largest distance of the contents from a path, along the axes of the scene (D,) [m]; half a period in a
+    domain.
+    """
     away = np.maximum(whole.upper - path, path - whole.lower).max(axis=0)
     if domain is None:
         result: FloatArray = away
@@ -228,7 +234,7 @@ def _scenery(
     upper: FloatArray,
     center: FloatArray,
 ) -> Scenery:
-    """The ground under all that happens; it stays where it is when the camera moves."""
+    """The ground below the motion; it stays in place when the camera moves."""
     extent = upper - lower
     if len(extent) == 2:
         return Scenery(source.scene.periodic, center, float(np.linalg.norm(extent)))
@@ -238,7 +244,7 @@ def _scenery(
 
 
 def _merged(boxes: Sequence[Bounds]) -> Bounds:
-    """Boxes that hold those of all panels."""
+    """The union of the boxes of all panels."""
     result = Bounds(boxes[0].axes)
     for each in boxes:
         result.merge(each)
@@ -246,13 +252,13 @@ def _merged(boxes: Sequence[Bounds]) -> Bounds:
 
 
 def _choice(extent: FloatArray) -> int:
-    """Which camera suits the shape of what happens."""
+    """The index of the camera that suits the shape of the motion."""
     width, depth, height = extent
     return int(height < FLAT * max(width, depth))
 
 
 def _is_closed(camera: Still) -> bool:
-    """Whether a camera says both where it looks and how much it shows."""
+    """Whether a camera gives both its target and its extent."""
     if isinstance(camera, Orbit):
         return camera.target is not None and camera.extent is not None
     return isinstance(camera, Window)

@@ -1,4 +1,4 @@
-"""Cameras that move: between keyframes, after a body, or as a function of time says."""
+"""Moving cameras: keyframes, cameras that follow a body, and functions of time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from physcore.scene.scene import BodyKey, Scene
 
 Easing = Literal["smooth", "linear"]
 OPEN = ("target", "extent")
-"""The parameters that an Orbit may leave to be found from the motion."""
+"""Parameters of an Orbit that may be None, to be found from the motion."""
 TAIL = 4.0
 """Cutoff of the Gaussian that smooths a path [standard deviations]."""
 NARROW = 0.1
@@ -28,23 +28,24 @@ NARROW = 0.1
 
 @dataclass(frozen=True)
 class Keyframes:
-    """A camera that goes from one to the next, for orbits, zooms and looking around.
+    """Camera interpolated between keyframes, for orbits, zooms and pans.
 
         near, far = pc.Window((0.0, 0.0), (0.4, 0.3)), pc.Window((-0.4, -0.3), (0.8, 0.6))
         pc.film(recording, "cloth.png", camera=pc.Keyframes({0.0: far, 0.2: near}))
 
-    Angles and targets change evenly, an `extent` (and the size of a Window) by equal factors in equal times, so that a
-    zoom looks even; a target moves along with the zoom. Before the first time and after the last one the camera stands
-    still. What all of them leave as None is found from the motion, once for the whole film.
+    Angles and targets are interpolated linearly. An `extent`, and the size of a Window, changes by equal factors in
+    equal times, so that a zoom looks uniform. During a zoom the target keeps its place in the picture. Before the first
+    time and after the last one the camera is at rest. A parameter that is None in all keyframes is found from the
+    motion, once for the whole film.
 
     Args:
-        cameras: what the camera is at some times [s]; all of them Windows, or all of them Orbits.
-        easing: "smooth": at rest at each of the times (3w² − 2w³ in between); "linear": with a constant speed between
-            them.
+        cameras: the camera at each time [s]; all of them Windows, or all of them Orbits.
+        easing: "smooth": at rest at each keyframe (3w² − 2w³ in between); "linear": at a constant speed between
+            keyframes.
 
     Raises:
-        SceneError: a time is not a finite number, the cameras are of different kinds, or one of them leaves open what
-            another one gives.
+        SceneError: a time is not a finite number, the cameras are of different kinds, or a parameter is None in some of
+            them only.
     """
 
     cameras: Mapping[float, Window | Orbit]
@@ -81,24 +82,24 @@ class Keyframes:
 
 
 Camera = Window | Orbit | Keyframes | Callable[[float], Window | Orbit]
-"""A camera that stands, or one that says where it is at a time [s]."""
+"""A camera at rest, or a function that gives the camera at a time [s]."""
 
 
 @dataclass(frozen=True)
 class Follow:
-    """A camera that keeps a body in the middle of the picture.
+    """Camera that keeps a body in the middle of the picture.
 
         pc.film(recording, "cloth.png", camera=pc.Follow("cloth"))
 
-    It looks at the center of mass of the particles that can move, smoothed over the film with a Gaussian in
-    time: it begins to turn before the body does, never overshoots and keeps up with an even motion. In a periodic
-    domain the body stays in the middle, and everything else is shown where it is nearest to it.
+    The camera looks at the center of mass of the particles that can move, smoothed in time with a Gaussian. It begins
+    to turn before the body does, never overshoots, and has no lag in uniform motion. In a periodic domain, the periodic
+    images nearest to the body are shown.
 
     Args:
         bodies: the body, its index or its name, or several of them; each panel must have them.
-        camera: from where to look and how much to show: an Orbit in 3D, a Window in 2D (of which only the size counts),
-            Keyframes or a function of these; without a target. None, or no extent: so much that the body fills at most
-            half of the picture, and sees at least a tenth of all that happens.
+        camera: the camera without a target: an Orbit in 3D, a Window in 2D (only its size is used), Keyframes or a
+            function of these. None, or no extent: the body fills at most half of the picture, and the picture shows at
+            least a tenth of the extent of the whole motion.
         smoothing: standard deviation of the Gaussian [s of the simulation]; 0: exactly at the center of mass.
 
     Raises:
@@ -121,9 +122,9 @@ class Follow:
             )
 
     def particles(self, scene: Scene) -> BoolArray:
-        """Which particles (N,) of a scene are followed: those of the bodies that can move, or all if none can."""
+        """The followed particles of a scene, as a mask (N,): those of the bodies that can move, or all if none can."""
         chosen, free = np.zeros(scene.particles, dtype=bool), np.zeros(scene.particles, dtype=bool)
-        assert isinstance(self.bodies, tuple)  # made so by __post_init__
+        assert isinstance(self.bodies, tuple)  # converted by __post_init__
         for key in self.bodies:
             try:
                 where, body = scene.slice(key), scene.bodies[scene.index(key)]
@@ -134,7 +135,7 @@ class Follow:
 
 
 def between(first: Window | Orbit, second: Window | Orbit, fraction: float) -> Window | Orbit:
-    """The camera at a fraction of the way from one to another of its kind."""
+    """The interpolation between two cameras of one kind, at a fraction of the way."""
     if isinstance(first, Window) and isinstance(second, Window):
         size, other = (math.sqrt(math.prod(np.subtract(each.upper, each.lower))) for each in (first, second))
         along = _zoomed(size, other, fraction)
@@ -157,10 +158,10 @@ def between(first: Window | Orbit, second: Window | Orbit, fraction: float) -> W
 
 
 def still(camera: Camera, time: float, *, flat: bool) -> Still:
-    """A camera as it is at a time [s].
+    """The camera at a time [s].
 
     Raises:
-        SceneError: it is not a Window in 2D, or not an Orbit in 3D.
+        SceneError: the camera is not a Window in 2D, or not an Orbit in 3D.
     """
     now = called(camera, "camera", time) if callable(camera) and not isinstance(camera, type) else camera
     if not isinstance(now, Window if flat else Orbit):
@@ -172,7 +173,7 @@ def still(camera: Camera, time: float, *, flat: bool) -> Still:
 def smooth(path: FloatArray, width: float) -> FloatArray:
     """A path (F, D) smoothed with a Gaussian whose standard deviation is `width` frames.
 
-    Beyond its ends the path goes on mirrored in them, so that an even motion stays as it is, and so do the ends.
+    The path is extended by point reflection at its ends. Uniform motion and the end points thereby remain unchanged.
     """
     reach = min(math.ceil(TAIL * width), len(path) - 1)
     if reach == 0 or width < NARROW:
@@ -185,9 +186,10 @@ def smooth(path: FloatArray, width: float) -> FloatArray:
 
 
 def middle(points: FloatArray, mass: FloatArray, domain: Periodic | None) -> FloatArray:
-    """The center of mass [m] of points (N, D), which a face of the domain may part.
+    """The center of mass [m] of points (N, D), which may lie on both sides of a face of the periodic domain.
 
-    Along a periodic axis it is taken about the mean direction on a circle as long as the period.
+    Along a periodic axis, the offsets are averaged about the mean direction on a circle whose circumference is the
+    period.
 
     Source: L. Bai, D. Breen, "Calculating center of mass in an unbounded 2D environment", J. Graphics Tools 13 (4), 53
     (2008).
@@ -205,12 +207,12 @@ def middle(points: FloatArray, mass: FloatArray, domain: Periodic | None) -> Flo
 
 
 def is_camera(value: object) -> bool:
-    """Whether it can be a camera: Orbit itself is none, though it can be called with a number."""
+    """Whether a value can be a camera. The class Orbit is not one, although it can be called with a number."""
     return value is None or isinstance(value, (Window, Orbit)) or (callable(value) and not isinstance(value, type))
 
 
 def _zoomed(first: float, second: float, fraction: float) -> float:
-    """How far a zoom from one size to another has come, so that what it goes toward stays in its place."""
+    """The progress, from 0 to 1, of a zoom between two sizes for which the target keeps its place in the picture."""
     ratio = second / first
     return fraction if abs(ratio - 1.0) < 1e-9 else (ratio**fraction - 1.0) / (ratio - 1.0)
 

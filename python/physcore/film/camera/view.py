@@ -1,4 +1,4 @@
-"""From meters to pixels."""
+"""Projection from meters to pixels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PixelArray = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Face:
-    """The plane of a 2D scene, or as much of it as is needed."""
+    """The plane of a 2D scene, with the part to be shown left open."""
 
     @property
     def axes(self) -> FloatArray:
@@ -29,16 +29,16 @@ class Face:
 
 @dataclass(frozen=True)
 class Window(Face):
-    """A part of the plane, for 2D scenes; it is shown whole, in the middle, without distortion.
+    """Rectangular view of a 2D scene, shown completely, centered and without distortion.
 
         pc.film(recording, "cloth.png", camera=pc.Window((-0.2, -0.2), (0.6, 0.5)))
 
     Args:
-        lower: its lower left corner [m].
-        upper: its upper right corner [m].
+        lower: the lower left corner [m].
+        upper: the upper right corner [m].
 
     Raises:
-        SceneError: `lower` is not below `upper`, or they are not in 2D.
+        SceneError: `lower` is not below `upper`, or the corners are not in 2D.
     """
 
     lower: tuple[float, float]
@@ -56,21 +56,23 @@ class Window(Face):
 
 @dataclass(frozen=True)
 class Orbit:
-    """An eye that looks at a point of a 3D scene; up in the picture is +z.
+    """Camera of a 3D scene, given by a target and two angles. Up in the picture is +z.
 
         ball = pc.Particles([[0.0, 0.0, 1.0]], radius=0.1)
         scene = pc.Scene(ball, pc.Gravity(), pc.Floor())
         pc.film(scene, "ball.png", duration=1.0, camera=pc.Orbit(azimuth=30.0, elevation=20.0))
 
     Args:
-        azimuth: where the eye is around the vertical, from +x toward +y [degrees].
-        elevation: how high it is above the horizon [degrees], from -90 to 90.
-        field_of_view: the angle that the picture spans [degrees], below 120; 0 is an orthographic view from infinity.
-        target: the point looked at [m]; None: the middle of all that happens.
-        extent: how many meters across the picture's shorter side shows at the target; None: so that everything fits.
-        aperture: the diameter of the lens as a fraction of the eye's distance from the target, which is in focus: what
-            is twice as far away is blurred into discs of half that fraction of the distance; 0: all is sharp. It has no
-            effect without perspective.
+        azimuth: direction of the camera from the target about the vertical, from +x toward +y [degrees].
+        elevation: angle of the camera above the horizon [degrees], from -90 to 90.
+        field_of_view: angle that the picture spans [degrees], below 120; 0 is an orthographic view from infinity.
+        target: the point looked at [m]; None: the middle of the whole motion.
+        extent: the length that the picture's shorter side spans at the target [m]; None: the whole motion fits.
+        aperture: diameter of the lens as a fraction of the camera's distance from the target, which is in focus. A
+            point
+            at twice that distance is blurred into a disc, whose diameter at the target is half the aperture; 0: no
+                blur.
+            The aperture has no effect without perspective.
 
     Raises:
         SceneError: an angle or a length is out of range.
@@ -100,7 +102,7 @@ class Orbit:
 
     @property
     def axes(self) -> FloatArray:
-        """Unit vectors to the right, up and toward the eye, shape (3, 3)."""
+        """Unit vectors to the right, up and toward the camera, shape (3, 3)."""
         azimuth, elevation = math.radians(self.azimuth), math.radians(self.elevation)
         right = (-math.sin(azimuth), math.cos(azimuth), 0.0)
         toward = (math.cos(azimuth) * math.cos(elevation), math.sin(azimuth) * math.cos(elevation), math.sin(elevation))
@@ -110,12 +112,12 @@ class Orbit:
 Still = Face | Orbit
 """A camera at one time."""
 Area = tuple[float, float, float, float]
-"""Left, top, right and bottom of a rectangle [pixels]."""
+"""The left, top, right and bottom sides of a rectangle [pixels]."""
 
 
 @dataclass(frozen=True)
 class View:
-    """A camera that has been fitted to a rectangle of pixels: points (N, D) [m] become pixels."""
+    """A camera fitted to a rectangle of pixels: maps points (N, D) [m] to pixels."""
 
     axes: FloatArray
     center: FloatArray
@@ -125,9 +127,9 @@ class View:
     middle: tuple[float, float]
     """The middle of the rectangle [pixels]."""
     distance: float
-    """From the eye to the center [m]; inf for an orthographic view and in 2D."""
+    """Distance from the camera to the center [m]; inf for an orthographic view and in 2D."""
     reach: float
-    """Half the depth of all that happens [m]."""
+    """Half the depth of the whole motion [m]."""
     lens: float = 0.0
     """The diameter of the lens [m]."""
 
@@ -137,7 +139,7 @@ class View:
         return len(self.center) == 2
 
     def project(self, points: FloatArray) -> tuple[PixelArray, PixelArray | None, PixelArray]:
-        """Pixels (N, 2), distances from the eye (N,) [m] (None in 2D), and pixels per meter (N,)."""
+        """Pixels (N, 2), distances from the camera (N,) [m] (None in 2D), and pixels per meter (N,)."""
         pixels, depth, magnification = self._projection.project(np.ascontiguousarray(points))
         return pixels, None if self.flat else depth, magnification
 
@@ -146,46 +148,48 @@ class View:
         return Projection(self.axes.tolist(), self.center.tolist(), self.scale, self.middle, self.distance)
 
     def farness(self, depth: PixelArray) -> PixelArray:
-        """Depths as fractions: 0 at the nearest of all that happens, 1 at the farthest."""
+        """Depths as fractions: 0 at the nearest point of the whole motion, 1 at the farthest."""
         fractions: PixelArray = np.clip(0.5 + 0.5 * depth / np.float32(self.reach), 0.0, 1.0)
         return fractions
 
     @property
     def blur(self) -> float:
-        """How fast the circles of confusion grow at the focus: their radius per distance from it [pixels/m].
+        """Radius of the circle of confusion per distance from the plane of focus, in the limit of small distances
+        [pixels/m].
 
-        A thin lens of diameter A that is focused at the distance D sees a point at D + d as a disc that in the plane of
-        focus has the diameter A |d| / (D + d), so that this is A / 2D. The canvas does the rest.
+        A thin lens of diameter A is focused at the distance D. The image of a point at D + d is a disc, whose diameter
+        in the plane of focus is A |d| / (D + d). The radius per distance is therefore A / 2D. The canvas computes the
+        exact radii.
 
-        Source: M. Potmesil, I. Chakravarty, "A lens and aperture camera model for synthetic image generation",
-        Computer Graphics 15 (3), 297 (1981).
+        Source: M. Potmesil, I. Chakravarty, "A lens and aperture camera model for synthetic image generation", Computer
+        Graphics 15 (3), 297 (1981).
         """
         return 0.5 * self.scale * self.lens / self.distance
 
 
 @dataclass(frozen=True)
 class Framing:
-    """Framing: what cameras leave open, found so that everything fits; one for a whole film."""
+    """The parameters that cameras leave open, chosen so that everything fits; one for a whole film."""
 
     scale: float
     """Pixels per meter at the center."""
     size: float
-    """Half the diagonal of all that happens, as seen from the centers [m]."""
+    """Half the diagonal of the whole motion, seen from the centers [m]."""
     reach: float
-    """Half its depth [m]."""
+    """Half the depth of the whole motion [m]."""
 
 
 def frame(
     cameras: Sequence[Still], shown: FloatArray, area: Area, inset: float, seen: FloatArray | None = None
 ) -> Framing:
-    """The framing in which each camera shows all of a box around what it looks at.
+    """The framing in which each camera shows the whole box around its target.
 
     Args:
         cameras: one for each box.
         shown: half the sizes of the boxes, along each camera's axes [m], shape (F, D).
-        area: the rectangle that a box has to stay in.
-        inset: how far from the rectangle's edge it has to stay [pixels].
-        seen: half the sizes of all that there is beside what has to be shown, likewise; None: the same.
+        area: the rectangle that must contain the boxes.
+        inset: the least distance of a box from the rectangle's edge [pixels].
+        seen: half the sizes of the boxes of all contents, shape (F, D); None: as `shown`.
     """
     left, top, right, bottom = area
     width, height = max(right - left - 2 * inset, 1.0), max(bottom - top - 2 * inset, 1.0)
@@ -212,9 +216,9 @@ def aim(camera: Still, center: FloatArray, framing: Framing, area: Area) -> View
     """The view of a camera in a rectangle.
 
     Args:
-        camera: where to look from, and perhaps how much at.
-        center: what to look at, along the camera's axes [m], shape (D,).
-        framing: what the camera leaves open.
+        camera: the direction of view, and perhaps its extent.
+        center: the point to look at, along the camera's axes [m], shape (D,).
+        framing: the parameters that the camera leaves open.
         area: the rectangle.
     """
     left, top, right, bottom = area
@@ -231,7 +235,7 @@ def aim(camera: Still, center: FloatArray, framing: Framing, area: Area) -> View
 
 
 def look_at(camera: Still) -> FloatArray | None:
-    """The point (D,) in the scene that a camera looks at by itself [m]."""
+    """The target (D,) that a camera gives [m]; None if it gives none."""
     if isinstance(camera, Window):
         middle: FloatArray = (np.array(camera.lower) + np.array(camera.upper)) / 2
         return middle
@@ -239,13 +243,13 @@ def look_at(camera: Still) -> FloatArray | None:
 
 
 def fit(camera: Still, lower: FloatArray, upper: FloatArray, area: Area, inset: float) -> View:
-    """The view in which a box along the camera's axes just fits into a rectangle.
+    """The view in which a box along the camera's axes exactly fits into a rectangle.
 
     Args:
-        camera: where to look from, and perhaps what at.
+        camera: the direction of view, and perhaps its target.
         lower, upper: corners of the box, along the camera's axes [m], shape (D,).
         area: the rectangle.
-        inset: how far from the rectangle's edge the box has to stay [pixels].
+        inset: the least distance of the box from the rectangle's edge [pixels].
     """
     target = look_at(camera)
     center = (lower + upper) / 2 if target is None else camera.axes @ target
@@ -254,7 +258,9 @@ def fit(camera: Still, lower: FloatArray, upper: FloatArray, area: Area, inset: 
 
 
 def _distance(camera: Still, size: float, reach: float) -> float:
-    """From the eye to the center [m]: so far that the picture's angle spans all that happens, and outside of it."""
+    """Distance of the camera from the center [m]. The field of view spans the whole motion, and the camera is outside
+    of it.
+    """
     if not isinstance(camera, Orbit) or camera.field_of_view == 0.0:
         return math.inf
     return max(size / math.tan(math.radians(camera.field_of_view) / 2), 1.2 * reach)

@@ -1,1 +1,1 @@
-"""Colors of themes, color maps, and samples for palettes."""
+"""Themes, color maps, and color samples for palettes."""

@@ -1,4 +1,4 @@
-"""Colors of particles that a user chose: one, one for each body or particle, values on a ramp, or a function."""
+"""Colors of particles chosen by the user: one color, one per body or particle, values on a scale, or a function."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from physcore.film.colors.themes import Color, color
 from physcore.scene.bodies import Body
 
 ColorFunction: TypeAlias = Callable[[float, FloatArray, FloatArray | None], ArrayLike]
-"""From the time [s], positions [m] and velocities [m/s] (None where they were not recorded), both of shape (N, D), to
-values (N,) or colors (N, 3)."""
+"""Function of the time [s], the positions [m] and the velocities [m/s], both of shape (N, D), that returns values (N,)
+or colors (N, 3). The velocities are None if they were not recorded.
+"""
 
 ColorChoice: TypeAlias = str | Color | Mapping[Body | str, str | Color] | ArrayLike | Sequence[str] | ColorFunction
-"""What a user may pass."""
+"""All valid choices of a user."""
 
 
 class PerParticle:
-    """Values (N,) or colors (N, 3), one for each particle; compared by what they hold."""
+    """Values (N,) or colors (N, 3), one for each particle; equality compares the contents."""
 
     def __init__(self, values: NDArray[Any]) -> None:
         self.values: FloatArray = frozen(np.array(values, dtype=float, order="C"))
@@ -38,7 +39,7 @@ class PerParticle:
 
 
 class PerBody:
-    """Colors by body or its name."""
+    """Colors by body, or by the name of a body."""
 
     def __init__(self, colors: Mapping[Body | str, Color]) -> None:
         self.colors = dict(colors)
@@ -53,19 +54,19 @@ class PerBody:
         return f"PerBody({self.colors})"
 
     def of(self, body: Body) -> Color | None:
-        """The color of a body; None if none was chosen for it."""
+        """The color of a body; None if no color was chosen for it."""
         return self.colors.get(body, self.colors.get(body.name) if body.name is not None else None)
 
 
 Chosen: TypeAlias = Color | PerBody | PerParticle | ColorFunction
-"""A choice, checked."""
+"""A validated choice."""
 
 
 def chosen(value: object, path: str, words: Sequence[str]) -> Chosen:
-    """The checked form of a choice that is none of the style's own words.
+    """Validate a choice that is not one of the style's own words.
 
     Raises:
-        SceneError: it is nothing that says a color.
+        SceneError: the value does not give a color.
     """
     if isinstance(value, (PerBody, PerParticle)):
         return value
@@ -89,10 +90,10 @@ def chosen(value: object, path: str, words: Sequence[str]) -> Chosen:
 
 
 def numbers(value: object, path: str) -> FloatArray:
-    """Values (N,), or colors (N, 3) from 0 to 255; those that are no integers count from 0 to 1.
+    """Values (N,), or colors (N, 3). Integer colors are from 0 to 255, floating-point colors from 0 to 1.
 
     Raises:
-        SceneError: they are neither.
+        SceneError: the value is neither.
     """
     given = regular(value, path)
     right = given.ndim == 1 or (given.ndim == 2 and given.shape[1] == 3)

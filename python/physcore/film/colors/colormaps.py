@@ -1,11 +1,11 @@
-"""Color maps in which equal differences of a value look equally large, also to the color-blind and in print.
+"""Perceptually uniform color maps, suited to color-blind readers and to print.
 
-Viridis, inferno, plasma and magma by Stéfan van der Walt, Nathaniel Smith and Eric Firing (2015), released under CC0;
-every eighth color of the original, between which a straight line stays within 3.1/255 of it. So too, within 5.6/255,
-cividis by Jamie Nuñez, Christopher Anderton and Ryan Renslow (PLoS ONE 13 (7), e0199239, 2018), which looks nearly
-the same to the color-blind. Water (from the deep over blue to foam) and ember (from dark red over orange to a yellow
-glow) are physcore's own, straight in the lightness of Oklab (B. Ottosson, "A perceptual color space for image
-processing", 2020).
+Viridis, inferno, plasma and magma are by Stéfan van der Walt, Nathaniel Smith and Eric Firing (2015), released under
+CC0. Every eighth color of the original is stored; linear interpolation between them is within 3.1/255 of the original.
+Cividis by Jamie Nuñez, Christopher Anderton and Ryan Renslow (PLoS ONE 13 (7), e0199239, 2018) is stored likewise,
+within 5.6/255. Cividis looks nearly the same to the color-blind. Water (from deep blue to white foam) and ember (from
+dark red over orange to yellow) are physcore's own. Their lightness in Oklab is linear (B. Ottosson, "A perceptual color
+space for image processing", 2020).
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from physcore.checks import FloatArray, shown
 from physcore.errors import SceneError
 
 ColormapName: TypeAlias = Literal["viridis", "inferno", "plasma", "magma", "cividis", "water", "ember"] | str
-"""One of physcore's own, or the name of any other one that Matplotlib has, where that is installed: "coolwarm" and
-"RdBu_r" go from one color over a neutral one to another, "twilight" comes back to where it began."""
+"""Name of one of physcore's own maps, or of any map of Matplotlib if that is installed. "coolwarm" and "RdBu_r" are
+diverging maps, "twilight" is cyclic.
+"""
 
 COLORMAPS: dict[str, str] = {
     "viridis": (
@@ -61,28 +62,26 @@ COLORMAPS: dict[str, str] = {
 }
 DARK_SIDES = ("1b6fd0 58c4f6 dcf7ff", "c8501f f7a94a fff1cf")
 LIGHT_SIDES = ("7fb8e6 2a78c0 0b2f6b", "f2a58a cf4a32 6e0f1a")
-"""Of maps with two sides, from a dark background to the light and from a light one to the dark."""
+"""Colors of diverging maps: from a dark background to light colors, and from a light background to dark colors."""
 FINE = 4096
-"""Colors of a table that was spread."""
+"""Number of colors of a table made by `spread`."""
 STEPS = 256
 LUMA = np.array([0.2126, 0.7152, 0.0722])
-"""How much red, green and blue add to lightness."""
+"""Weights of red, green and blue in the luma (Rec. 709)."""
 DARKEST = 0.26
-"""The lightness in Oklab from which a part of a map is counted: what is darker, of maps that begin at black, would be
-lost on a dark ground."""
+"""Least lightness in Oklab of a part of a map. Darker colors would not be visible on a dark background."""
 STRAY = 0.5
-"""A change of lightness between two of 256 colors that is none to the eye, out of 255."""
+"""Tolerance of the test for monotonic lightness: change of luma between neighbors among 256 colors, out of 255."""
 
 
 def sequential(name: object, part: tuple[float, float], path: str) -> FloatArray:
     """256 colors (256, 3) of the part of a map between two fractions of its way from dark to light.
 
-    A part that leaves the beginning out is counted from where the map is no longer nearly black, so that all maps begin
-    about equally light. Maps that do not go from dark to light or back, those with two sides and those that go round,
-    are given whole.
+    If the part begins above 0, fractions count from the color whose lightness is DARKEST. All maps thus begin with
+    about the same lightness. Maps without a monotonic lightness, diverging and cyclic ones, are returned completely.
 
     Raises:
-        SceneError: there is no such map, or it is Matplotlib's and that is not installed.
+        SceneError: there is no such map, or it is a map of Matplotlib, which is not installed.
     """
     if isinstance(name, str) and name in COLORMAPS:
         own: list[tuple[float, ...]] = [tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()]
@@ -97,14 +96,14 @@ def sequential(name: object, part: tuple[float, float], path: str) -> FloatArray
 
 
 def _visible(colors: Sequence[tuple[float, ...]], part: tuple[float, float]) -> tuple[float, float]:
-    """The fractions of the whole way of a map from dark to light for those of its way where it is not nearly black."""
+    """Convert fractions of the way from DARKEST to the end of a map to fractions of the whole map."""
     black = np.interp(DARKEST, oklab(np.array(colors, dtype=float))[:, 0], np.linspace(0.0, 1.0, len(colors)))
     low, high = (float(black + (1.0 - black) * fraction) for fraction in part)
     return low if part[0] > 0.0 else 0.0, high
 
 
 def _of_matplotlib(name: object, path: str) -> list[tuple[float, ...]]:
-    """256 colors of one of Matplotlib's maps."""
+    """256 colors of a map of Matplotlib."""
     own = ", ".join(map(repr, COLORMAPS))
     try:
         import matplotlib
@@ -120,7 +119,7 @@ def _of_matplotlib(name: object, path: str) -> list[tuple[float, ...]]:
 
 
 def diverging(low: tuple[int, int, int], middle: tuple[int, int, int], high: tuple[int, int, int]) -> FloatArray:
-    """256 colors (256, 3) from one color over a neutral one to another."""
+    """256 colors (256, 3) of a diverging map, from one color over a neutral one to another."""
     return _between([low, middle, high], (0.0, 1.0))
 
 
@@ -131,17 +130,18 @@ def _between(colors: Sequence[tuple[float, ...]], part: tuple[float, float]) -> 
 
 
 def look_up(table: FloatArray, fraction: FloatArray) -> FloatArray:
-    """The colors (N, 3) for fractions (N,) of a table's length; beyond its ends, the ends."""
-    with np.errstate(invalid="ignore"):  # what is not a number has no place in the picture either
+    """The colors (N, 3) of a table at fractions (N,) of its length; fractions beyond its ends give the end colors."""
+    with np.errstate(invalid="ignore"):  # NaN gives the first color
         index = np.clip(np.nan_to_num(fraction) * STEPS, 0, STEPS - 1).astype(np.intp)
     return table[index]
 
 
 def two_sided(background: tuple[int, int, int]) -> FloatArray:
-    """256 colors (256, 3) from a cold color over a background to a warm one, for what is above and below zero.
+    """256 colors (256, 3) of a diverging map, from a cold color over the background to a warm one.
 
-    Lightness goes from that of the background as far as it can, alike on both sides and evenly in Oklab, so that equal
-    values look equally strong; on a light ground toward the dark.
+    The cold side is for values below zero, the warm side for values above. The lightness goes from that of the
+    background as far as possible, alike on both sides and linearly in Oklab. Values of equal magnitude therefore look
+    equally strong. On a light background the colors become darker.
     """
     light = float(np.array(background) @ LUMA) > 127.0
     cold, warm = LIGHT_SIDES if light else DARK_SIDES
@@ -156,7 +156,7 @@ def two_sided(background: tuple[int, int, int]) -> FloatArray:
 
 
 def spread(table: FloatArray, exponent: float, *, middle: bool) -> FloatArray:
-    """A finer table (4096, 3) in which values show by a power of their distance from the start, or from the middle."""
+    """A finer table (4096, 3), in which colors follow a power of the distance from the start, or from the middle."""
     places = (np.arange(FINE) + 0.5) / FINE
     if middle:
         signed = 2.0 * places - 1.0
@@ -178,7 +178,7 @@ _TO_LAB = np.array(
 
 
 def oklab(colors: FloatArray) -> FloatArray:
-    """Lightness and two opponent colors (N, 3) of sRGB colors (N, 3) from 0 to 255."""
+    """Oklab coordinates (N, 3), lightness and two opponent colors, of sRGB colors (N, 3) from 0 to 255."""
     fractions = colors / 255.0
     linear = np.where(fractions <= 0.04045, fractions / 12.92, ((fractions + 0.055) / 1.055) ** 2.4)
     lab: FloatArray = np.cbrt(linear @ _TO_LMS.T) @ _TO_LAB.T
@@ -186,7 +186,7 @@ def oklab(colors: FloatArray) -> FloatArray:
 
 
 def _srgb(lab: FloatArray) -> FloatArray:
-    """The way back, within the range of sRGB."""
+    """The inverse of `oklab`, clipped to the range of sRGB."""
     linear = np.clip((lab @ np.linalg.inv(_TO_LAB).T) ** 3 @ np.linalg.inv(_TO_LMS).T, 0.0, 1.0)
     fractions = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
     colors: FloatArray = 255.0 * fractions

@@ -1,4 +1,4 @@
-"""The colors that a film will need, painted before it is known: for a palette that is chosen in a single pass."""
+"""Samples of the colors of a film, drawn before the film itself, so that one pass suffices to choose the palette."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from physcore.film.styles import Painter
 from physcore.film.styles.base import FOG, SHADING
 
 PITCH = 6
-"""From one sample to the next [pixels]; each has edges, where colors mix with the background."""
+"""Distance between samples [pixels]. Each sample has edges, where colors mix with the background."""
 COLUMNS = 64
-"""How many colors of a scale are shown."""
+"""Number of colors shown of each scale."""
 FLAT = (1.0, 1.0, 1.0, 1.0, 1.0, 0.65, 0.5, 0.35, 0.2)
-"""How fresh the colors of each row are in 2D: most of what is drawn is, and trails fade away."""
+"""Opacities of the rows in 2D. Most drawn colors are opaque, and trails fade."""
 DEEP = tuple(np.linspace(1.0, 1.0 - FOG, 8).tolist())
-"""The same in 3D, where what is far away fades into the background."""
+"""Opacities of the rows in 3D, where distant objects fade into the background."""
 
 
 def palette_samples(painters: Sequence[Painter], bodies: int, theme: Theme, *, flat: bool, once: bool) -> Canvas:
-    """A canvas with the colors of the painters' scales, of so many bodies and of the theme, from fresh to faded.
+    """A canvas with the colors of the painters' scales, of the bodies and of the theme, from opaque to faded.
 
     Args:
-        painters: what draws the film.
-        bodies: how many bodies there are.
+        painters: the painters of the film.
+        bodies: the number of bodies.
         theme: the colors.
-        once: whether nothing of the film was seen, not even its scales and bodies.
-        flat: whether the film is in 2D, where nothing is lit from the side.
+        once: whether the film is drawn in a single pass, so that no frame has been seen before.
+        flat: whether the film is in 2D, without lighting.
     """
     tables = [painter.scale.table for painter in painters if painter.scale is not None and once]
     tables += [painter.traced for painter in painters if painter.traced is not None]

@@ -1,4 +1,4 @@
-"""The colors of a film."""
+"""Color themes of a film."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ Color: TypeAlias = tuple[int, int, int]
 ThemeName = Literal["dark", "light"]
 
 LEGIBLE = 4.5
-"""The least contrast of text and its ground that the Web Content Accessibility Guidelines ask for, on level AA."""
+"""Least contrast of text against its background, from the Web Content Accessibility Guidelines, level AA."""
 
 
 def color(value: object, path: str) -> Color:
     """A color from three numbers 0–255, a string like "#10c0ff" or a name of CSS, such as "tomato".
 
     Raises:
-        SceneError: it is none of them.
+        SceneError: the value is none of them.
     """
     if isinstance(value, str):
         from PIL import ImageColor
@@ -31,7 +31,7 @@ def color(value: object, path: str) -> Color:
         except ValueError:
             pass
         else:
-            if len(channels) == 3:  # one that is clear in part has a fourth
+            if len(channels) == 3:  # a color with transparency has a fourth
                 return channels
     if isinstance(value, (tuple, list)) and len(value) == 3:
         red, green, blue = value
@@ -42,35 +42,35 @@ def color(value: object, path: str) -> Color:
 
 @dataclass(frozen=True)
 class Theme:
-    """Colors that go together; every pair that must be told apart differs in lightness too.
+    """Color theme of a film. Colors that must be distinguished differ in lightness too.
 
         from dataclasses import replace
         night = replace(pc.DARK, background=(0, 0, 0))  # a Theme; pc.LIGHT is the other one
         pc.film(recording, "cloth.png", theme=night)
 
-    DARK and LIGHT are the two that are there; `film` takes one as `theme=`.
+    DARK and LIGHT are the two predefined themes; `film` takes a theme as `theme=`.
     """
 
     background: Color
     surface: Color
     """The color of solid ground."""
     edge: Color
-    """The outlines of boundaries."""
+    """The color of the outlines of boundaries."""
     solid: Color
-    """Balls that things fall upon."""
+    """The color of solid balls."""
     text: Color
-    """Titles, and particles that are held in place."""
+    """The color of titles, and of particles that are held in place."""
     label: Color
-    """The time."""
+    """The color of the time."""
     compressed: Color
     relaxed: Color
     stretched: Color
     bodies: tuple[Color, ...]
-    """One color for each body, in turn; told apart by the color-blind."""
+    """Colors of the bodies, in turn; distinguishable for the color-blind."""
     part: tuple[float, float]
-    """Which part of a color map stands out against the background, as fractions of its length."""
+    """The part of a color map that contrasts with the background, as fractions of its length."""
     backdrop: Color | None = None
-    """The background in 3D in the middle of the picture, behind solid things; None: it is the same everywhere."""
+    """The background of 3D pictures in the middle, behind solid objects; None: a uniform background."""
 
     def __post_init__(self) -> None:
         names = [entry.name for entry in fields(self) if entry.name not in ("bodies", "part", "backdrop")]
@@ -104,7 +104,7 @@ DARK = Theme(
     part=(0.36, 1.0),
     backdrop=(51, 59, 73),
 )
-"""For projectors and screens: light shapes on a dark ground."""
+"""Theme for projectors and screens: light colors on a dark background."""
 
 LIGHT = Theme(
     background=(252, 252, 250),
@@ -121,13 +121,13 @@ LIGHT = Theme(
     part=(0.18, 0.88),
     backdrop=(242, 243, 244),
 )
-"""For documents with a white page."""
+"""Theme for documents: dark colors on a white background."""
 
 THEMES: dict[str, Theme] = {"dark": DARK, "light": LIGHT}
 
 
 def resolve(theme: object) -> Theme:
-    """A theme, given itself or its name.
+    """The theme with a name, or a Theme unchanged.
 
     Raises:
         SceneError: there is no such theme.
@@ -140,13 +140,13 @@ def resolve(theme: object) -> Theme:
 
 
 def mixed(one: Color, other: Color, share: float) -> Color:
-    """A color between two others, with such a share of the second."""
+    """The color between two others, with the given share of the second."""
     red, green, blue = (round(p + (q - p) * share) for p, q in zip(one, other, strict=True))
     return (red, green, blue)
 
 
 def contrast(first: Color, second: Color) -> float:
-    """How well two colors are told apart, from 1 to 21: the ratio of their luminances.
+    """Contrast ratio of two colors, from 1 to 21: the ratio of their luminances, each plus 0.05.
 
     Source: Web Content Accessibility Guidelines 2.2 (W3C, 2023), "contrast ratio" and "relative luminance".
     """
@@ -155,9 +155,9 @@ def contrast(first: Color, second: Color) -> float:
 
 
 def legible(theme: Theme) -> Theme:
-    """The theme with text and label moved toward white or black as far as they need to stand out from its background.
+    """The theme with its text and label moved toward white or black until their contrast is legible.
 
-    A contrast of LEGIBLE is always reached: against any color one of the two has at least √21 = 4.58.
+    A contrast of LEGIBLE is always reached: white or black has a contrast of at least √21 = 4.58 with any color.
     """
     ends: tuple[Color, Color] = ((255, 255, 255), (0, 0, 0))
     toward = max(ends, key=lambda end: contrast(end, theme.background))
@@ -165,7 +165,7 @@ def legible(theme: Theme) -> Theme:
 
 
 def _moved(color: Color, toward: Color, theme: Theme) -> Color:
-    """The nearest color on the way to another one that is legible."""
+    """The nearest legible color on the way to another one."""
     for step in range(17):
         moved = mixed(color, toward, step / 16)
         if contrast(moved, theme.background) >= LEGIBLE:
@@ -174,6 +174,6 @@ def _moved(color: Color, toward: Color, theme: Theme) -> Color:
 
 
 def _luminance(color: Color) -> float:
-    """Relative luminance, from 0 to 1."""
+    """The relative luminance, from 0 to 1."""
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (value / 255 for value in color)]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

@@ -1,4 +1,4 @@
-"""The clock of a film: time in the unit of the motion, and how much of it passes in a second."""
+"""The clock of a film: the time in a unit that suits the motion, and the simulated time per second of the film."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ UNITS = {
     "Myr": 1e6 * year,
     "Gyr": 1e9 * year,
 }
-"""Of time, by their signs [s]."""
+"""Units of time by symbol [s]."""
 LEAST = 2.0
-"""A unit is taken for films of at least so many."""
+"""A unit is chosen if the film lasts at least this many of it."""
 SHORTEST = 0.1
-"""Films of at least this many seconds are told in seconds."""
+"""Seconds are chosen for films of at least this duration [s]."""
 
 
 def check_unit(unit: object) -> str | None:
-    """The unit that was asked for.
+    """The requested unit of time.
 
     Raises:
         SceneError: there is no such unit.
@@ -40,32 +40,32 @@ def check_unit(unit: object) -> str | None:
 
 
 class Clock:
-    """What is written of the time.
+    """The time labels of a film.
 
     Args:
-        times: of the frames [s].
-        fps: frames per second of the simulation, which say how many decimals the time has.
+        times: times of the frames [s].
+        fps: frames per second of the simulation, which determine the number of decimals.
         rate: frames per second of the film.
-        unit: a key of UNITS; None: as suits the duration.
+        unit: a key of UNITS; None: a unit that suits the duration.
     """
 
     def __init__(self, times: FloatArray, fps: float, rate: float, unit: str | None) -> None:
         self.times = times
         self.unit = unit or _suitable(float(abs(times[-1] - times[0])))
         self._seconds, self._pace = UNITS[self.unit], rate / fps
-        # The time moves with each frame, but nobody reads the third decimal of a day.
+        # Enough decimals to change with each frame, but at most 2 for minutes and longer units.
         step = 1.0 / (fps * self._seconds)
         most = 2 if self._seconds >= minute else 6
         self._decimals = min(max(2 if self._seconds < minute else 0, math.ceil(-math.log10(step) - 1e-9)), most)
         self._width = max((len(self._number(time)) for time in times[[0, -1]].tolist()), default=0)
 
     def text(self, frame: int) -> str:
-        """The time at a frame, always in the same width."""
+        """The time at a frame as text of constant width."""
         return f"{self._number(self.times[frame]).rjust(self._width, FIGURE_SPACE)} {self.unit}"
 
     @property
     def pace(self) -> str:
-        """What passes in a second of the film, such as "1 s = 90 d"; empty in real time."""
+        """The simulated time per second of the film, such as "1 s = 90 d"; empty in real time."""
         per_second = self._pace
         if abs(per_second - 1.0) < 0.01:
             return ""
@@ -77,7 +77,7 @@ class Clock:
 
 
 def _suitable(duration: float) -> str:
-    """The largest unit of which a duration [s] is some; seconds from a tenth up."""
+    """The largest unit of which a duration [s] is at least LEAST; seconds for 0.1 s to 2 min."""
     if SHORTEST <= duration < LEAST * minute or duration == 0.0:
         return "s"
     suitable = [name for name, seconds in UNITS.items() if duration >= LEAST * seconds]

@@ -1,4 +1,4 @@
-"""A small diagram in a corner of a panel that is drawn while the film runs: energy against time."""
+"""Inset of a panel: a small diagram of energy against time, drawn while the film plays."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from physcore.simulation.sources import Source
 
 Inset = Literal["energy"]
 WIDTH, HEIGHT = 0.4, 0.36
-"""Of the diagram, as fractions of its panel."""
+"""Width and height of the diagram, as fractions of its panel."""
 LEAST_LEGEND = "potential   internal"
-"""The least width of its legend: two words side by side."""
+"""Text that determines the least width of the legend: two words side by side."""
 LEAST = (140, 110)
-"""The smallest area of a panel that has room for it [pixels]."""
+"""Width and height of the smallest panel with room for a diagram [pixels]."""
 OPACITY = 215
-"""Of its ground, out of 255: what moves behind it shows through, and the curves stand out."""
+"""Opacity of its background, out of 255: moving objects behind it remain visible, and the curves stand out."""
 FRAME = 90
-"""Of its frame."""
+"""Opacity of its frame, out of 255."""
 
 
 def check_inset(inset: object, found: Sequence[Source]) -> Inset | None:
-    """The diagram that was asked for.
+    """The requested diagram.
 
     Raises:
         SceneError: there is no such diagram, or its energies were not recorded.
@@ -46,16 +46,16 @@ def check_inset(inset: object, found: Sequence[Source]) -> Inset | None:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Energies of all panels: the curves' names, and ranges that hold for the whole film."""
+    """Energies of all panels: names of the curves, and ranges for the whole film."""
 
     energies: Sequence[Sequence[Energy]]
-    """Of each panel, frame by frame."""
+    """The energies of each panel, frame by frame."""
     duration: float
-    """From the first to the last frame [s]."""
+    """Time from the first to the last frame [s]."""
 
     @property
     def names(self) -> list[str]:
-        """The names of the curves: internal energy only where there is some."""
+        """The names of the curves; internal energy only if it is not zero."""
         internal = any(energy.internal != 0.0 for panel in self.energies for energy in panel)
         return ["kinetic", "potential", *(["internal"] if internal else []), "total"]
 
@@ -65,7 +65,7 @@ class History:
 
     @property
     def range(self) -> tuple[float, float]:
-        """The least and the largest energy of all panels, with zero [J]."""
+        """The least and the largest energy of all panels, including zero [J]."""
         values = np.concatenate([self.curves(panel).ravel() for panel in range(len(self.energies))])
         finite = values[np.isfinite(values)]
         return min(float(finite.min(initial=0.0)), 0.0), max(float(finite.max(initial=0.0)), 0.0)
@@ -76,11 +76,11 @@ class Diagram:
 
     Args:
         history: the energies.
-        panel: which of them.
+        panel: the number of the panel.
         area: the part of the panel that is free of text.
         text: the height of its text [pixels].
         theme: the colors.
-        occupied: where things are in some frames (N, 2) [pixels]; the emptiest corner is taken.
+        occupied: positions of particles in sampled frames (N, 2) [pixels]; the diagram takes the emptiest corner.
 
     Raises:
         SceneError: the panel is too small.
@@ -108,16 +108,16 @@ class Diagram:
 
     @property
     def box(self) -> Area:
-        """The rectangle that it takes [pixels]."""
+        """The rectangle of the diagram [pixels]."""
         return self._box
 
     @property
     def colors(self) -> list[Color]:
-        """One for each curve; the total is like the text."""
+        """The color of each curve; the total energy has the color of the text."""
         return [*self._theme.bodies[: len(self._names) - 1], self._theme.text]
 
     def draw(self, canvas: Canvas, frame: int) -> None:
-        """Draw it over a panel that has been painted, with the curves up to a frame."""
+        """Draw the diagram over a painted panel, with the curves up to a frame."""
         left, top, right, bottom = self._box
         corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]], dtype=np.float32)
         canvas.polygon(corners, (*self._theme.background, OPACITY))
@@ -125,17 +125,17 @@ class Diagram:
         stroke(canvas, np.concatenate([corners, corners[:1]]), self._theme.edge, 1.0, alpha=FRAME)
         stroke(canvas, np.array([[self._sides[0], self._zero], [self._sides[1], self._zero]]), self._theme.edge, 1.0)
         width = self._text / 10
-        # The total lies below, and wider: where it is one of the others, both are seen.
+        # The total energy is drawn first and twice as wide, so that it stays visible below an equal curve.
         for curve, color in reversed(list(zip(self._lines, self.colors, strict=True))):
             drawn, own = curve[: frame + 1], 2.0 * width if curve is self._lines[-1] else width
-            keep = np.unique((2.0 * drawn[:, 0]).round(), return_index=True)[1]  # the others would not be seen
+            keep = np.unique((2.0 * drawn[:, 0]).round(), return_index=True)[1]  # at most one point per half pixel
             stroke(canvas, np.concatenate([drawn[keep], drawn[-1:]]), color, own)
             ink = np.array([[*color, 255]], dtype=np.uint8)
             canvas.discs(drawn[-1:].astype(np.float32), np.array([0.7 * own + 1.0], dtype=np.float32), ink)
         canvas.paint()
 
     def _legend(self, room: int, limits: tuple[str, str]) -> list[list[tuple[str, int | None]]]:
-        """Lines of words, each with the number of its curve."""
+        """The lines of the legend: words, each with the index of its curve."""
         head = f"{limits[0]} to {limits[1]} J"
         named = f"energy {head}"
         legend: list[list[tuple[str, int | None]]] = [
@@ -166,7 +166,9 @@ class Diagram:
 
 
 def _corner(area: Area, width: float, height: float, gap: float, occupied: PixelArray) -> Area:
-    """The corner of an area in which there is least; of equals the first of upper right, upper left and below."""
+    """The emptiest corner of an area. Among equally empty corners, the order is upper right, upper left, lower right,
+    lower left.
+    """
     left, top, right, bottom = area
     xs, ys = {"right": right - gap - width, "left": left + gap}, {"upper": top + gap, "lower": bottom - gap - height}
     boxes = [(x, y, x + width, y + height) for y in ys.values() for x in xs.values()]

@@ -1,4 +1,4 @@
-"""Lines and words over a picture."""
+"""Drawing of lines and text over a picture."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def write(
     align: int = -1,
     outline: Color | None = None,
 ) -> None:
-    """Write a line at once; over a picture with an outline of a color around its signs. `align` is -1, 0 or 1 for left,
-    center and right.
+    """Write a line of text immediately, with an outline around its glyphs if `outline` is given. `align` is -1, 0 or 1
+    for left, center and right.
     """
     if outline is not None:
         for right, down in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
@@ -29,7 +29,7 @@ def write(
 
 
 def stroke(canvas: Canvas, points: FloatArray, color: Color, width: float, alpha: int = 255) -> None:
-    """Add a line through points (N, 2)."""
+    """Add a polyline through points (N, 2)."""
     sides = np.concatenate([points[:-1], points[1:]], axis=1).astype(np.float32)
     inks = np.tile(np.array([*color, alpha], dtype=np.uint8), (len(sides), 1))
     canvas.lines(sides, np.full(len(sides), width, dtype=np.float32), inks)

@@ -1,4 +1,4 @@
-"""The footer of a film: the names of bodies, the time, how it was computed, what colors mean, and whose it is."""
+"""The footer of a film: legend, time, numerics, color bars and credit."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ from physcore.simulation.sources import Source
 
 Label = Literal["time", "dt", "integrator", "energy"]
 LABELS: tuple[Label, ...] = ("time", "dt", "integrator", "energy")
-"""The labels of the footer."""
+"""All labels of the footer."""
 LINE = 1.3
-"""From one line to the next, in heights of the text."""
+"""Line spacing, in heights of the text."""
 WIDEST, NARROWEST = 4.0, 2.0
-"""Lengths of a color bar, in heights of the text."""
+"""Largest and least length of a color bar, in heights of the text."""
 SMALL = 0.8
 """Height of the credit, in heights of the text."""
 THICK = 0.5
 """Thickness of a color bar, in heights of the text."""
 MARK = "●"
-"""Before each name of the legend, in the color of its body."""
+"""Marker before each name of the legend, in the color of its body."""
 
 
 def check_labels(labels: object, found: Sequence[Source]) -> tuple[Label, ...]:
-    """The labels that were asked for.
+    """The requested labels.
 
     Raises:
-        SceneError: they are not some of LABELS, or what they say was not recorded.
+        SceneError: they are not some of LABELS, or their quantities were not recorded.
     """
     chosen = words(labels, "labels", LABELS)
     for label in chosen:
@@ -55,7 +55,7 @@ def check_labels(labels: object, found: Sequence[Source]) -> tuple[Label, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Bar:
-    """A scale of color with its words."""
+    """A color bar with its text."""
 
     name: str
     low: str
@@ -63,12 +63,12 @@ class Bar:
     table: FloatArray
 
     def width(self, text: int, length: float) -> int:
-        """Its width in a text of this height, when the bar is so many of these long [pixels]."""
+        """The width with this height of the text, if the bar is `length` heights long [pixels]."""
         return text_width(f"{self.name} {self.low}  ", text) + round(length * text) + text_width(f"  {self.high}", text)
 
     @classmethod
     def of(cls, scale: Scale) -> Bar:
-        """The bar of a scale; a ratio that is symmetric about zero, such as a strain, in percent."""
+        """The color bar of a scale. A dimensionless scale that is symmetric about zero, as of strain, is in percent."""
         low, high = scale.ends
         percent = not scale.unit and low == -high
         unit = "%" if percent else scale.unit
@@ -77,7 +77,7 @@ class Bar:
 
 
 def bars(scales: Sequence[Scale | None]) -> list[Bar]:
-    """A bar for each of the scales that mean something, equal ones once."""
+    """The color bars of all scales that are not empty, without duplicates."""
     result: dict[tuple[object, ...], Bar] = {}
     for scale in scales:
         if scale is not None and scale.ends[0] != scale.ends[1] and all(map(math.isfinite, scale.ends)):
@@ -90,12 +90,12 @@ class Footer:
     """The lines below the picture.
 
     Args:
-        labels: what is written.
-        clock: what is written of the time.
+        labels: the labels to write.
+        clock: the time labels.
         facts: the integrator's name and the time step [s] of each panel, as far as they are labels.
-        scales: what colors mean.
-        credit: a line of its own at the bottom; empty: none.
-        legend: names with their colors, in lines of their own above all others.
+        scales: the color bars.
+        credit: a separate line at the bottom; empty: none.
+        legend: names with their colors, in separate lines above all others.
     """
 
     def __init__(
@@ -112,11 +112,11 @@ class Footer:
         self._drifts = [Drift() for _ in facts]
 
     def begin(self) -> None:
-        """Forget the energies: the film starts."""
+        """Reset the energy drifts at the start of the film."""
         self._drifts = [Drift() for _ in self._facts]
 
     def height(self, text: int, width: int) -> int:
-        """Its height in a picture of this width with a text of this height [pixels]."""
+        """The height of the footer in a picture of this width, with a text of this height [pixels]."""
         own, common = self._lines(text, width, [0.0] * len(self._facts), 0)
         count = len(self._names(text, width)) + max(map(len, own)) + bool(common or self._bars)
         return round(LINE * text * count) + self._credit_height(text)
@@ -132,8 +132,8 @@ class Footer:
         *,
         over: bool = False,
     ) -> None:
-        """Write the lines of a frame; every frame of a film is to be drawn once, in order. `over` says whether they may
-        stand over what moves.
+        """Write the footer of a frame. Every frame of a film must be drawn once, in order. `over` tells whether the
+        text may lie over moving objects.
         """
         width, height = size
         pen = partial(write, canvas, outline=theme.background if over else None)
@@ -158,7 +158,7 @@ class Footer:
         return round(LINE * SMALL * text) if self._credit else 0
 
     def _lines(self, text: int, width: int, errors: Sequence[float], frame: int) -> tuple[list[list[str]], str]:
-        """The lines of each panel, and the one for all."""
+        """The lines of each panel, and the common line."""
         each = width // len(errors) - text
         pieces = [self._own(panel, error, text, each) for panel, error in enumerate(errors)]
         times = [self._clock.text(frame), self._clock.pace] if "time" in self._labels else []
@@ -171,9 +171,9 @@ class Footer:
         return [[GAP.join(line) for line in wrapped(own, text, each)] for own in pieces], time
 
     def _own(self, panel: int, error: float, text: int, room: int) -> list[str]:
-        """The labels of one panel, always in the same width; short where there is little room."""
+        """The labels of one panel, of constant width; abbreviated if there is little room."""
         integrator, dt = self._facts[panel]
-        drift = f"{error:.1e}".replace("e-", "e−")  # as wide as a plus sign
+        drift = f"{error:.1e}".replace("e-", "e−")  # the minus sign U+2212 is as wide as a plus sign
         long = f"energy error {drift}"
         said = {
             "integrator": integrator,
@@ -189,7 +189,7 @@ class Footer:
     def _draw_legend(
         self, pen: Callable[..., None], size: tuple[int, int], text: int, color: Color, below: int
     ) -> None:
-        """Write the lines of the legend, with so many others below."""
+        """Write the lines of the legend, with `below` other lines under it."""
         width, height = size
         lines, colors = self._names(text, width), iter(self._legend)
         for row, line in enumerate(lines):
@@ -203,7 +203,7 @@ class Footer:
     def _draw_bars(
         self, canvas: Canvas, pen: Callable[..., None], size: tuple[int, int], text: int, color: Color, taken: int
     ) -> None:
-        """As many bars as there is room for, from the right."""
+        """Draw as many color bars as there is room for, from the right."""
         width, height = size
         top, right, left = height - round(1.2 * text), width - text // 2, text // 2 + taken
         for bar in reversed(self._bars):

@@ -1,4 +1,4 @@
-"""A scale bar: a line in a corner of the picture, and how long it is in the scene."""
+"""Scale bar: a line in a corner of the picture with its length in the scene."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ UNITS: dict[LengthUnit, float] = {
     "kpc": 1e3 * parsec,
     "Mpc": 1e6 * parsec,
 }
-"""Of length, by their signs [m]."""
+"""Units of length by symbol [m]."""
 CHOSEN: tuple[LengthUnit, ...] = ("fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly")
-"""Those that are chosen by themselves."""
+"""Units that are chosen automatically."""
 LEAST = 0.01
-"""Astronomical units and light years are chosen for bars of at least so much of one, others from one on."""
+"""Least length for which AU or ly is chosen, in this unit; for other units it is 1."""
 LONGEST = 0.25
-"""The longest bar, as a fraction of the width that is free of text."""
+"""Largest length of a bar, as a fraction of the width that is free of text."""
 STEPS = (5.0, 2.0, 1.0)
-"""A bar is so many times a power of ten long."""
+"""Mantissas of the length of a bar."""
 HEIGHT = 0.8
-"""Of the words, in heights of the text."""
+"""Height of the text, relative to that of the other text."""
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -48,7 +48,7 @@ def check_scale_bar(given: object) -> LengthUnit | bool:
     """Whether there is a scale bar, or its unit.
 
     Raises:
-        SceneError: it is neither, or no unit of length.
+        SceneError: the value is neither a bool nor a unit of length.
     """
     if isinstance(given, (bool, np.bool_)):
         return bool(given)
@@ -56,11 +56,11 @@ def check_scale_bar(given: object) -> LengthUnit | bool:
 
 
 def rounded(most: float, unit: LengthUnit | None) -> tuple[float, str]:
-    """The longest length of 1, 2 or 5 times a power of ten up to some length [m], and how it is written.
+    """The largest length of 1, 2 or 5 times a power of ten that is at most `most` [m], and its text.
 
     Args:
-        most: the length, above zero [m].
-        unit: in which the length is such a number; None: as suits it.
+        most: the upper bound, above zero [m].
+        unit: the unit in which the length is such a number; None: a suitable one.
     """
     if unit is None:
         least = {each: LEAST if each in ("AU", "ly") else 1.0 for each in CHOSEN}
@@ -78,12 +78,12 @@ def rounded(most: float, unit: LengthUnit | None) -> tuple[float, str]:
 
 
 class ScaleBar:
-    """The scale bar of one panel, at its lower left, or at the lower right of something that is there.
+    """The scale bar of one panel, at its lower left, or at the lower right if that place is taken.
 
-    In space it is as long as a thing at the point that the camera looks at; what is nearer looks larger.
+    In 3D the bar is valid at the target of the camera. Nearer objects appear larger.
 
     Args:
-        unit: of its length; True: as suits it, in each frame.
+        unit: the unit of its length; True: a suitable one in each frame.
         area: the part of the panel that is free of text.
         text: the height of the text [pixels].
         theme: the colors.
@@ -94,7 +94,7 @@ class ScaleBar:
         self._area, self._gap, self._height, self._theme = area, text // 2, round(HEIGHT * text), theme
 
     def placed(self, view: View, taken: Area | None = None) -> tuple[Area, float, str]:
-        """The rectangle that it takes and the length of its line [pixels], and its words."""
+        """The rectangle and the length of the line [pixels], and the text."""
         left, _, right, bottom = self._area
         length, words = rounded(LONGEST * (right - left) / view.scale, self._unit)
         line = length * view.scale
@@ -106,7 +106,9 @@ class ScaleBar:
         return (start, top, start + width, top + height), line, words
 
     def draw(self, canvas: Canvas, view: View, taken: Area | None = None) -> Area:
-        """Draw it at once over a panel, beside a rectangle that is taken; returns the one that it takes [pixels]."""
+        """Draw the bar immediately over a panel, beside a rectangle that is taken, and return its own rectangle
+        [pixels].
+        """
         box, line, words = self.placed(view, taken)
         middle, width = (box[0] + box[2]) / 2, float(text_width(words, self._height))
         left, top, theme = round(middle - width / 2), round(box[1]), self._theme

@@ -1,4 +1,4 @@
-"""Names of bodies, each beside its body in the picture."""
+"""Name tags: the name of each body beside it in the picture."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ from physcore.scene.items import System, chosen, found
 from physcore.simulation.sources import Source, SourceFrame
 
 Named: TypeAlias = bool | Body | str | Sequence[Body | str]
-"""Whether the names of all bodies that have one are written, or of which."""
+"""Whether to write the names of all named bodies, or the bodies with a name tag."""
 Listed: TypeAlias = bool | Body | System | str | Sequence[Body | System | str]
-"""The same of bodies and systems."""
+"""Whether to list all named bodies and systems in the legend, or the bodies and systems to list."""
 HEIGHT = 0.8
-"""Of a name, in heights of the text."""
+"""Height of a name, relative to that of the other text."""
 GAP = 0.15
-"""Between a body and its name, in heights of the name."""
+"""Distance of a name from its body, in heights of the name."""
 SIDES = ((1, 0), (-1, 0), (0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1))
-"""Where a name may stand, to the right of its body and below it."""
+"""Places of a name relative to its body, in order of preference: (right, down)."""
 
 
 def check_named(
     given: object, path: str, filmed: Sequence[Source], *, systems: bool = False
 ) -> list[list[Body | System]]:
-    """The bodies, and perhaps systems, of each source whose names are to be written; signs that no face has are warned
-    of.
+    """The bodies of each source, and with `systems` its systems, whose names are written. A warning names the signs
+    that no font has.
 
     Raises:
-        SceneError: what was asked for is neither True nor False, nor bodies with names of what is filmed.
+        SceneError: the value is neither True nor False, nor bodies of the film that have names.
     """
     items: list[list[Body | System]] = [
         [*source.scene.bodies, *(source.scene.systems if systems else ())] for source in filmed
@@ -58,12 +58,12 @@ def check_named(
 
 
 class NameTags:
-    """The names of one panel. None lies over another, and over another's body only where there is no other place; what
-    has no place is left out. A name stays on the side where it was in the frame before, as long as that is free.
+    """The name tags of one panel. Tags do not overlap; a tag covers another body only if there is no other place. A tag
+    without a place is left out. A tag stays on the side of the previous frame while that is free.
 
     Args:
-        bodies: those whose names are written, in the order in which they choose their places.
-        painters: what draws them.
+        bodies: the bodies with tags, in order of priority.
+        painters: the painters of the bodies.
         area: the part of the panel that is free of text.
         text: the height of the text [pixels].
         theme: the colors.
@@ -83,11 +83,11 @@ class NameTags:
         self._sides: dict[int, tuple[int, int]] = {}
 
     def begin(self) -> None:
-        """Forget where the names were: the film starts."""
+        """Forget the places of the tags at the start of the film."""
         self._sides.clear()
 
     def draw(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()) -> None:
-        """Write the names of a frame at once, over a panel of so many pixels and beside areas that are taken."""
+        """Write the tags of a frame immediately, over a panel of `pixels` pixels and beside the areas `taken`."""
         for left, top, name in self.placed(frame, view, pixels, taken):
             theme = self._theme
             write(canvas, name, round(left), round(top), self._height, theme.text, outline=theme.background)
@@ -95,7 +95,7 @@ class NameTags:
     def placed(
         self, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()
     ) -> Iterator[tuple[float, float, str]]:
-        """The upper left corner [pixels] of each name, and that."""
+        """The upper left corner [pixels] of each tag, and the name."""
         boxes = [
             self._box(frame.positions[part.where], part.body, view, each.inset(pixels)) for part, each in self._drawn
         ]
@@ -112,7 +112,7 @@ class NameTags:
                 yield place[0], place[1], name
 
     def _box(self, positions: np.ndarray, body: Body, view: View, inset: float) -> Area | None:
-        """The part of the panel that a body takes; None outside of it."""
+        """The rectangle that a body covers in the panel; None outside of it."""
         centers, _, scale = view.project(positions)
         reach = np.maximum(scale * body.radius, inset)[:, np.newaxis]
         seen = np.isfinite(centers).all(axis=1)
@@ -125,7 +125,7 @@ class NameTags:
         return box if box[0] < box[2] and box[1] < box[3] else None
 
     def _place(self, index: int, box: Area, size: tuple[float, float], taken: Sequence[list[Area]]) -> Area | None:
-        """The first place beside a body that is free of all areas of the first list, or else of a later one."""
+        """The first place beside a body that is free of all areas of the first list, or else of a later list."""
         last = self._sides.get(index)
         for areas in taken:
             for side in SIDES if last is None else (last, *SIDES):
@@ -137,7 +137,7 @@ class NameTags:
         return None
 
     def _beside(self, box: Area, size: tuple[float, float], side: tuple[int, int]) -> Area:
-        """The place of a name of some size at a side of a box."""
+        """The rectangle of a name of some size at a side of a box."""
         gap = GAP * self._height
         corner = []
         for axis in (0, 1):
@@ -148,7 +148,7 @@ class NameTags:
 
 
 def _overlap(one: Area, other: Area) -> float:
-    """The area that two rectangles share [pixels]."""
+    """The area common to two rectangles [pixels]."""
     width = min(one[2], other[2]) - max(one[0], other[0])
     height = min(one[3], other[3]) - max(one[1], other[1])
     return max(width, 0.0) * max(height, 0.0)

@@ -1,4 +1,4 @@
-"""Words and numbers that fit, in the faces that the canvas has."""
+"""Text and numbers in lines of limited width, in the fonts of the canvas."""
 
 from __future__ import annotations
 
@@ -9,32 +9,34 @@ from physcore._core import missing_signs, text_width
 from physcore.errors import SceneWarning, warn
 
 GAP = "   "
-"""Between two pieces of a line."""
+"""Space between two pieces of a line."""
 FIGURE_SPACE = "\u2007"
-"""As wide as a digit."""
+"""A space as wide as a digit."""
 PHONE = 360
-"""The width at which a picture is looked at [pixels]: a column of a page, or a telephone."""
+"""Width at which a picture is assumed to be viewed [pixels]: a column of a page, or a telephone."""
 LEGIBLE = 14
-"""The height of a line there [pixels]; its capitals have 7."""
+"""Height of a line at this width [pixels]; its capitals have 7 pixels."""
 SMALLEST = 16
-"""The least height of a line [pixels]."""
+"""Least height of a line [pixels]."""
 SHARE = 14
-"""A line takes at most one part in so many of a picture's height."""
+"""Ratio of a picture's height to the largest height of a line."""
 
 
 def text_height(width: int, height: int) -> int:
-    """The height of a line in a picture of this size, so that it can be read where that is 360 pixels wide [pixels]."""
+    """The height of a line in a picture of this size, legible if the picture is scaled to a width of 360 pixels
+    [pixels].
+    """
     return max(min(math.ceil(LEGIBLE * width / PHONE), height // SHARE), SMALLEST)
 
 
 def fitting(line: str, height: int, width: int) -> int:
-    """The height of a line that is no higher than asked for and, down to a half of that, as wide as there is room."""
+    """The height at which a line fits the width: at most `height`, and at least half of it."""
     needed = text_width(line, height)
     return height if needed <= width else max(height * width // needed, height // 2)
 
 
 def wrapped(pieces: Sequence[str], height: int, width: int) -> list[list[str]]:
-    """The pieces of each line: lines of at most this width [pixels], if each piece is; a piece is never torn."""
+    """Distribute pieces over lines of at most this width [pixels]; a piece is never split."""
     lines: list[list[str]] = []
     for piece in pieces:
         if lines and text_width(GAP.join([*lines[-1], piece]), height) <= width:
@@ -45,7 +47,7 @@ def wrapped(pieces: Sequence[str], height: int, width: int) -> list[list[str]]:
 
 
 def warn_of_missing(line: str, name: str) -> None:
-    """Say which signs of a text no face has."""
+    """Warn of the signs of a text that no font has."""
     if missing := missing_signs(line):
         codes = ", ".join(f"U+{ord(sign):04X}" for sign in missing)
         warn(
@@ -55,7 +57,7 @@ def warn_of_missing(line: str, name: str) -> None:
 
 
 def ends(low: float, high: float) -> tuple[str, str]:
-    """Two values with as many decimals as tell them apart: two digits of their difference."""
+    """Two values with as many decimals as two digits of their difference need."""
     span, most = abs(high - low), max(abs(low), abs(high))
     if span == 0.0 or not math.isfinite(span) or most >= 1e5 or most < 1e-3:
         return _short(low), _short(high)
@@ -65,7 +67,7 @@ def ends(low: float, high: float) -> tuple[str, str]:
 
 
 def _short(value: float) -> str:
-    """Two digits, such as 1.2e5."""
+    """A number with two digits, such as 1.2e5."""
     if value == 0.0:
         return "0"
     digits, _, exponent = f"{value:.1e}".partition("e")

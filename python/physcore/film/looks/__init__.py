@@ -1,4 +1,4 @@
-"""How boundaries look, one file each."""
+"""Drawing of boundaries, one module each."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ LOOKS: dict[type[Boundary], Callable[[Any], Look]] = {
     ConvexHull: SolidLook.hull,
     HeightField: HeightFieldLook,
 }
-"""The look of each boundary."""
+"""Factory of the look of each class of boundaries."""
 
 
 def look_of(item: SceneItem) -> Look:
-    """The look of a boundary as it is in its scene; one that has none is not drawn."""
+    """The look of a boundary as resolved in its scene. A boundary without a look is not drawn."""
     looks = (LOOKS[kind](item) for kind in type(item).__mro__ if kind in LOOKS)
     return next(looks, Look())

@@ -1,4 +1,4 @@
-"""What all looks of boundaries share: where scenery is, and the marks that it is drawn with."""
+"""Common parts of the looks of boundaries: the placement of scenery, and drawing functions."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from physcore.scene.periodic import Periodic
 
 SHADING = 0.9
 GRID = 10
-"""Squares across the ground."""
+"""Number of squares across the ground."""
 WIDE = 1.5
-"""How far the ground is lit, over its size."""
+"""Radius of the lit ground, over its size."""
 LINES = 0.35
-"""The opacity of the lines of its grid."""
+"""Opacity of the lines of the grid on the ground."""
 WALL = 0.3
-"""The opacity of the walls of a box."""
+"""Opacity of the walls of a box."""
 _Three: TypeAlias = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Scenery:
-    """The place of scenery that has no end or no place of its own."""
+    """Placement of scenery that is infinite or has no position of its own."""
 
     domain: Periodic | None
-    """The periodic domain, drawn as a frame."""
+    """The periodic domain, drawn as a frame; None without one."""
     middle: FloatArray
     """The middle of the ground in 3D, the middle of the view in 2D [m], shape (D,)."""
     size: float
@@ -39,26 +39,26 @@ class Scenery:
 
 
 class Look:
-    """How a boundary is drawn. To add one: a file in `looks`, and a line in `LOOKS`."""
+    """How a boundary is drawn. To add a look: a file in `looks`, and a line in `LOOKS`."""
 
     def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
-        """Points (P, D) [m], and a distance around them, that belong in the picture."""
+        """Points (P, D) [m] that belong in the picture, each with a margin [m]."""
         return iter(())
 
     def ground(self, lower: FloatArray, upper: FloatArray) -> FloatArray:
-        """Points (P, D) [m] that belong in the picture beside a box along the axes, if it is near."""
+        """Points (P, D) [m] that belong in the picture if they are near an axis-aligned box."""
         del upper
         return np.empty((0, len(lower)))
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """Draw at once what is behind everything that moves."""
+        """Draw immediately all parts that are behind every moving object."""
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """Add to the painting what hides things that move, and is hidden by them."""
+        """Queue the parts that can hide moving objects and be hidden by them."""
 
 
 def corners(lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """The 2^D corners of a box along the axes; the bits of a corner's number say which are upper."""
+    """The 2^D corners of an axis-aligned box. The bits of a corner's index tell along which axes it is upper."""
     upper_in = np.array(list(np.ndindex(*(2,) * len(lower))), dtype=bool)
     return np.where(upper_in, upper, lower)
 
@@ -66,13 +66,17 @@ def corners(lower: FloatArray, upper: FloatArray) -> FloatArray:
 def ground(
     canvas: Canvas, view: View, theme: Theme, normal: FloatArray, center: FloatArray, size: float, pitch: float
 ) -> None:
-    """Draw level ground at once, lit around a place [m], with a grid of such a pitch [m], and take shadows on it."""
+    """Draw level ground immediately, lit around `center` [m], with a grid of the given pitch [m]. The ground receives
+    shadows.
+    """
     grid = (mixed(theme.surface, theme.edge, 0.5), pitch, LINES)
     canvas.ground(*_plane(view, normal, center), WIDE * size, theme.surface, _three(view.axes @ _level(normal)), grid)
 
 
 def wall(canvas: Canvas, view: View, theme: Theme, normal: FloatArray, corners: FloatArray) -> None:
-    """Draw a faint wall at once between corners (4, 3) [m] in order, and take shadows on it; no effect from behind."""
+    """Draw a translucent wall immediately between corners (4, 3) [m] in order. The wall receives shadows, and is
+    invisible from behind.
+    """
     pixels = view.project(corners)[0].tolist()
     part = ([(x, y) for x, y in pixels], WALL)
     place, first = _plane(view, normal, corners.mean(axis=0)), _three(view.axes @ _level(normal))
@@ -80,12 +84,12 @@ def wall(canvas: Canvas, view: View, theme: Theme, normal: FloatArray, corners: 
 
 
 def _plane(view: View, normal: FloatArray, center: FloatArray) -> tuple[_Three, _Three]:
-    """A normal and a place, as the camera has them."""
+    """A normal and a point of a plane, in the coordinates of the camera."""
     return _three(view.axes @ normal), _three(view.axes @ center - view.center)
 
 
 def _level(normal: FloatArray) -> FloatArray:
-    """A unit vector in a plane."""
+    """A unit vector in the plane with a given normal."""
     helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
     return _unit(np.cross(np.cross(normal, helper), normal))
 
@@ -109,7 +113,7 @@ def disc(
     extra: float = 0.0,
     shading: float = 0.0,
 ) -> None:
-    """Add a disc of a radius [m] and some more pixels."""
+    """Queue a disc with a radius [m] and `extra` pixels more."""
     pixels, depth, scale = view.project(center[np.newaxis])
     canvas.discs(pixels, scale * np.float32(radius) + np.float32(extra), _ink(color, 1), depth, shading)
 
@@ -117,7 +121,7 @@ def disc(
 def lines(
     canvas: Canvas, ends: PixelArray, color: Color, width: float, alpha: int = 255, depths: PixelArray | None = None
 ) -> None:
-    """Add lines between pixels (M, 2, 2), each at one of the depths (M,)."""
+    """Queue lines between pixels (M, 2, 2), each at one of the depths (M,)."""
     count = len(ends)
     flat = np.ascontiguousarray(ends).reshape(count, 4)
     both = None if depths is None else np.stack([depths, depths], axis=1)

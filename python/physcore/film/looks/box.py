@@ -1,4 +1,4 @@
-"""Boxes: their edges; solid ones are as other solids."""
+"""Looks of boxes: their edges. Solid boxes are drawn as other solids."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class BoxLook(Look):
         yield corners(self.lower, self.upper), 0.0
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """All edges in 2D, in 3D the ground, the walls that are seen from within, and the edges behind."""
+        """Draw all edges in 2D; in 3D, the ground, the walls that are seen from inside, and the edges behind."""
         if not view.flat:
             foot = np.append((self.lower[:2] + self.upper[:2]) / 2, self.lower[2])
             size = float(np.linalg.norm(self.upper[:2] - self.lower[:2])) / 2
@@ -35,7 +35,7 @@ class BoxLook(Look):
         draw_edges(canvas, self.lower, self.upper, view, theme, front=False)
 
     def _walls(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """The inward normal and the corners (4, 3) [m] of each face but the floor."""
+        """The inward normal and the corners (4, 3) [m] of each face except the floor."""
         points = corners(self.lower, self.upper)
         for axis, upper in ((0, False), (0, True), (1, False), (1, True), (2, True)):
             bit = 1 << (2 - axis)
@@ -43,7 +43,7 @@ class BoxLook(Look):
             yield (-1.0 if upper else 1.0) * np.eye(3)[axis], points[[first, second, fourth, third]]
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """The edges in front in 3D."""
+        """Queue the edges in front, in 3D."""
         if not view.flat:
             draw_edges(canvas, self.lower, self.upper, view, theme, front=True)
 
@@ -59,8 +59,8 @@ def draw_edges(
     thin: bool = False,
     along: list[int] | None = None,
 ) -> None:
-    """The edges of a box, or only those along some axes. In 3D those that meet in the farthest corner are behind
-    everything, the others in front.
+    """Draw the edges of a box, or only those along some axes. In 3D, the edges that meet in the farthest corner are
+    behind all objects, and the others in front.
     """
     points = corners(lower, upper)
     count, dimension = points.shape

@@ -1,4 +1,4 @@
-"""Height fields: solid ground below a line in 2D, a lit landscape with a skirt around it in 3D."""
+"""Looks of height fields: solid ground below a line in 2D, a lit surface with vertical sides in 3D."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from physcore.film.looks.base import Look, Scenery, corners, lines
 from physcore.film.looks.solid import draw_facets
 
 SKIRT = 0.04
-"""How far below its lowest node a landscape is cut, in units of its width."""
+"""Depth of the sides below the lowest node, relative to the width."""
 
 
 class HeightFieldLook(Look):
@@ -28,7 +28,7 @@ class HeightFieldLook(Look):
         self.triangles, self.normals = _landscape(self.nodes, self.base) if ground.dimension == 3 else (flat, flat)
 
     def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
-        """All nodes, and the ends of a skirt."""
+        """All nodes, and the lower corners of the sides."""
         points = self.nodes.reshape(-1, self.nodes.shape[-1])
         yield points, 0.0
         if self.nodes.ndim == 3:
@@ -36,7 +36,7 @@ class HeightFieldLook(Look):
             yield np.column_stack([feet[:, :-1], np.full(len(feet), self.base)]), 0.0
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """The ground in 2D."""
+        """Draw the ground in 2D."""
         if not view.flat:
             return
         deep = np.stack([self.nodes[:, 0], np.full(len(self.nodes), self.base - 4.0 * scenery.size)], axis=1)
@@ -45,7 +45,7 @@ class HeightFieldLook(Look):
         for segment in range(len(top) - 1):
             both = slice(segment, segment + 2)
             canvas.polygon(np.concatenate([top[both], foot[both][::-1]]), ink)
-        # Between two of these the background shines through, half a pixel wide.
+        # Antialiasing leaves a seam of half a pixel between adjacent polygons. A strip at each inner node covers it.
         for before, node, after, below in zip(top[:-2], top[1:-1], top[2:], foot[1:-1], strict=True):
             fall = max((side[1] - node[1]) / abs(side[0] - node[0]) for side in (before, after))
             under = node[1] + max(fall, 0.0)
@@ -55,15 +55,15 @@ class HeightFieldLook(Look):
         lines(canvas, np.stack([outline[:-1], outline[1:]], axis=1), theme.edge, 1.5)
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """The landscape in 3D."""
+        """Queue the surface in 3D."""
         if not view.flat:
             draw_facets(canvas, view, theme, self.triangles, self.normals)
 
 
 def _landscape(nodes: FloatArray, base: float) -> tuple[FloatArray, FloatArray]:
-    """Triangles (T, 3, 3) of the ground and its skirt, counterclockwise from outside, and normals at each corner."""
+    """Triangles (T, 3, 3) of ground and sides, counterclockwise from outside, and the normals at each corner."""
     a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]
-    # The ground is bent along the higher diagonal of a cell.
+    # The two triangles of a cell meet along its higher diagonal.
     rises = (a[..., 2] + d[..., 2] >= b[..., 2] + c[..., 2])[..., np.newaxis]
     low = np.stack([a, b, np.where(rises, d, c)], axis=-2)
     high = np.stack([np.where(rises, a, b), d, c], axis=-2)

@@ -1,4 +1,4 @@
-"""Planes: solid ground in 2D, in 3D ground with a grid that fades away from what happens."""
+"""Looks of planes: solid ground in 2D; in 3D, ground with a grid that fades at a distance."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from physcore.film.looks.base import GRID, Look, Scenery, corners, ground, lines
 
 
 class PlaneLook(Look):
-    """The look of a plane with a normal of length one."""
+    """The look of a plane with a normal of length 1."""
 
     def __init__(self, plane: Plane) -> None:
         self.point, self.normal = np.array(plane.point), np.array(plane.normal)
 
     def ground(self, lower: FloatArray, upper: FloatArray) -> FloatArray:
-        """The foot of the box's middle, unless the plane is farther from the box than that is large."""
+        """The projection of the box's center onto the plane, unless the plane is farther from the box than the box is
+        large.
+        """
         middle, size = (lower + upper) / 2, float(np.linalg.norm(upper - lower))
         height = (corners(lower, upper) - self.point) @ self.normal
         if height.min() > size:
@@ -28,11 +30,11 @@ class PlaneLook(Look):
         return foot[np.newaxis]
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """All of it."""
+        """Draw the whole plane."""
         (self._half_plane if view.flat else self._ground)(canvas, view, theme, scenery)
 
     def _half_plane(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """Solid ground on the side that the normal points away from."""
+        """Draw solid ground on the side opposite to the normal."""
         normal = self.normal
         along = np.array([normal[1], -normal[0]])
         foot = self.point + ((scenery.middle - self.point) @ along) * along
@@ -43,6 +45,6 @@ class PlaneLook(Look):
         lines(canvas, pixels[np.newaxis, :2], theme.edge, 1.5)
 
     def _ground(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """A plane under the middle of what happens, with a grid for the eye to hold on to."""
+        """Draw the plane below the center of the scenery, with a grid for orientation."""
         foot = scenery.middle - ((scenery.middle - self.point) @ self.normal) * self.normal
         ground(canvas, view, theme, self.normal, foot, scenery.size, 2.0 * scenery.size / GRID)

@@ -1,4 +1,4 @@
-"""Solid obstacles: polygons in 2D, lit facets in 3D."""
+"""Looks of solid obstacles: polygons in 2D, lit facets in 3D."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import Look, Scenery, lines
 
 ARC = 24
-"""Segments of half a circle in the plane."""
+"""Segments of a semicircle in 2D."""
 PARTS = 6
-"""Parts of each side of a facet: things in front of some and behind others are told apart by these."""
+"""Subdivisions of each side of a facet. Each part is sorted by depth on its own among the other objects."""
 SHORTEST = 8.0
-"""The least length of such a part along a capsule [pixels]."""
+"""Least length of such a part along a capsule [pixels]."""
 SAGITTA = 0.25
-"""How far the outline of a capsule in space is from a circle at most [pixels]."""
+"""Largest deviation of the outline of a capsule in 3D from a circle [pixels]."""
 FINEST = 12
-"""The most segments of a quarter of it."""
+"""Largest number of segments of a quarter of that circle."""
 
 
 class SolidLook(Look):
-    """The look of the hull of some points, rounded by a radius [m]."""
+    """The look of the convex hull of points, rounded by a radius [m]."""
 
     def __init__(self, points: FloatArray, radius: float = 0.0) -> None:
         self.points, self.radius = points, radius
@@ -46,18 +46,18 @@ class SolidLook(Look):
         return cls(np.array([item.start, item.end]), item.radius)
 
     def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
-        """All of it."""
+        """All points, with the radius as margin."""
         yield self.points, self.radius
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """A polygon in 2D."""
+        """Draw a polygon in 2D."""
         if view.flat:
             pixels = view.project(self._outline())[0]
             canvas.polygon(pixels, (*theme.surface, 255))
             lines(canvas, np.stack([pixels, np.roll(pixels, -1, axis=0)], axis=1), theme.edge, 2.0)
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """Lit triangles in 3D."""
+        """Queue lit triangles in 3D."""
         if view.flat:
             return
         draw_facets(canvas, view, theme, *(self._rounded(view) if self.radius else self._facets()))
@@ -76,7 +76,7 @@ class SolidLook(Look):
         return np.concatenate([end + self.radius * caps[0], start + self.radius * caps[1]])
 
     def _facets(self) -> tuple[FloatArray, FloatArray]:
-        """Triangles (T, 3, 3) and their normals at each corner."""
+        """Triangles (T, 3, 3) and the normals at each corner."""
         steps = np.array([(i, j) for i in range(PARTS) for j in range(PARTS - i)], dtype=float)
         upward = steps[:, np.newaxis] + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         inner = steps[steps.sum(axis=1) < PARTS - 1]
@@ -91,7 +91,7 @@ class SolidLook(Look):
         return np.concatenate(corners), np.concatenate(normals)
 
     def _rounded(self, view: View) -> tuple[FloatArray, FloatArray]:
-        """The triangles of a capsule, with the normals at their corners: as many as its size in a view asks for.
+        """The triangles of a capsule and the normals at their corners. Their number depends on the size in the view.
 
         The sagitta of one of q segments of a quarter circle is r (1 − cos(π/4q)) ≈ π² r / 32 q².
         """
@@ -123,11 +123,13 @@ class SolidLook(Look):
 
 
 def draw_facets(canvas: Canvas, view: View, theme: Theme, corners: FloatArray, normals: FloatArray) -> None:
-    """Add those of lit triangles (T, 3, 3), counterclockwise from outside, that face the eye; `normals` per corner."""
+    """Queue the triangles (T, 3, 3) that face the camera, with lighting; counterclockwise from outside, `normals` per
+    corner.
+    """
     pixels, depth, _ = view.project(corners.reshape(-1, 3))
-    assert depth is not None  # it is seen in space
+    assert depth is not None  # views in 3D have depths
     first, second, third = np.moveaxis(pixels.reshape(-1, 3, 2), 1, 0)
-    # Pixels are counted downward.
+    # The y axis of pixels points down, which reverses the orientation.
     along, across = (second - first).T, (third - first).T
     seen = along[0] * across[1] < along[1] * across[0]
     facing = normals[seen].reshape(-1, 3) @ view.axes.T

@@ -1,4 +1,4 @@
-"""Spheres: a ball or the far half of a bowl; circles in 2D."""
+"""Looks of spheres: a ball, or the far half of a bowl; circles in 2D."""
 
 from __future__ import annotations
 
@@ -25,29 +25,29 @@ class SphereLook(Look):
         self.center, self.radius, self.inside = np.array(sphere.center), sphere.radius, sphere.inside
 
     def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
-        """All of it."""
+        """The center, with the radius as margin."""
         yield self.center[np.newaxis], self.radius
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """All of it in 2D, a bowl in 3D."""
+        """Draw the sphere in 2D, a bowl in 3D."""
         if view.flat:
             self._circle(canvas, view, theme)
         elif self.inside:
             self._bowl(canvas, view, theme)
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """A ball in 3D."""
+        """Queue a ball in 3D."""
         if not view.flat and not self.inside:
             disc(canvas, view, self.center, self.radius, theme.solid, shading=SHADING)
 
     def _circle(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """A round obstacle, or a ring around a hollow."""
+        """Draw a solid disc, or a ring around a hollow one."""
         inner = theme.background if self.inside else theme.surface
         disc(canvas, view, self.center, self.radius, theme.edge, extra=1.0)
         disc(canvas, view, self.center, self.radius, inner, extra=-1.0)
 
     def _bowl(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """The far half of a hollow sphere, with meridians and parallels."""
+        """Draw the far half of a hollow sphere, with meridians and parallels."""
         center, radius = self.center, self.radius
         disc(canvas, view, center, radius, theme.edge, extra=1.0)
         canvas.paint()
@@ -67,14 +67,14 @@ class SphereLook(Look):
             lines(canvas, np.stack([pixels[:-1], pixels[1:]], axis=1)[behind], theme.edge, 1.0, alpha=70)
 
     def _hollow(self, canvas: Canvas, view: View, theme: Theme) -> None:
-        """The far half as a lit surface, seen from within."""
+        """Draw the far half as a lit surface, seen from inside."""
         turn, fall = np.linspace(0.0, 2.0 * np.pi, SEGMENTS + 1), np.linspace(0.0, 0.5 * np.pi, SEGMENTS // 4 + 1)
         ring = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1)
         outward = np.sin(fall)[:, np.newaxis, np.newaxis] * ring
         outward[..., 2] -= np.cos(fall)[:, np.newaxis]
         outward = outward.reshape(-1, 3)
         pixels, depth, _ = view.project(self.center + self.radius * outward @ view.axes)
-        assert depth is not None  # it is seen in space
+        assert depth is not None  # views in 3D have depths
         index = np.arange(len(outward)).reshape(len(fall), len(turn))
         a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
         faces = np.concatenate([np.stack(each, -1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])

@@ -1,4 +1,4 @@
-"""How bodies and systems look, one file each; overlays add something to bodies that another style draws.
+"""Drawing styles of bodies and systems, one module each. Overlays add to bodies that another style draws.
 
     pc.film(recording, "cloth.png", style=pc.styles.Surface(color="strain"))
 
@@ -42,7 +42,7 @@ STYLES: tuple[type[Style], ...] = (
     Trails,
     Density,
 )
-"""Every style; what is registered here is tested."""
+"""All styles. Those registered here are tested."""
 
 spell(STYLES)
 

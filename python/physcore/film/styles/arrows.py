@@ -1,4 +1,4 @@
-"""Arrows of a velocity or force field, over what moves."""
+"""Arrows of a vector field, such as velocity or acceleration."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from physcore.film.styles.fields import Field
 from physcore.simulation.sources import SourceFrame
 
 HEAD = 0.34
-"""Length of an arrow's head over that of the longest arrow."""
+"""Length of an arrow's head, relative to the longest arrow."""
 WIDTH = 0.075
-"""Width of a shaft over the length of the longest arrow."""
+"""Width of a shaft, relative to the longest arrow."""
 LEAST = 0.12
-"""Arrows shorter than this fraction of the longest are not drawn: they have no direction to speak of."""
+"""Arrows shorter than this fraction of the longest are not drawn, because their direction is not meaningful."""
 
 
 @dataclass(frozen=True)
 class Arrows(FieldStyle):
-    """Arrows on a regular pattern, as long as what they show is large, and colored by it.
+    """Arrows on a regular pattern. Their length and color show the magnitude of a vector field.
 
-    They are drawn in addition to how the bodies look: `style=[Points(), Arrows()]`.
+    Arrows are an overlay, in addition to the styles of the bodies: `style=[Points(), Arrows()]`.
 
     Args:
-        of: "velocities" [m/s], the mean of the particles around each arrow; "acceleration" [m/s²], what one kilogram
-            and one coulomb at rest would feel of gravity, wind and centers of force; or a function of the time [s] and
+        of: "velocities" [m/s]: the mean over the particles around each arrow. "acceleration" [m/s²]: that of a test
+            particle of 1 kg and 1 C at rest, by gravity, wind and centers of force. Or a function of the time [s] and
             positions (N, D) [m] that gives vectors (N, D).
-        spacing: between arrows [pixels], at most 10 000.
+        spacing: distance between arrows [pixels], at most 10 000.
         colormap: as in Points; None: all in the color of text.
-        top: the value of the longest arrow, above zero; None: what is typical of the film.
-        on: as in Style: whose velocities are shown.
+        top: the magnitude of the longest arrow, above zero; None: a typical value of the film.
+        on: as in Style: the bodies whose velocities are shown.
 
     Raises:
         SceneError: a value is not valid, or velocities are needed and were not recorded.
@@ -54,19 +54,19 @@ class Arrows(FieldStyle):
 
 
 class ArrowsPainter(FieldPainter):
-    """Draws shafts and heads."""
+    """Painter of arrows: shafts and heads."""
 
     def __init__(self, style: Arrows, shown: Field, theme: Theme) -> None:
         super().__init__(style, shown, theme)
         self._style = style
 
     def inset(self, pixels: float) -> float:
-        """Half an arrow."""
+        """Half the length of an arrow."""
         del pixels
         return self._style.spacing / 2
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add arrows, above what is at the same place."""
+        """Queue arrows, above other objects at the same place."""
         del pixels
         places, vectors = self._field.samples(frame, view, self._style.spacing)
         values = norms(vectors)
@@ -74,7 +74,7 @@ class ArrowsPainter(FieldPainter):
         places, vectors, values = places[shown], vectors[shown], values[shown]
         if len(places) == 0:
             return
-        # Drawn across its place, so that a pattern of arrows is centered on what it shows.
+        # Each arrow is centered on its point.
         length = 0.9 * self._style.spacing / view.scale
         half = 0.5 * length * np.minimum(1.0, self.top / values)[:, np.newaxis] * vectors / self.top
         tails, depth, _ = view.project(places - half)
@@ -90,7 +90,7 @@ class ArrowsPainter(FieldPainter):
 
 
 def heads(tails: PixelArray, tips: PixelArray, longest: np.float32) -> PixelArray:
-    """The corners (N, 3, 2) of the heads of arrows [pixels]; a head is at most three fifths of its arrow."""
+    """The corners (N, 3, 2) of the heads of arrows [pixels]; a head is at most 0.6 of its arrow."""
     along = tips - tails
     length = np.maximum(np.sqrt(np.einsum("nd,nd->n", along, along)), np.float32(1e-6))[:, np.newaxis]
     along = along / length

@@ -1,4 +1,4 @@
-"""The base of all styles."""
+"""Base classes of all styles and painters."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ InkArray = NDArray[np.uint8]
 """Red, green, blue and opacity, 0–255, shape (N, 4)."""
 
 FOG = 0.2
-"""How much of its color the farthest thing in a 3D picture has lost to the background."""
+"""Share of the background in the color of the farthest objects in 3D."""
 SHADING = 0.85
-"""How much the light matters on balls."""
+"""Strength of the lighting of balls."""
 SHOWN = 16
-"""How many colors of a scale a palette has for certain."""
+"""Least number of colors of a scale in a palette."""
 BRIGHT = 384
-"""A ground whose red, green and blue add up to more is light."""
+"""A background is light if its red, green and blue add up to more than this."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A body, and where its particles are in a frame's arrays."""
+    """A body and the slice of its particles in the arrays of a frame."""
 
     body: Body
     where: slice
@@ -47,53 +47,53 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class SystemPart:
-    """A further system, and where its fields are in a frame."""
+    """A system and the location of its fields in a frame."""
 
     system: System
     path: str
-    """What the names of its fields begin with."""
+    """Prefix of the names of its fields."""
     index: int
-    """Its place among the items of the scene, bodies first."""
+    """Index among the items of the scene, bodies first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """A scale of colors: a quantity, and its values at the ends of a table of colors."""
+    """Color scale: a quantity, and its values at the ends of a table of colors."""
 
     quantity: str
-    """A word or two, such as "speed"."""
+    """Name of the quantity, such as "speed"."""
     unit: str
-    """In the usual symbols; empty for a ratio."""
+    """Unit in the usual symbols; empty for a ratio."""
     ends: tuple[float, float]
     """The values at the first and the last color."""
     table: FloatArray
-    """Colors, shape (K, 3), as far apart as the values are."""
+    """Colors of equidistant values, shape (K, 3)."""
 
 
 @dataclass(frozen=True)
 class Style(ABC):
-    """How some items look. To add one: a file here, and a line in `STYLES`."""
+    """Base class of styles, which say how items are drawn. To add a style: a module here, and a line in `STYLES`."""
 
     overlay: ClassVar[bool] = False
-    """Whether it adds something to items that are drawn in another style too, instead of being how they look."""
+    """Whether the style is drawn in addition to another style of the same items."""
 
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
-    """In how many dimensions it draws."""
+    """Numbers of dimensions that the style supports."""
 
     raises: ClassVar[bool] = False
-    """Whether it shows a scene of the plane in space."""
+    """Whether the style shows a 2D scene in 3D."""
 
     draws_items: ClassVar[type[Body] | type[System]]
-    """The kind of items that it can draw."""
+    """The class of items that the style can draw."""
 
     on: Any = field(default=None, kw_only=True)
-    """The item or items drawn in this style, or their names; None: all that it can draw."""
+    """The item or items drawn in this style, or their names; None: all items that the style can draw."""
 
     def __post_init__(self) -> None:
         self._set(on=_chosen(self.on, self.draws_items, f"{type(self).__name__}.on"))
 
     def _set(self, **values: object) -> None:
-        """Replace what the user passed by its checked form; only for `__post_init__`."""
+        """Replace the user's values by their validated form; only for `__post_init__` and `among`."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -105,14 +105,14 @@ class Style(ABC):
                 self._set(**{name: number(value, f"{type(self).__name__}.{name}", above=0.0)})
 
     def items(self) -> tuple[Body | System, ...] | None:
-        """The items drawn in this style; None: all that it can draw. Those of a film, after `among`."""
-        return cast("tuple[Body | System, ...] | None", self.on)  # made so by __post_init__ and `among`
+        """The items drawn in this style; None: all items that the style can draw. Names are resolved by `among`."""
+        return cast("tuple[Body | System, ...] | None", self.on)  # converted by __post_init__ and `among`
 
     def among(self, items: Sequence[Body | System]) -> Self:
-        """The same style, with the items that are filmed in the place of their names.
+        """A copy of the style in which names are replaced by the items of the film.
 
         Raises:
-            SceneError: there is none of a name.
+            SceneError: no item has such a name.
         """
         if self.on is None or not any(isinstance(each, str) for each in self.on):
             return self
@@ -128,26 +128,26 @@ class Style(ABC):
         return isinstance(item, self.draws_items) and self.can_draw(item)
 
     def can_draw(self, item: Any) -> bool:
-        """Whether an item of its kind has what this style shows."""
+        """Whether an item has the properties that this style shows."""
         del item
         return True
 
     @abstractmethod
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
-        """What paints some items, all drawn in this style, frame by frame."""
+        """The painters of items that are all drawn in this style."""
 
 
 @dataclass(frozen=True)
 class BodyStyle(Style):
-    """How some bodies look."""
+    """Base class of styles of bodies."""
 
     draws_items: ClassVar[type[Body] | type[System]] = Body
 
     on: On = field(default=None, kw_only=True)
-    """The body or bodies drawn in this style, or their names; None: all that it can draw."""
+    """The body or bodies drawn in this style, or their names; None: all bodies that the style can draw."""
 
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
-        """One painter of all bodies."""
+        """One painter for all bodies."""
         parts = [Part(body, source.scene.slice(body)) for body in items if isinstance(body, Body)]
         painter = self.painter(source, parts, theme)
         painter.parts = parts
@@ -155,17 +155,17 @@ class BodyStyle(Style):
 
     @abstractmethod
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter of the given bodies, frame by frame."""
+        """The painter of the given bodies."""
 
 
 @dataclass(frozen=True)
 class SystemStyle(Style):
-    """How some systems beside the bodies look, such as fields on grids."""
+    """Base class of styles of systems that are not bodies, such as fields on grids."""
 
     draws_items: ClassVar[type[Body] | type[System]] = System
 
     on: System | str | Sequence[System | str] | None = field(default=None, kw_only=True)
-    """The system or systems drawn in this style, or their names; None: all that it can draw."""
+    """The system or systems drawn in this style, or their names; None: all systems that the style can draw."""
 
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter for each system."""
@@ -180,28 +180,30 @@ class SystemStyle(Style):
 
     @abstractmethod
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
-        """A painter of one system, frame by frame."""
+        """The painter of one system."""
 
 
 class Painter(ABC):
-    """Draws some bodies of one source; it first sees the whole film, to find ranges that hold for all of it."""
+    """Base class of painters, which draw some bodies of one source. A painter first observes the whole film, to find
+    ranges that are valid for all frames.
+    """
 
     style: Style
-    """The style that it draws by."""
+    """The style of the painter."""
     quantity: str = ""
-    """What its colors show, where the style does not say."""
+    """Name of the quantity shown by colors, if it is not given by the style."""
     top: float = 0.0
-    """The value at the end of the color scale. Panels with equal styles and quantities share it."""
+    """Value at the upper end of the color scale. Panels with equal styles and quantities share it."""
     low: float = 0.0
-    """The value at its start, likewise."""
+    """Value at the lower end of the color scale, likewise."""
     parts: Sequence[Part] = ()
-    """The bodies that it draws."""
+    """The bodies that the painter draws."""
     fixed: FloatArray | None = None
-    """Colors (N, 3) of their particles, if those keep them; None if they show a quantity, or a picture."""
+    """Constant colors (N, 3) of the particles; None if colors show a quantity, or for a picture."""
 
     @property
     def legend(self) -> list[tuple[Body | System, Color]]:
-        """The bodies or the system that it draws in one color, with that."""
+        """The bodies or the system that are drawn in one color, each with this color."""
         if self.fixed is None:
             return []
         ends = np.cumsum([len(part.body) for part in self.parts])
@@ -213,17 +215,19 @@ class Painter(ABC):
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of its colors, after the first pass; None if they mean no quantity."""
+        """The color scale, after the first pass; None if colors show no quantity."""
         return None
 
     @property
     def traced(self) -> FloatArray | None:
-        """Colors (K, 3) of what it draws only where frames follow each other, which samples of a film do not show."""
+        """Colors (K, 3) of lines between successive frames, which samples of a film do not contain; None without such
+        lines.
+        """
         return None
 
     @property
     def palette(self) -> FloatArray:
-        """Colors (K, 3) that it may draw in any frame: some of its scale, and the first of each body."""
+        """Colors (K, 3) that may occur in any frame: some of the scale, and the first color of each body."""
         firsts = np.cumsum([0, *(len(part.body) for part in self.parts)])[:-1]
         bodies = np.empty((0, 3)) if self.fixed is None else self.fixed[firsts[firsts < len(self.fixed)]]
         table = np.empty((0, 3)) if self.scale is None else self.scale.table
@@ -231,46 +235,46 @@ class Painter(ABC):
 
     @property
     def settled(self) -> bool:
-        """Whether it knows what to draw without having seen the film first."""
+        """Whether the painter is ready without a first pass."""
         return True
 
     def begin(self) -> None:  # noqa: B027 - most painters remember nothing
-        """Forget earlier frames: the film starts."""
+        """Reset all state that depends on earlier frames, at the start of the film."""
 
     @property
     def margin(self) -> float:
-        """How far what is drawn reaches beyond the particles' centers in the scene [m], beside their radii."""
+        """Extent of the drawn shapes beyond the centers of the particles [m], in addition to their radii."""
         return 0.0
 
     @property
     def landmarks(self) -> FloatArray | None:
-        """Points (P, D) [m] of the picture's space that belong into it, if what is drawn stands still."""
+        """Points (P, D) [m] that belong in the picture, if the drawn object is at rest; otherwise None."""
         return None
 
     def places(self, frame: SourceFrame) -> FloatArray | None:
-        """Points (P, D) [m] of a frame that belong into the picture, beside the particles."""
+        """Points (P, D) [m] of a frame that belong in the picture, in addition to the particles."""
         del frame
         return None
 
     def raised(self, frame: SourceFrame) -> SourceFrame:
-        """The frame as what it draws raises its particles."""
+        """The frame with particles raised to the height that this painter shows."""
         return frame
 
     @abstractmethod
     def observe(self, frame: SourceFrame) -> None:
-        """Take a frame into account; called for each one before any is drawn."""
+        """Observe a frame in the first pass; called for every frame before the first one is drawn."""
 
     @abstractmethod
     def inset(self, pixels: float) -> float:
-        """How far drawings reach beyond the particles' centers [pixels], in a panel of so many pixels."""
+        """Extent of the drawn shapes beyond the centers of the particles [pixels], in a panel of `pixels` pixels."""
 
     @abstractmethod
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add the bodies to the painting of a panel of so many pixels."""
+        """Draw or queue the bodies in a panel of `pixels` pixels."""
 
 
 def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Body | System | str, ...] | None:
-    """The items that `on=` says, checked, by themselves or by their names; None: all."""
+    """The validated value of `on`, as items or names; None: all."""
     if kind is Body or on is None:
         return chosen(on, path)
     systems = (on,) if isinstance(on, (System, str)) else on
@@ -282,24 +286,26 @@ def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Bod
 
 
 def drawn_dimension(scene: Scene) -> int:
-    """The dimension of the space that a picture shows: what is on a line is drawn in a plane, as a curve."""
+    """The dimension of the picture's space. A system in 1D is drawn in 2D, as a curve."""
     return max(scene.dimension, 2)
 
 
 def places(parts: Sequence[Part]) -> slice | IntArray:
-    """Indices of the particles of some bodies in the arrays of frames; a slice, which copies nothing, if it can be."""
+    """Indices of the particles of some bodies in the arrays of frames; a slice, which avoids a copy, if they are
+    contiguous.
+    """
     if all(one.where.stop == other.where.start for one, other in pairwise(parts)):
         return slice(parts[0].where.start, parts[-1].where.stop)
     return np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
 
 
 def body_color(source: Source, part: Part, theme: Theme) -> FloatArray:
-    """The color (3,) of a body: each has its own, in turn."""
+    """The color (3,) of a body: each body has its own, in turn."""
     return np.array(theme.bodies[list(source.scene.bodies).index(part.body) % len(theme.bodies)], dtype=float)
 
 
 def straight(domain: Periodic | None, steps: FloatArray) -> BoolArray:
-    """Which steps (…, D) [m] go straight; what has left a domain and come back has not crossed the picture."""
+    """Mask of the steps (…, D) [m] that do not cross a face of the periodic domain."""
     if domain is None:
         return np.ones(steps.shape[:-1], dtype=bool)
     flat = steps.reshape(-1, steps.shape[-1])
@@ -308,7 +314,7 @@ def straight(domain: Periodic | None, steps: FloatArray) -> BoolArray:
 
 
 def only(colors: FloatArray) -> Color | None:
-    """The color of several things (N, 3), if it is the same."""
+    """The common color of several colors (N, 3); None if they differ."""
     different = np.unique(colors, axis=0)
     if len(different) != 1:
         return None
@@ -317,17 +323,17 @@ def only(colors: FloatArray) -> Color | None:
 
 
 def sums(index: IntArray, values: FloatArray, count: int) -> FloatArray:
-    """The sums (count, D) of the rows (N, D) that have each index (N,)."""
+    """The sums (count, D) of the rows (N, D) with the same index (N,)."""
     return np.stack([np.bincount(index, weights=column, minlength=count) for column in values.T], axis=1)
 
 
 def table(colormap: ColormapName | None, theme: Theme, path: str) -> FloatArray:
-    """The colors (K, 3) of a map that stand out against the background, or the one of text."""
+    """The colors (K, 3) of a map that contrast with the background; without a map, the color of text."""
     return np.array([theme.text], dtype=float) if colormap is None else sequential(colormap, theme.part, path)
 
 
 def inks(colors: FloatArray, theme: Theme, farness: PixelArray | None) -> InkArray:
-    """Opaque inks (N, 4) of colors (N, 3); what is far away fades into the background."""
+    """Opaque inks (N, 4) of colors (N, 3). Distant objects fade into the background."""
     result = np.full((len(colors), 4), 255, dtype=np.uint8)
     if farness is not None:
         fog = FOG * farness[:, np.newaxis]

@@ -1,4 +1,4 @@
-"""Electric and magnetic fields of a scene in a frame, for the styles that draw them."""
+"""Electric and magnetic fields of a scene at a frame."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Kind: TypeAlias = Literal["electric", "magnetic"]
 
 
 def require(scene: Scene, kind: Kind, path: str) -> None:
-    """Refuse a scene without such a field.
+    """Check that a scene has such a field.
 
     Raises:
-        SceneError: it has none.
+        SceneError: the scene has none.
     """
     fields = [force for force in scene.forces if isinstance(force, ElectromagneticField)]
     charged = any(body.charge.any() for body in scene.bodies) and any(isinstance(f, Coulomb) for f in scene.forces)
@@ -37,7 +37,9 @@ def require(scene: Scene, kind: Kind, path: str) -> None:
 
 
 def mixed(theme: Theme, strength: float) -> FloatArray:
-    """The color of text against the background: opaque, so that the pieces of a line do not add up where they meet."""
+    """The color of text mixed with the background. Such an opaque color avoids darker spots where pieces of a line
+    overlap.
+    """
     text, background = (np.array(color, dtype=float) for color in (theme.text, theme.background))
     color: FloatArray = background + strength * (text - background)
     return color
@@ -45,7 +47,7 @@ def mixed(theme: Theme, strength: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Fields:
-    """The fields of a scene with its charges where they are in a frame."""
+    """The fields of a scene, with its charges at the positions of a frame."""
 
     scene: Scene
     frame: SourceFrame
@@ -68,11 +70,11 @@ class Fields:
         return Simulation(Scene(*held, *forces), dt=1.0)
 
     def at(self, kind: Kind, points: FloatArray) -> FloatArray:
-        """The field at some points (M, D), NaN where it is not finite."""
+        """The field (M, D) at points (M, D); NaN where it is not finite."""
         return self._sample(f"{kind}_field", points)[:, : self.scene.dimension]
 
     def potential(self, points: FloatArray) -> FloatArray:
-        """The electric potential (M,) [V], NaN where it is not finite."""
+        """The electric potential (M,) [V]; NaN where it is not finite."""
         return self._sample("electric_potential", points)[:, 0]
 
     def _sample(self, field: str, points: FloatArray) -> FloatArray:
@@ -82,7 +84,7 @@ class Fields:
         except SceneError as error:
             if ".points[" not in str(error) and "places" not in str(error):
                 raise
-        # One of them is at a charge.
+        # One of the points is at a charge: bisect, so that only this point becomes NaN.
         if len(points) == 1:
             return np.full((1, 3), np.nan)
         half = len(points) // 2

@@ -1,4 +1,4 @@
-"""Colors of particles that a user chose, for styles that show something else by themselves."""
+"""Colors of particles chosen by the user."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from physcore.simulation.sources import Source, SourceFrame
 
 
 def checked(value: object, path: str, words: Sequence[str]) -> str | Chosen:
-    """One of a style's own words, or a color, or what says one for each body or particle.
+    """One of a style's own words, or a valid choice of colors.
 
     Raises:
-        SceneError: it is none of them.
+        SceneError: the value is neither.
     """
     for word in words:
         if is_word(value, word):
@@ -30,10 +30,10 @@ def checked(value: object, path: str, words: Sequence[str]) -> str | Chosen:
 
 
 def require_known(color: object, parts: Sequence[Part], path: str) -> None:
-    """Whether there are as many colors as particles, and each body that has one is drawn.
+    """Check that there are as many colors as particles, and that each body with a color is drawn.
 
     Raises:
-        SceneError: it is not so.
+        SceneError: one of these is not true.
     """
     count = sum(len(part.body) for part in parts)
     if isinstance(color, PerParticle) and len(color.values) != count:
@@ -46,7 +46,7 @@ def require_known(color: object, parts: Sequence[Part], path: str) -> None:
 
 
 def fixed_colors(color: object, source: Source, parts: Sequence[Part], theme: Theme) -> FloatArray | None:
-    """The colors (N, 3) of particles that keep them; None where values or a function say them."""
+    """The constant colors (N, 3) of particles; None if values or a function determine them."""
     count = sum(len(part.body) for part in parts)
     if isinstance(color, PerParticle):
         return color.values if color.values.ndim == 2 else None
@@ -62,7 +62,7 @@ def fixed_colors(color: object, source: Source, parts: Sequence[Part], theme: Th
 
 
 class Coloring:
-    """The colors of some bodies' particles, frame by frame."""
+    """The colors of the particles of some bodies, frame by frame."""
 
     def __init__(
         self, color: Chosen | str, table: FloatArray, path: str, source: Source, parts: Sequence[Part], theme: Theme
@@ -71,7 +71,7 @@ class Coloring:
         self._color, self._table, self._path = color, table, path
         self._where, self._count = places(parts), sum(len(part.body) for part in parts)
         self.fixed = fixed_colors(color, source, parts, theme)
-        """Of particles that keep them (N, 3); None where values or a function say them."""
+        """The constant colors (N, 3) of the particles; None if values or a function determine them."""
         self.low, self.top = math.inf, -math.inf
         self._least, self._most = Typical(), Typical()
         if isinstance(color, PerParticle) and color.values.ndim == 1:
@@ -79,18 +79,18 @@ class Coloring:
 
     @property
     def settled(self) -> bool:
-        """Whether it knows the ends of its scale, or there is none."""
+        """Whether the ends of the scale are known, or there is no scale."""
         return not callable(self._color)
 
     def scale(self, low: float, top: float) -> Scale | None:
-        """The scale of values between two; None where there are only colors."""
+        """The color scale between two values; None if there are only colors."""
         if self.fixed is not None or low > top:
             return None
         name = getattr(self._color, "__name__", "value")
         return Scale("value" if name.startswith("<") else name.replace("_", " "), "", (low, top), self._table)
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the ends of the scale."""
+        """Update the ends of the scale by a frame."""
         if self.settled:
             return
         values = self.values(frame)
@@ -98,14 +98,14 @@ class Coloring:
             self.low, self.top = -self._least.add(-values), self._most.add(values)
 
     def colors(self, frame: SourceFrame, low: float, top: float) -> FloatArray:
-        """The color of each particle (N, 3), with a scale between two values."""
+        """The colors (N, 3) of the particles, with a scale between two values."""
         if self.fixed is not None:
             return self.fixed
         values = self.values(frame)
         return values if values.ndim == 2 else look_up(self._table, (values - low) / ((top - low) or 1.0))
 
     def values(self, frame: SourceFrame) -> FloatArray:
-        """The values (N,) of a frame, or colors (N, 3), which a function may give too."""
+        """The values (N,) of a frame; or colors (N, 3), if the function returns these."""
         if isinstance(self._color, PerParticle):
             return self._color.values
         assert callable(self._color)

@@ -1,4 +1,4 @@
-"""The curve that particles take from one frame to the next: a cubic, or two arcs that meet in a corner at a contact."""
+"""Interpolated paths of particles between frames: a cubic, or two arcs with a corner at a collision."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ import numpy as np
 from physcore.checks import BoolArray, FloatArray
 
 BETWEEN = 6
-"""Points of a curve between two frames, the later frame's own included."""
+"""Number of points of a curve between two frames, including the later frame."""
 MANY = 500
-"""Of more particles, only the positions in the frames are joined."""
+"""Number of particles above which paths are straight between frames."""
 SUDDEN = 3.0
-"""A change of velocity is a collision where it is so many times that of the interval before."""
+"""A change of velocity above this multiple of the one in the previous interval counts as a collision."""
 MEETING = 0.05
-"""Arcs meet where they pass closer than this part of the way that the change of velocity makes in an interval."""
+"""Tolerance of the corner: least distance of the two arcs, relative to |Δv| Δt."""
 MOMENTS = 33
-"""Moments within an interval that are tried for a collision."""
+"""Number of instants within an interval that are tried for a collision."""
 FLAT = 1e-9
-"""Of the squared distances around a moment: a second difference below this share is rounding."""
+"""Second differences of the squared distance below this fraction of their terms count as rounding errors."""
 
 
 class Curve:
-    """Curves of N particles, piece by piece.
+    """Interpolated paths of N particles, one piece per interval.
 
-    Smooth pieces are cubic Hermite interpolants of positions and velocities. Where a velocity has changed suddenly, the
-    piece follows the parabola from its start and the one toward its end, with the acceleration before, up to where they
-    are nearest to each other: at a bounce that is the wall, off by O(Δt³).
+    Smooth pieces are cubic Hermite interpolants of positions and velocities. After a sudden change of velocity, a piece
+    consists of two parabolas, one from its start and one toward its end. Both have the acceleration of the interval
+    before. The corner is where they are nearest to each other. In a bounce this is the wall, with an error of O(Δt³).
     """
 
     def __init__(self, interval: float, *, smooth: bool = True) -> None:
@@ -34,11 +34,13 @@ class Curve:
         self._acceleration: FloatArray | None = None
 
     def begin(self) -> None:
-        """Forget what was before."""
+        """Forget earlier frames."""
         self._last = self._acceleration = None
 
     def piece(self, points: FloatArray, velocities: FloatArray | None) -> FloatArray:
-        """The curve since the last frame (K, N, D) [m], its end included; K is the same for all but the first."""
+        """The path since the last frame (K, N, D) [m], including its end. K is the same for all pieces except the
+        first.
+        """
         last, self._last = self._last, (points, velocities)
         if last is None:
             return points[np.newaxis]
@@ -63,7 +65,9 @@ class Curve:
         return way
 
     def _collided(self, change: FloatArray) -> BoolArray:
-        """Which particles (N,) have changed their velocity suddenly, by their mean acceleration."""
+        """Mask (N,) of the particles whose velocity changed suddenly; `change` is the mean acceleration of the
+        interval.
+        """
         if self._acceleration is None:
             return np.zeros(len(change), dtype=bool)
         usual = np.linalg.norm(self._acceleration, axis=1)
@@ -74,9 +78,7 @@ class Curve:
 def _cornered(
     start: tuple[FloatArray, FloatArray], end: tuple[FloatArray, FloatArray], acceleration: FloatArray, dt: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Two arcs (K, N, D) with a corner where the one from the start meets the one toward the end, and how far from each
-    other they pass there (N,) [m].
-    """
+    """Two arcs (K, N, D) with a corner where they are nearest to each other, and their distance there (N,) [m]."""
 
     def forward(time: FloatArray) -> FloatArray:
         return start[0] + time * start[1] + 0.5 * time**2 * acceleration
@@ -88,9 +90,9 @@ def _cornered(
     times = np.linspace(0.0, dt, MOMENTS)[:, np.newaxis, np.newaxis]
     apart = ((forward(times) - backward(times)) ** 2).sum(axis=2)
     middle = np.clip(apart.argmin(axis=0), 1, MOMENTS - 2)
-    # The squared distance is nearly a parabola in time: its vertex lies between the moments that were tried.
+    # The squared distance is nearly a parabola in time. Its vertex refines the best of the instants.
     low, least, high = (np.take_along_axis(apart, (middle + step)[np.newaxis], axis=0)[0] for step in (-1, 0, 1))
-    # No curvature beyond rounding, no vertex: the moment that was tried stands.
+    # Without curvature beyond rounding there is no vertex, and the best instant is kept.
     bend = low - 2.0 * least + high
     bend[bend <= FLAT * (low + high)] = np.inf
     vertex = (middle + np.clip(0.5 * (low - high) / bend, -1.0, 1.0)) * dt / (MOMENTS - 1)

@@ -1,4 +1,4 @@
-"""Very many tracers as the density of their light."""
+"""Very many tracers, drawn as a density."""
 
 from __future__ import annotations
 
@@ -19,36 +19,36 @@ from physcore.scene.points import PointSystem
 from physcore.simulation.sources import Source, SourceFrame
 
 SPREADS = (0.55, 1.3)
-"""The smallest and the largest standard deviation of a tracer's light that is chosen by itself [pixels]."""
+"""Smallest and largest standard deviation of a tracer's light that is chosen automatically [pixels]."""
 WIDEST = 1000.0
-"""The largest one that can be asked for [pixels]."""
+"""Largest standard deviation that may be given [pixels]."""
 SPACING = 0.25
-"""That as a fraction of the mean distance that the tracers would have if they filled the panel."""
+"""Standard deviation as a fraction of the mean spacing of tracers that fill the panel evenly."""
 FEW = 200
-"""Up to so many tracers are drawn one by one, where nothing is said."""
+"""Number of tracers up to which they are drawn one by one by default."""
 STRAY = 5e-4
-"""The share of tracers at either end of each axis for which the picture does not become larger."""
+"""Fraction of tracers at either end of each axis that the framing ignores as outliers."""
 
 
 @dataclass(frozen=True)
 class Density(SystemStyle):
-    """Tracers as light that adds up, however many they are, exposed by the tone curve of a film.
+    """Density of any number of tracers, as additive light with a filmic tone curve.
 
         pc.film(recording, "butterfly.gif", style=pc.styles.Density(colormap="magma", exposure=1.5))
 
-    Each frame is exposed for the density in which its typical tracer is, so that thin sheets and the dense middle are
-    seen together. Light from behind passes through.
+    The exposure of each frame is set by the density at its typical tracer. Thin sheets and the dense middle are thus
+    visible together. Light from behind is not absorbed.
 
     Args:
         colormap: "inferno", "magma", "plasma", "viridis", "cividis", "water" or "ember".
-        exposure: how bright it is, above zero; 1 is exposed well.
-        spread: the standard deviation of a tracer's light [pixels]; None: as fits their number.
+        exposure: factor of the brightness, above zero; 1 is the automatic exposure.
+        spread: the standard deviation of a tracer's light [pixels]; None: a value that suits the number of tracers.
         on: the tracers drawn in this style; None: all systems of more than 200 points.
 
     Raises:
         SceneError: a value is not valid, or positions were not recorded.
 
-    Source: of the tone curve, K. Narkowicz, "ACES filmic tone mapping curve", 2016.
+    Source: K. Narkowicz, "ACES filmic tone mapping curve", 2016, for the tone curve.
     """
 
     colormap: ColormapName = "inferno"
@@ -63,16 +63,16 @@ class Density(SystemStyle):
             self._set(spread=number(self.spread, "Density.spread", above=0.0, most=WIDEST))
 
     def can_draw(self, item: object) -> bool:
-        """Whether it consists of many points."""
+        """Whether an item has many points."""
         return isinstance(item, PointSystem) and len(item) > FEW
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
-        """A painter of one system."""
+        """The painter of one system."""
         return DensityPainter(self, source, part, theme)
 
 
 class PointsPainter(Painter):
-    """The base of painters of points."""
+    """Base class of painters of points."""
 
     def __init__(self, style: SystemStyle, source: Source, part: SystemPart) -> None:
         kind = type(style).__name__
@@ -83,10 +83,10 @@ class PointsPainter(Painter):
             raise SceneError(f"{kind}.on: {self._field} were not recorded; record them: channels=({self._field!r},)")
 
     def observe(self, frame: SourceFrame) -> None:
-        """Nothing depends on the film."""
+        """Do nothing: the painter does not depend on the whole film."""
 
     def places(self, frame: SourceFrame) -> FloatArray:
-        """The points; of very many the box of all but strays, by its corners."""
+        """The points. For very many points, two corners of their bounding box without outliers."""
         points = frame.fields[self._field]
         few = points[:: 1 + len(points) // MANY]
         stray = int(STRAY * len(few))
@@ -97,7 +97,7 @@ class PointsPainter(Painter):
 
 
 class DensityPainter(PointsPainter):
-    """Draws the density behind all shapes."""
+    """Painter of a density, behind all shapes."""
 
     def __init__(self, style: Density, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, source, part)
@@ -107,11 +107,11 @@ class DensityPainter(PointsPainter):
         self._table = np.ascontiguousarray(np.round(table if ends[0] < ends[1] else table[::-1]).astype(np.uint8))
 
     def inset(self, pixels: float) -> float:
-        """The reach of a tracer's light."""
+        """The radius of a tracer's light."""
         return 2.0 * self._chosen(pixels)
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Draw the density at once."""
+        """Draw the density immediately."""
         centers, _, _ = view.project(frame.fields[self._field])
         canvas.density(np.ascontiguousarray(centers), self._table, self._exposure, self._chosen(pixels))
 

@@ -1,4 +1,4 @@
-"""Lines of equal electric potential."""
+"""Equipotential lines of the electric field."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from physcore.film.styles.charges import Fields, mixed, require
 from physcore.simulation.sources import Source, SourceFrame
 
 CELL = 5.0
-"""Size of the cells over which the potential is linear [pixels]."""
+"""Size of the grid cells on which the potential is linearly interpolated [pixels]."""
 MOST = 1000
-"""The most levels."""
+"""Largest number of levels."""
 
 
 @dataclass(frozen=True)
 class Equipotentials(BodyStyle):
-    """Lines of equal electric potential, for 2D scenes.
+    """Equipotential lines of the electric field, for 2D scenes.
 
         styles = [pc.styles.Equipotentials(), pc.styles.FieldLines(), pc.styles.Points()]
         pc.film(recording, "dipole.gif", style=styles)
 
-    The potential of all charges under Coulomb() and of all fields that have one is linear over triangles of five
-    pixels, and cut at each level.
+    The potential is that of all charges under Coulomb() and of all fields with a potential. It is linearly interpolated
+    over triangles of five pixels, and contoured at each level.
 
     Args:
-        levels: potentials [V], one or more; or how many, at equal steps over what is seen of the first frame, without
-            the surroundings of charges.
-        width: [pixels].
-        strength: of the lines' color against the background, from 0 to 1.
+        levels: potentials [V], one or more. Or a number of levels, at equal steps over the visible range of the first
+            frame without its extremes near charges.
+        width: width of the lines [pixels].
+        strength: contrast of the lines with the background, from 0 to 1.
         on: as in Style; the potential is that of the whole scene.
 
     Raises:
@@ -66,7 +66,7 @@ class Equipotentials(BodyStyle):
         )
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter of one film."""
+        """The painter of one film."""
         del parts
         if source.scene.dimension != 2:
             raise SceneError("Equipotentials: show the plane, and this scene is in 3D; FieldLines() shows space")
@@ -75,7 +75,7 @@ class Equipotentials(BodyStyle):
 
 
 class EquipotentialsPainter(Painter):
-    """Cuts the potential at levels and draws the cuts."""
+    """Painter of equipotential lines."""
 
     def __init__(self, style: Equipotentials, source: Source, theme: Theme) -> None:
         self.style, self._style, self._scene, self._theme = style, style, source.scene, theme
@@ -83,24 +83,24 @@ class EquipotentialsPainter(Painter):
 
     @property
     def settled(self) -> bool:
-        """It has no scale."""
+        """True: there is no color scale."""
         return True
 
     def begin(self) -> None:
-        """Levels that were not given are those of the first frame."""
+        """Reset automatic levels, which the first frame determines."""
         if isinstance(self._style.levels, int):
             self._levels = np.array([])
 
     def observe(self, frame: SourceFrame) -> None:
-        """Nothing depends on the whole film."""
+        """Do nothing: the painter does not depend on the whole film."""
 
     def inset(self, pixels: float) -> float:
-        """Half a line."""
+        """Half the width of a line."""
         del pixels
         return self._style.width / 2
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add the lines of all levels."""
+        """Queue the lines of all levels."""
         del pixels
         columns, rows = (2 + int(2.0 * middle / CELL) for middle in view.middle)
         corner = view.center - np.array(view.middle) / view.scale
@@ -118,8 +118,10 @@ class EquipotentialsPainter(Painter):
 
 
 def contours(values: FloatArray, levels: FloatArray) -> FloatArray:
-    """Straight cuts (S, 2, 2) of levels through a function that is linear over the triangles of a grid, from its values
-    (M, N) at the corners, in units of cells; there are none where a value is not finite.
+    """Contour lines of a function that is linear over the triangles of a grid.
+
+    The function is given by its values (M, N) at the corners. The result has straight segments (S, 2, 2), in units of
+    cells. Triangles with a value that is not finite have none.
     """
     index = np.indices(values.shape).reshape(2, *values.shape)
     a, b, c, d = (
@@ -141,7 +143,9 @@ def contours(values: FloatArray, levels: FloatArray) -> FloatArray:
 
 
 def _crossing(heights: FloatArray, points: FloatArray, one: int, other: int) -> FloatArray:
-    """Where linear functions vanish on the edges of triangles between two corners; anywhere if they do not."""
+    """The zeros of linear functions on the edges of triangles between two corners; arbitrary points if there is no
+    zero.
+    """
     rise = heights[:, other] - heights[:, one]
     share = np.clip(-heights[:, one] / np.where(rise > 0.0, rise, 1.0), 0.0, 1.0)[:, np.newaxis]
     return points[:, one] + share * (points[:, other] - points[:, one])

@@ -18,36 +18,38 @@ from physcore.forces import Coulomb, ElectromagneticField
 from physcore.simulation.sources import Source, SourceFrame
 
 STEPS = 360
-"""Steps of a line in each direction; each is as long as a part of what is seen."""
+"""Number of steps of a line in each direction."""
 STEP = 1.0 / 90.0
-"""Length of a step over the reach of the view."""
+"""Length of a step, relative to half the longer side of the view."""
 BEYOND = 2.5
-"""Lines end at this distance from the center, in units of the reach of the view."""
+"""Distance from the center at which lines end, relative to half the longer side of the view."""
 CLOSE = 0.6
-"""A line ends where it is this near to a charge [steps]."""
+"""Distance from a charge at which a line ends [steps]."""
 SHORTEST = STEPS // 18
-"""Steps of the shortest line that is drawn."""
+"""Number of steps of the shortest line that is drawn."""
 GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
-"""The golden angle, by which points on a sphere follow each other [rad]."""
+"""The golden angle between successive points on a sphere [rad]."""
 
 
 @dataclass(frozen=True)
 class FieldLines(BodyStyle):
-    """Field lines: curves along the electric or the magnetic field, denser where it is stronger.
+    """Field lines: curves along the electric or the magnetic field, denser where the field is stronger.
 
         pc.film(recording, "dipole.gif", style=[pc.styles.FieldLines(), pc.styles.Points()])
 
-    Electric lines begin and end at charges, in number as the charges are large, evenly about each: those of positive
-    charges, and of negative ones those that come from far away. Without charges, and magnetic ones, pass through points
-    of an even pattern, and are drawn as far as they keep away from those before. Arrowheads show the direction. The
-    lines are followed by Runge and Kutta's method of order 4, in steps of a ninetieth of the view. In 2D the magnetic
-    field points out of the plane, and has no lines in it.
+    Electric field lines begin and end at charges. Their number is proportional to the charge, and their directions are
+    evenly spread. Drawn are all lines of positive charges, and those lines of negative charges that come from far away.
+    Magnetic lines, and electric ones without charges, pass through the points of a regular pattern. Each of them is cut
+    where it comes too near to earlier lines. Arrowheads show the direction. The lines are integrated by the Runge–Kutta
+    method of order 4, in steps of 1/90 of half the view. In 2D the magnetic field is normal to the plane, so that it
+    has no field lines there.
 
     Args:
         field: "electric" or "magnetic".
-        lines: that begin at the largest charge, at least 2; and about how many pass through the picture elsewhere.
-        width: [pixels].
-        strength: of the lines' color against the background, from 0 to 1.
+        lines: number of lines that begin at the largest charge, at least 2; without charges, the approximate number of
+            lines in the picture.
+        width: width of the lines [pixels].
+        strength: contrast of the lines with the background, from 0 to 1.
         on: as in Style; the field is that of the whole scene.
 
     Raises:
@@ -71,14 +73,14 @@ class FieldLines(BodyStyle):
         )
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter of one film."""
+        """The painter of one film."""
         del parts
         require(source.scene, self.field, "FieldLines.field")
         return FieldLinesPainter(self, source, theme)
 
 
 class FieldLinesPainter(Painter):
-    """Follows lines and draws them."""
+    """Painter of field lines."""
 
     def __init__(self, style: FieldLines, source: Source, theme: Theme) -> None:
         self.style, self._style, self._scene, self._theme = style, style, source.scene, theme
@@ -91,19 +93,19 @@ class FieldLinesPainter(Painter):
 
     @property
     def settled(self) -> bool:
-        """It has no scale."""
+        """True: there is no color scale."""
         return True
 
     def observe(self, frame: SourceFrame) -> None:
-        """Nothing depends on the whole film."""
+        """Do nothing: the painter does not depend on the whole film."""
 
     def inset(self, pixels: float) -> float:
-        """Half a line."""
+        """Half the width of a line."""
         del pixels
         return self._style.width / 2
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add all lines, with arrowheads in their middles."""
+        """Queue all lines, with arrowheads in their middles."""
         del pixels
         lines = self._found(frame, view)
         shape = lines.shape[:2]
@@ -127,7 +129,7 @@ class FieldLinesPainter(Painter):
         return inks(colors, self._theme, None if depth is None else view.farness(depth))
 
     def _arrowheads(self, canvas: Canvas, points: np.ndarray, depth: np.ndarray | None, view: View) -> None:
-        """In the middle of what is seen of each line."""
+        """Queue an arrowhead in the middle of the visible part of each line."""
         seen = np.isfinite(points).all(axis=2) & (np.abs(points - np.array(view.middle)) < np.array(view.middle)).all(
             axis=2
         )
@@ -146,7 +148,7 @@ class FieldLinesPainter(Painter):
         canvas.triangles(corners.reshape(-1, 6), ink, None if between is None else between[:, np.newaxis])
 
     def _found(self, frame: SourceFrame, view: View) -> FloatArray:
-        """The lines (L, K, D); those of the frame before where nothing has changed."""
+        """The lines (L, K, D); those of the previous frame if nothing has changed."""
         charged = frame.positions[self._charge != 0.0]
         still = self._known is not None and np.array_equal(self._known[0], charged) and self._known[1] is view
         changes = any(isinstance(force, ElectromagneticField) and force.changes for force in self._scene.forces)
@@ -157,7 +159,7 @@ class FieldLinesPainter(Painter):
         return self._lines
 
     def _from_charges(self, fields: Fields, places: FloatArray, view: View) -> FloatArray:
-        """Lines that leave positive charges, and those of negative ones that do not come from these."""
+        """The lines of positive charges, and the lines of negative charges that do not end at positive ones."""
         charge = self._charge[self._charge != 0.0]
         share = np.abs(charge) / np.abs(charge).max()
         step = STEP * _reach(view)
@@ -172,13 +174,13 @@ class FieldLinesPainter(Painter):
                 continue
             lines, ended = self._followed(fields, np.concatenate(seeds), 1.0 if positive else -1.0, places, view)
             if not positive:
-                # Those that end at a positive charge have been drawn from there.
+                # Lines that end at a positive charge have been drawn from there.
                 lines = lines[~np.isin(ended, np.flatnonzero(charge > 0.0))][:, ::-1]
             found.append(lines)
         return np.concatenate(found)
 
     def _even(self, fields: Fields, view: View) -> FloatArray:
-        """Lines through an even pattern, each as far as it keeps away from those before."""
+        """Lines through a regular pattern, each cut where it comes too near to earlier lines."""
         dimension, reach = self._scene.dimension, _reach(view)
         side = int(np.ceil((4.0 * self._style.lines) ** (1.0 / dimension)))
         seeds = np.indices((side,) * dimension).reshape(dimension, -1).T / (0.5 * (side - 1)) - 1.0
@@ -194,8 +196,9 @@ class FieldLinesPainter(Painter):
     def _followed(
         self, fields: Fields, seeds: FloatArray, sign: float, charges: FloatArray, view: View
     ) -> tuple[FloatArray, np.ndarray]:
-        """The lines (L, STEPS, D) from seeds along or against the field, NaN past their ends, and the charges at which
-        they end, or −1.
+        """Integrate lines from seeds along or against the field.
+
+        Returns the lines (L, STEPS, D), NaN beyond their ends, and the index of the charge at which each ends, or −1.
         """
         middle, reach = view.axes.T @ view.center, _reach(view)
         step, places = STEP * reach, seeds.copy()
@@ -222,7 +225,7 @@ class FieldLinesPainter(Painter):
         return lines, ended
 
     def _slope(self, fields: Fields, here: FloatArray, step: float) -> FloatArray:
-        """The mean direction over a step, by Runge and Kutta's method of order 4."""
+        """The mean direction over a step, by the Runge–Kutta method of order 4."""
 
         def direction(points: FloatArray) -> FloatArray:
             values = fields.at(self._style.field, points)
@@ -239,17 +242,17 @@ class FieldLinesPainter(Painter):
 
 
 def _finite(points: FloatArray, otherwise: FloatArray) -> FloatArray:
-    """Points, where they are finite."""
+    """The finite points; elsewhere the points of `otherwise`."""
     return np.where(np.isfinite(points).all(axis=1, keepdims=True), points, otherwise)
 
 
 def _reach(view: View) -> float:
-    """Half of the longer side of what is seen [m]."""
+    """Half the longer side of the view [m]."""
     return max(view.middle) / view.scale
 
 
 def _around(number: int, dimension: int) -> FloatArray:
-    """Directions spread evenly over a circle, or a sphere."""
+    """Directions spread evenly over a circle or a sphere."""
     index = np.arange(number) + 0.5
     if dimension == 2:
         angle = 2.0 * np.pi * index / number
@@ -260,8 +263,8 @@ def _around(number: int, dimension: int) -> FloatArray:
 
 
 def _spaced(lines: FloatArray, seed: int, apart: float) -> FloatArray:
-    """The lines (L, K, D) that keep a distance to those before, cut where they come nearer than half of it; `seed` is
-    the index of the points that they were followed from.
+    """The lines (L, K, D) with a least distance from earlier lines, cut where they come nearer than half of it. `seed`
+    is the index of the points from which they were integrated.
     """
     near: set[tuple[int, ...]] = set()
     nearer: set[tuple[int, ...]] = set()
@@ -273,7 +276,7 @@ def _spaced(lines: FloatArray, seed: int, apart: float) -> FloatArray:
         if coarse[seed] in near:
             continue
         free = known & np.array([cell not in nearer for cell in fine])
-        # From the seed to the first point on each side that is not free.
+        # Keep the points from the seed to the first point on each side that is not free.
         first = seed + 1 - int(np.argmin(np.append(free[: seed + 1][::-1], False)))
         last = seed + int(np.argmin(np.append(free[seed:], False)))
         if last - first < SHORTEST:

@@ -1,4 +1,4 @@
-"""The base of the styles that show vector fields."""
+"""Base class of the styles of vector fields."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from physcore.film.styles.typical import Typical
 from physcore.simulation.sources import Source, SourceFrame
 
 LONGEST = 10_000.0
-"""The greatest length and spacing [pixels]: more than crosses any picture."""
+"""Largest length and spacing [pixels], larger than any picture."""
 
 
 @dataclass(frozen=True)
 class FieldStyle(BodyStyle):
-    """A field drawn over what moves, colored by its strength; `of`, `colormap` and `top` as in Arrows."""
+    """Overlay of a vector field, colored by its magnitude; `of`, `colormap` and `top` as in Arrows."""
 
     overlay: ClassVar[bool] = True
 
@@ -36,7 +36,7 @@ class FieldStyle(BodyStyle):
         self._set_positive("top")
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter with the scale of one film."""
+        """The painter with the color scale of one film."""
         return self.field_painter(field(self.of, source, parts, f"{type(self).__name__}.of"), theme)
 
     @abstractmethod
@@ -45,7 +45,7 @@ class FieldStyle(BodyStyle):
 
 
 class FieldPainter(Painter):
-    """Finds how strong the field is, among the particles themselves: there is no picture yet."""
+    """Base painter, which finds the magnitude of the field at the particles, because the view is not known yet."""
 
     def __init__(self, style: FieldStyle, shown: Field, theme: Theme) -> None:
         self.style, self._top, self._field, self._theme = style, style.top, shown, theme
@@ -60,11 +60,11 @@ class FieldPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of colors, where there is more than one."""
+        """The color scale; None if all arrows have one color."""
         quantity, unit = UNITS.get(self._of, ("field", ""))
         return None if self._plain else Scale(quantity, unit, (0.0, self.top), self._table)
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the end of the scale."""
+        """Update the end of the scale by a frame."""
         if not self.settled:
             self.top = self._typical.add(norms(self._field.known(frame)))

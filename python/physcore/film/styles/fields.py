@@ -1,4 +1,4 @@
-"""Vector fields to draw: what moves on average around a place, what a particle would feel there, or a function."""
+"""Vector fields to draw: the local mean velocity, the acceleration of a test particle, or a function."""
 
 from __future__ import annotations
 
@@ -21,33 +21,35 @@ from physcore.simulation.simulation import Simulation
 from physcore.simulation.sources import Source, SourceFrame
 
 FieldFunction: TypeAlias = Callable[[float, FloatArray], FloatArray]
-"""`function(time, positions)` gives vectors for positions (N, D), as those of a CustomForce do."""
+"""Function `f(time, positions)` that gives vectors (N, D) for positions (N, D), as in CustomForce."""
 Of: TypeAlias = Literal["velocities", "acceleration"] | FieldFunction
 
 LAYERS = 7
-"""In 3D a field is shown at so many places along the longest side of what is seen."""
+"""Number of sample points along the longest side of the view in 3D."""
 MARGIN = 2
-"""Empty squares around those that hold particles."""
+"""Number of empty squares around those with particles."""
 INTERNAL = (CustomForce, LennardJones, SoftSpheres)
-"""Forces between particles, and those whose function knows its particles: they are no field in space."""
+"""Forces that are not fields in space: forces between particles, and functions that know their particles."""
 UNITS = {"velocities": ("speed", "m/s"), "acceleration": ("acceleration", "m/s²")}
 
 
 class Field(Protocol):
-    """Something that has a vector at every place where it can be shown."""
+    """A vector field that can be sampled in the view."""
 
     def samples(self, frame: SourceFrame, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
-        """Places (M, D) about `spacing` pixels apart, and the vectors (M, D) there."""
+        """Sample points (M, D) about `spacing` pixels apart, and the vectors (M, D) there."""
 
     def known(self, frame: SourceFrame) -> FloatArray:
-        """Vectors (N, D) where the particles are."""
+        """The vectors (N, D) at the particles."""
 
     def around(self, frame: SourceFrame, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
-        """The vectors at any places in the plane (M, 2), resolved to `spacing` [pixels]; NaN where nothing is."""
+        """A function for the vectors at points in the plane (M, 2), with a resolution of `spacing` [pixels]; NaN where
+        there are no particles.
+        """
 
 
 def field(of: object, source: Source, parts: list[Part], path: str) -> Field:
-    """The field that a style asks for.
+    """The field requested by a style.
 
     Raises:
         SceneError: there is no such field, or it needs velocities that were not recorded.
@@ -61,10 +63,10 @@ def field(of: object, source: Source, parts: list[Part], path: str) -> Field:
 
 
 def check_field(of: object, path: str) -> None:
-    """Refuse what is no field.
+    """Check that a value is a valid field.
 
     Raises:
-        SceneError: it is none.
+        SceneError: the value is not valid.
     """
     if not (is_word(of, "velocities") or is_word(of, "acceleration") or callable(of)):
         raise SceneError(
@@ -77,10 +79,10 @@ class Motion:
     """The mean velocity of the particles in each square of the picture."""
 
     where: slice | IntArray
-    """Which particles count."""
+    """The particles that contribute."""
 
     def samples(self, frame: SourceFrame, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
-        """The mean position and velocity of the particles in each square that holds any."""
+        """The mean position and velocity of the particles in each nonempty square."""
         positions, velocities = frame.positions[self.where], frame.fields["velocities"][self.where]
         squares = np.floor(view.project(positions)[0] / np.float32(spacing)).astype(np.int64)
         squares -= squares.min(axis=0, initial=0)
@@ -90,12 +92,12 @@ class Motion:
         return means[0], means[1]
 
     def known(self, frame: SourceFrame) -> FloatArray:
-        """The velocities."""
+        """The velocities of the particles."""
         velocities: FloatArray = frame.fields["velocities"][self.where]
         return velocities
 
     def around(self, frame: SourceFrame, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
-        """Bilinear between the means of squares; an empty square has the mean of its neighbors."""
+        """Bilinear interpolation between the means of squares; an empty square has the mean of its neighbors."""
         size = spacing / view.scale
         positions = frame.positions[self.where]
         lowest = np.floor(positions.min(axis=0) / size) - MARGIN
@@ -122,17 +124,17 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """A function of time and place."""
+    """A vector field given by a function of time and position."""
 
     function: FieldFunction
 
     def samples(self, frame: SourceFrame, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
-        """The function on a square pattern in 2D, and on a cubic one through what is seen in 3D."""
+        """The function on a square pattern in 2D, or on a cubic one through the view in 3D."""
         places = pattern(view, spacing)
         return places, self.at(frame.time, places)
 
     def known(self, frame: SourceFrame) -> FloatArray:
-        """The function where the particles are."""
+        """The function at the particles."""
         return self.at(frame.time, frame.positions)
 
     def around(self, frame: SourceFrame, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
@@ -141,10 +143,10 @@ class Space:
         return lambda places: self.at(frame.time, places)
 
     def at(self, time: float, places: FloatArray) -> FloatArray:
-        """The vectors (M, D) at some places.
+        """The vectors (M, D) at points (M, D).
 
         Raises:
-            SceneError: the function fails, or gives something else.
+            SceneError: the function fails, or its result is not such an array.
         """
         vectors = regular(called(self.function, "of", time, places), "of")
         if vectors.shape != places.shape or vectors.dtype.kind not in "biuf":
@@ -155,7 +157,7 @@ class Space:
 
 
 def pattern(view: View, spacing: float) -> FloatArray:
-    """Places (M, D) [m]: a square pattern over all of a 2D picture, a cubic one in 3D."""
+    """Sample points (M, D) [m]: a square pattern over the picture in 2D, a cubic one in 3D."""
     if view.flat:
         number, step = math.ceil(max(view.middle) / spacing), spacing / view.scale
         return view.center + step * (np.indices((2 * number + 1,) * 2).reshape(2, -1).T - number)
@@ -165,7 +167,7 @@ def pattern(view: View, spacing: float) -> FloatArray:
 
 
 def _widened(counts: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Empty squares of a pattern (rows, columns) get what their four neighbors have."""
+    """Fill empty squares of a pattern (rows, columns) with the sums of their four neighbors."""
     padded, around = np.pad(counts, 1), np.pad(sums, ((1, 1), (1, 1), (0, 0)))
     near = padded[:-2, 1:-1] + padded[2:, 1:-1] + padded[1:-1, :-2] + padded[1:-1, 2:]
     there = around[:-2, 1:-1] + around[2:, 1:-1] + around[1:-1, :-2] + around[1:-1, 2:]
@@ -174,7 +176,7 @@ def _widened(counts: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def _acceleration(scene: Scene) -> FieldFunction:
-    """Acceleration of one kilogram at rest by a scene's forces [m/s²]."""
+    """The acceleration of a test particle at rest by the forces of a scene [m/s²]."""
     forces = [replace(force, on=None) for force in scene.forces if not isinstance(force, INTERNAL)]
     anchor = Particles(np.zeros((1, scene.dimension)), fixed=True)
     simulation = Simulation(Scene(anchor, *forces), dt=1.0)
@@ -184,6 +186,6 @@ def _acceleration(scene: Scene) -> FieldFunction:
         try:
             return simulation.acceleration(places)
         except PhyscoreError:
-            return np.zeros_like(places)  # a place so near a center that the force has no end
+            return np.zeros_like(places)  # a point so near to a center of force that the force overflows
 
     return felt

@@ -1,4 +1,4 @@
-"""Fluids as smooth surfaces or lumps of the size of their spacing, colored by what they do or as one likes."""
+"""Fluids as smooth surfaces or as discs of the size of their spacing."""
 
 from __future__ import annotations
 
@@ -25,50 +25,50 @@ ColorBy = Literal["speed", "pressure", "density"]
 COLOR_BY = ("speed", "pressure", "density")
 
 CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
-"""The channel that each color shows."""
+"""The channel of each quantity."""
 UNITS = {"speed": "m/s", "pressure": "Pa"}
 FULL = 1.6
-"""A lump's diameter over its spacing: discs on a square lattice just cover the plane, √2, so that water is closed."""
+"""Diameter of a disc over the spacing. Discs on a square lattice cover the plane from √2 on."""
 CALM = 95.0
-"""The percentile of a frame that the top of the color scale is found from: what is faster is spray, and white."""
+"""Percentile of a frame's values for the top of the color scale. Faster particles are spray, which is white."""
 SMALLEST = 0.7
-"""The least radius of a lump [pixels]."""
+"""Least radius of a disc [pixels]."""
 FLAT_REACH, DEEP_REACH = 1.7, 1.15
-"""How far a particle of a smooth surface reaches, in 2D and in 3D, over the spacing."""
+"""Reach of a particle of a smooth surface in 2D and in 3D, over the spacing."""
 SKY = (235, 240, 245)
-"""The color that, mixed with the background, is mirrored by a surface."""
+"""The color of the sky, mixed with the background, that a surface reflects."""
 OPACITY = (0.35, 0.9)
-"""How little light comes through what is colored by a quantity, and what has a color of its own."""
+"""Default opacity of a fluid colored by a quantity, and of one with chosen colors."""
 FOAM = 0.6
-"""The part of the color scale from which on fast water is foam."""
+"""Fraction of the color scale above which fast water is foam."""
 NEVER = 1e-12
-"""Pressures [Pa] and compressions below this are rounding."""
+"""Least end of the color scale: smaller pressures [Pa] and compressions are rounding errors."""
 
 
 @dataclass(frozen=True)
 class Fluid(BodyStyle):
-    """The particles of a fluid flow together into a smooth surface, in 3D a lit one that is clear where it is thin.
+    """Fluid as a smooth surface through its particles. In 3D the surface is lit, and clear where the fluid is thin.
 
         pc.film(recording, "milk.gif", style=pc.styles.Fluid("white"))
         pc.film(recording, "layers.gif", style=pc.styles.Fluid({"oil": "gold", "water": "#2a7fdb"}, opacity=0.5))
 
     Args:
-        color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the film, or by
-            "density", with the density at rest in the middle of the scale; a recording needs the channel
-            "velocities", "pressures" or "densities". Or colors of one's own, as in Points: one, such as "white", one
-            for each body or particle, or values or a function of which each is a place on a ramp.
+        color: "speed" [m/s] or "pressure" [Pa], from zero to a typical value of the film; or "density", with the rest
+            density in the middle of the scale. A recording needs the channel "velocities", "pressures" or "densities".
+            Or chosen colors, as in Points: one such as "white", one for each body or particle, or values or a function
+            for the color scale.
         colormap: "water", "ember", "viridis", "inferno", "plasma" or "magma".
-        top: the value at the end of the color scale, in the unit of what the color shows (for the density, relative
-            to that at rest), above zero; None: what is typical of the film.
-        surface: whether particles flow together, instead of being drawn each by itself, as a disc as wide as its
-            spacing and in 3D as a lit ball.
-        opacity: how little light comes through in 3D, from 0, as through clear water, to 1, as through milk; None:
-            0.35, and for colors of one's own 0.9. By speed, what is fast is foam and lets less through.
-        glow: how much of its color it sends out by itself, 0 to 1, as lava does.
-        on: as in Style; it must be a fluid.
+        top: the value at the end of the color scale, above zero, in the unit of the quantity; for the density, relative
+            to the rest density. None: a typical value of the film.
+        surface: whether to draw a common surface. If False, each particle is a disc as wide as its spacing, and in 3D a
+            lit ball.
+        opacity: opacity in 3D, from 0 (clear water) to 1 (milk); None: 0.35, and 0.9 for chosen colors. With "speed",
+            fast particles are foam, which is more opaque.
+        glow: fraction of its color that the fluid emits, 0 to 1, as lava does.
+        on: as in Style; each body must be a fluid.
 
     Raises:
-        SceneError: a value is not valid, or what the color shows was not recorded.
+        SceneError: a value is not valid, or the quantity of the color was not recorded.
     """
 
     color: ColorBy | ColorChoice | PerBody | PerParticle = "speed"
@@ -91,11 +91,11 @@ class Fluid(BodyStyle):
         self._set_positive("top")
 
     def can_draw(self, body: Body) -> bool:
-        """Whether it is a fluid."""
+        """Whether a body is a fluid."""
         return isinstance(body, fluid.Fluid)
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter with the color scale of one film."""
+        """The painter with the color scale of one film."""
         for part in parts:
             if not self.can_draw(part.body):
                 raise SceneError(f"Fluid.on: {part.body!r} is no fluid; use Points(on=…) for it")
@@ -109,7 +109,7 @@ class Fluid(BodyStyle):
 
 
 class FluidPainter(Painter):
-    """Draws surfaces or lumps."""
+    """Painter of surfaces or discs."""
 
     def __init__(self, style: Fluid, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme = style, style, theme
@@ -133,7 +133,7 @@ class FluidPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of colors."""
+        """The color scale."""
         if self._coloring is not None:
             return self._coloring.scale(self.low, self.top)
         if self._style.color == "density":
@@ -147,11 +147,11 @@ class FluidPainter(Painter):
 
     @property
     def margin(self) -> float:
-        """The radius of the largest lump [m]."""
+        """The radius of the largest disc [m]."""
         return float(self._radius.max(initial=0.0))
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the end of the color scale."""
+        """Update the end of the color scale by a frame."""
         if self._coloring is not None:
             self._coloring.observe(frame)
             self.low, self.top = self._coloring.low, self._style.top or self._coloring.top
@@ -159,12 +159,12 @@ class FluidPainter(Painter):
             self.top = max(NEVER, self._typical.add(np.abs(self._values(frame))))
 
     def inset(self, pixels: float) -> float:
-        """A rim: the radius is part of what the camera is fitted to."""
+        """The least radius and a rim; `margin` contains the radius itself."""
         del pixels
         return SMALLEST + 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add a surface or lumps."""
+        """Queue a surface or discs."""
         del pixels
         centers, depth, scale = view.project(frame.positions[self._where])
         ink = self._inks(frame, depth, view)
@@ -191,7 +191,7 @@ class FluidPainter(Painter):
         return ink
 
     def _values(self, frame: SourceFrame) -> FloatArray:
-        """The quantity that the color shows, (N,)."""
+        """The quantity (N,) of the color scale."""
         values: FloatArray = frame.fields[CHANNEL[str(self._style.color)]][self._where]
         match self._style.color:
             case "speed":

@@ -1,4 +1,4 @@
-"""Fields on grids: their values as colors, from one side of zero to the other."""
+"""Fields on grids as color maps."""
 
 from __future__ import annotations
 
@@ -23,40 +23,43 @@ from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
 
 LOUDEST = 0.2
-"""The share of frames that may be beyond the end of a scale, as a pulse at the start is; still ones do not count."""
+"""Fraction of frames that may exceed the end of the scale, as with a pulse at the start; frames without motion do not
+count.
+"""
 LOUD = 0.35
-"""The least end of a scale, as a fraction of what is typical of the frame with the most."""
+"""Least end of the scale, as a fraction of the typical value in the frame with the largest."""
 SOFT = 0.75
-"""The power of values by which their colors go, so that faint waves show beside strong ones."""
+"""Exponent of values in the color scale, so that weak waves are visible beside strong ones."""
 NEVER = 1e-300
-"""A scale of values that are zero everywhere."""
+"""End of the scale if all values are zero."""
 SHOWN = slice(FINE // STEPS // 2, None, FINE // STEPS)
 """The colors of a color bar."""
 SLICES = 24
-"""A slice in space is drawn in so many pieces along each side, which perspective hardly bends."""
+"""Number of pieces along each side of a slice in 3D; each piece is nearly free of perspective distortion."""
 DETAIL = 3
-"""Pixels of a slice for each cell along a side, at most as many as LARGEST."""
+"""Pixels of a slice per cell and side; the picture has at most LARGEST along a side."""
 LARGEST = 1024
 
 
 @dataclass(frozen=True)
 class Field(SystemStyle):
-    """A field on a grid as a picture: colors go from the theme's background at zero to both sides, or up.
+    """Field on a grid as a color map. Colors start from the theme's background at zero.
 
-    Values are interpolated by a cubic between the centers of cells, or averaged where a pixel has several. The scale is
-    the same for the whole film: as far as is typical of its frames. Walls are solid. In 3D, for now, it shows a slice
-    through the middle of the grid, across y.
+    Values are interpolated cubically between cell centers, or averaged if a pixel contains several cells. The color
+    scale is the same for the whole film and ends at a typical value of its frames. Walls are drawn as solids. In 3D, a
+    slice through the middle of the grid is shown, normal to y.
 
         pc.film(recording, "waves.gif", style=pc.styles.Field(contours=6))
 
     Args:
-        quantity: the name of the field; None: the first one that the system has.
-        colormap: "viridis", "inferno", …, or one of Matplotlib's, such as "RdBu_r"; None: for what has two signs, cold
-            and warm colors that start from the background, else "magma".
-        range: the value at the end of the scale, which is then symmetric about zero for what has two signs and begins
-            at zero for all else; or both ends. None: what is typical of the film.
-        contours: in how many steps lines of equal values divide the scale on each side of zero; None: no lines.
-        relief: how strongly light from the upper left falls on the field as on a surface, 0 to 1.
+        quantity: the name of the field; None: the first field of the system.
+        colormap: "viridis", "inferno", …, or a map of Matplotlib, such as "RdBu_r". None: for signed quantities, cold
+            and warm colors that start from the background; for others "magma".
+        range: the value at the end of the scale, or both ends. A single value gives a scale that is symmetric about
+            zero
+            for signed quantities and begins at zero for others. None: a typical value of the film.
+        contours: number of intervals between contour lines on each side of zero; None: no lines.
+        relief: strength of shading as of a surface lit from the upper left, 0 to 1.
         on: the system or systems drawn in this style; None: all with fields on a grid in 2D or 3D.
 
     Raises:
@@ -89,23 +92,23 @@ class Field(SystemStyle):
         self._set(relief=number(self.relief, "Field.relief", least=0.0, most=1.0))
 
     def can_draw(self, item: object) -> bool:
-        """Whether it is on a grid in the plane or in space."""
+        """Whether an item is on a grid in 2D or 3D."""
         return isinstance(item, GridSystem) and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
-        """A painter with the scale of one film."""
+        """The painter with the color scale of one film."""
         if not self.can_draw(part.system):
             raise SceneError(f"Field.on: {part.system!r} has no field on a grid in 2D or 3D; use Line() in 1D")
         return FieldPainter(self, source, part, theme)
 
 
 class GridPainter(Painter):
-    """What painters of fields on grids have in common: the quantity, and its range over the film."""
+    """Base class of painters of fields on grids: the quantity, and its range over the film."""
 
     def __init__(
         self, style: SystemStyle, quantity: str | None, source: Source, part: SystemPart, theme: Theme, path: str
     ) -> None:
-        assert isinstance(part.system, GridSystem)  # the style has made sure of it
+        assert isinstance(part.system, GridSystem)  # the style has checked this
         self.style, self._system, self._grid, self._theme = style, part.system, part.system.grid, theme
         units = part.system.units
         self.quantity = next(iter(units)) if quantity is None else quantity
@@ -117,27 +120,27 @@ class GridPainter(Painter):
         self._typical = self.typical()
 
     def typical(self) -> Typical:
-        """How the end of the scale is found."""
+        """The estimator for the end of the scale."""
         return Typical(TYPICAL, LOUDEST, LOUD)
 
     @property
     def signed(self) -> bool:
-        """Whether values are as often below zero as above."""
+        """Whether the quantity has both signs."""
         return self._system.signed or self.quantity != next(iter(self._system.units))
 
     def values(self, frame: SourceFrame) -> FloatArray:
-        """The values of a frame, of the grid's shape."""
+        """The values of a frame, in the shape of the grid."""
         return frame.fields[self._field]
 
     def observe_range(self, frame: SourceFrame) -> None:
-        """Find the end of the scale, unless the frame is still."""
+        """Update the end of the scale by a frame, unless all values are zero."""
         values = self.values(frame)
         if values.any():
             self.top = self._typical.add(np.abs(values).ravel())
 
 
 class FieldPainter(GridPainter):
-    """Draws the picture of a field, the walls in it and a frame around it."""
+    """Painter of a field as a color map, with its walls and edges."""
 
     def __init__(self, style: Field, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, style.quantity, source, part, theme, "Field")
@@ -156,16 +159,16 @@ class FieldPainter(GridPainter):
         self._walls = None if solid is None else np.ascontiguousarray(solid, dtype=np.float64)
 
         self._covered: tuple[object, NDArray[np.uint8]] | None = None
-        """How much of each pixel is covered by walls, in the view of the last frame."""
+        """The share of each pixel covered by walls, cached for the view of the last frame."""
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The values at both ends of the scale."""
+        """The values at both ends of the color scale."""
         return self._given or ((-self.top if self.signed else 0.0), self.top)
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of colors, unless nothing ever moves."""
+        """The color scale; None if all values are zero."""
         return None if self.top == NEVER else Scale(self.quantity, self.unit, self.ends, self._table[SHOWN])
 
     @property
@@ -179,17 +182,17 @@ class FieldPainter(GridPainter):
         return corners(np.array(self._grid.origin), np.array(self._grid.upper))
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the ends of the scale."""
+        """Update the ends of the scale by a frame."""
         if self._given is None:
             self.observe_range(frame)
 
     def inset(self, pixels: float) -> float:
-        """Half of the line around it."""
+        """Half the width of the edges."""
         del pixels
         return 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Draw the picture at once, behind what is added to the painting; in 3D a slice among it."""
+        """Draw the picture immediately, behind all queued objects; in 3D, queue a slice."""
         del pixels
         if view.flat:
             self._paint_plane(canvas, self.values(frame), view)
@@ -220,10 +223,10 @@ class FieldPainter(GridPainter):
         )
 
     def _paint_plane(self, canvas: Canvas, values: FloatArray, view: View) -> None:
-        """The part of the grid that is in the picture: all pixels whose centers are on it."""
+        """Draw the visible part of the grid: all pixels whose centers are on it."""
         ends = np.array([self._grid.origin, self._grid.upper])
         (left, bottom), (right, top) = view.project(ends)[0].astype(float).tolist()
-        # No canvas is larger than twice the way to the middle of its panel, nor starts before it.
+        # Bounds of the canvas, from the middle of the panel: it begins at pixel 0.
         width, height = (2.0 * view.middle[axis] + 1.0 for axis in (0, 1))
         first, last = max(math.ceil(left - 0.5), 0), min(math.ceil(right - 0.5), math.ceil(width))
         upper, lower = max(math.ceil(top - 0.5), 0), min(math.ceil(bottom - 0.5), math.ceil(height) + 64)
@@ -240,7 +243,7 @@ class FieldPainter(GridPainter):
             lines(canvas, shut, self._theme.edge, 1.0)
 
     def _paint_slice(self, canvas: Canvas, values: FloatArray, view: View) -> None:
-        """The values in the middle of y, as a picture on a rectangle in space."""
+        """Queue the values in the middle of y, as a picture on a rectangle in 3D."""
         grid = self._grid
         middle = grid.cells[1] // 2
         values, walls = values[:, middle], None if self._walls is None else np.ascontiguousarray(self._walls[:, middle])

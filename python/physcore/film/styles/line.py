@@ -1,4 +1,4 @@
-"""Fields on a line: a curve over the place, with the area under it filled."""
+"""Fields in 1D as curves, with the area below filled."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ from physcore.simulation.sources import Source, SourceFrame
 from physcore.systems.schrodinger import Schrodinger
 
 ASPECT = 0.3
-"""The height of a curve over its length that the picture has at least room for, up and down."""
+"""Least aspect ratio of the view: height over width."""
 FULL = 0.8
-"""How far toward the edge of the picture the largest value reaches."""
+"""Height of the largest value, relative to half the height of the view."""
 WIDTH = 2.4
-"""The width of a curve [pixels]."""
+"""Width of a curve [pixels]."""
 FILL = (0.5, 0.06)
-"""How much of the curve's color the area has at the curve, and at zero, beside the background's."""
+"""Opacity of the area at the largest value, and at zero."""
 BEHIND = 0.6
-"""How far toward the largest value the potential of a wave function reaches."""
+"""Height of the largest potential of a wave function, relative to the largest value."""
 PER_PIXEL = 2
-"""Points of a smooth curve for each pixel."""
+"""Points of a smooth curve per pixel."""
 
 
 @dataclass(frozen=True)
 class Line(SystemStyle):
-    """A field in 1D as a curve over x, with the area to zero filled; the scale is the same for the whole film.
+    """Field in 1D as a curve over x, with the area between curve and zero filled.
 
-    What is never below zero stands on the lower edge of the picture. The potential of a wave function is a gray area
-    behind its density, with a scale of its own. Several systems in one scene share the picture, each in a color of its
-    own and with a scale of its own.
+    The scale is the same for the whole film. The zero line of a nonnegative quantity is at the lower edge of the
+    picture. The potential of a wave function is a gray area behind its density, with a scale of its own. Several
+    systems in one scene share the picture, each with its own color and scale.
 
     Args:
-        quantity: the name of the field; None: the first one that the system has.
-        range: the value that reaches as far as the curve goes up or down; None: the largest of the film.
-        width: of the curve [pixels].
+        quantity: the name of the field; None: the first field of the system.
+        range: the value at the end of the scale; None: the largest value of the film.
+        width: width of the curve [pixels].
         on: the system or systems drawn in this style; None: all with fields on a grid in 1D.
 
     Raises:
@@ -69,18 +69,18 @@ class Line(SystemStyle):
         self._set_positive("range", "width")
 
     def can_draw(self, item: object) -> bool:
-        """Whether it is on a line."""
+        """Whether an item is on a grid in 1D."""
         return isinstance(item, GridSystem) and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
-        """A painter with the scale of one film."""
+        """The painter with the scale of one film."""
         if not self.can_draw(part.system):
             raise SceneError(f"Line.on: {part.system!r} has no field on a grid in 1D; use Field() in 2D and 3D")
         return LinePainter(self, source, part, theme)
 
 
 class LinePainter(GridPainter):
-    """Draws the axis, the area and the curve."""
+    """Painter of an axis, a filled area and a curve."""
 
     def __init__(self, style: Line, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, style.quantity, source, part, theme, "Line")
@@ -88,7 +88,7 @@ class LinePainter(GridPainter):
         self._color = theme.bodies[part.index % len(theme.bodies)]
         self.top = style.range or 0.0
         self.together: Sequence[LinePainter] = [self]
-        """All that draw curves into the same picture, in their order."""
+        """All painters of curves in the same picture, in order."""
         self._potential: FloatArray | None = None
         if isinstance(part.system, Schrodinger):
             potential = np.broadcast_to(np.asarray(part.system.potential, dtype=float), self._grid.cells)
@@ -113,18 +113,18 @@ class LinePainter(GridPainter):
         return np.array([[low, -room], [high, room]])
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the largest value."""
+        """Update the largest value by a frame."""
         if not self.settled:
             largest = float(np.abs(self.values(frame)).max(initial=0.0))
             self.top = max(self.top, largest if math.isfinite(largest) else 0.0)
 
     def inset(self, pixels: float) -> float:
-        """Half of the curve's width."""
+        """Half the width of the curve."""
         del pixels
         return self._style.width / 2 + 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add the axis, then the area, then the curve."""
+        """Queue the axis, the area and the curve, in this order."""
         del pixels
         theme = self._theme
         places = np.array([[self._grid.origin[0], 0.0], [self._grid.upper[0], 0.0]])
@@ -149,12 +149,13 @@ class LinePainter(GridPainter):
 
     @property
     def _words(self) -> str:
-        """The quantity, and its value at the end of the scale."""
+        """The quantity, and its value at the end of the scale, as text."""
         return f"{self.quantity} {ends(0.0, self.top)[1]} {self.unit}" if self.top > 0.0 else self.quantity
 
     def _paint_axis(self, canvas: Canvas, left: float, right: float, zero: float, reach: float) -> None:
-        """Lines at zero and at the ends of the scale, and the value there: of curves in one picture once, or if they
-        have several scales, each in the color of a curve.
+        """Draw lines at zero and at the ends of the scale, with the value there.
+
+        Curves of one picture share these lines. If they differ in scale, each value has the color of its curve.
         """
         if any(other.signed == self.signed for other in self.together[: self.together.index(self)]):
             return
@@ -179,9 +180,9 @@ class LinePainter(GridPainter):
     def _curve(
         self, values: FloatArray, left: float, right: float, smooth: bool = True
     ) -> tuple[FloatArray, FloatArray]:
-        """Pixels to the right and values of points along a curve, from edge to edge."""
+        """The horizontal pixels and the values of points along a curve, from edge to edge."""
         count = len(values)
-        if not smooth:  # a step at each face
+        if not smooth:  # steps at the faces of cells
             marks, values = np.repeat(np.arange(count + 1) / count, 2)[1:-1], np.repeat(values, 2)
             return left + (right - left) * marks, values
         marks = (np.arange(count) + 0.5) / count
@@ -196,7 +197,7 @@ class LinePainter(GridPainter):
     def _fill(
         self, canvas: Canvas, curve: tuple[FloatArray, FloatArray], zero: float, reach: float, color: Color
     ) -> None:
-        """The area between a curve and zero, fading toward zero."""
+        """Queue the area between a curve and zero, which fades toward zero."""
         x, y = curve
         fresh, faint = (np.array([*mixed(self._theme.background, color, share), 255]) for share in FILL)
         share = np.minimum(np.abs(y - zero) / reach, 1.0)[:, np.newaxis]
@@ -212,7 +213,7 @@ class LinePainter(GridPainter):
 
 
 def hermite(x: FloatArray, y: FloatArray, places: FloatArray) -> FloatArray:
-    """A cubic through points with the slopes of their neighbors, at some places within."""
+    """Cubic Hermite interpolation with slopes from finite differences, at places within the points."""
     slopes = np.gradient(y, x)
     index = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(x) - 2)
     width = x[index + 1] - x[index]

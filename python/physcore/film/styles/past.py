@@ -1,4 +1,4 @@
-"""The curves of particles over the last frames, and where a picture shows them."""
+"""Paths of particles over the last frames, and their projection."""
 
 from __future__ import annotations
 
@@ -17,18 +17,20 @@ from physcore.scene.periodic import Periodic
 
 @dataclass(eq=False)
 class _Piece:
-    """The part of the curves between two frames, and its pixels in the view in which it was seen last."""
+    """The paths between two frames, and their pixels in the latest view."""
 
     points: FloatArray
-    """Shape (K, N, D) [m]."""
+    """Points, shape (K, N, D) [m]."""
     view: View | None = None
     pixels: PixelArray | None = None
-    """Shape (K, N, 2)."""
+    """Pixels, shape (K, N, 2)."""
     depth: PixelArray | None = None
-    """Shape (K, N) [m]; None in 2D."""
+    """Depths, shape (K, N) [m]; None in 2D."""
 
     def see(self, view: View) -> None:
-        """Project it, if it has not been in this view: a camera that stands still needs that once for each piece."""
+        """Project the piece, unless this was done for the same view. With a camera at rest, each piece is projected
+        once.
+        """
         if view is not self.view:
             moments, count, dimension = self.points.shape
             pixels, depth, _ = view.project(self.points.reshape(-1, dimension))
@@ -37,12 +39,12 @@ class _Piece:
 
 
 class Past:
-    """The curves of N particles over the last frames, frame by frame.
+    """The paths of N particles over the last frames, updated frame by frame.
 
     Args:
-        interval: between two frames [s].
-        frames: how many are kept, the present one included; None: all.
-        domain: the periodic domain, in which only positions are joined.
+        interval: time between two frames [s].
+        frames: number of frames kept, including the present one; None: all.
+        domain: the periodic domain, if any; paths in a domain are straight between frames.
     """
 
     def __init__(self, interval: float, frames: int | None, domain: Periodic | None = None) -> None:
@@ -51,20 +53,20 @@ class Past:
 
     @property
     def frames(self) -> int | None:
-        """How many frames are kept; None: all."""
+        """The number of frames kept; None: all."""
         return self._pieces.maxlen
 
     def begin(self) -> None:
-        """Forget everything."""
+        """Forget all frames."""
         self._pieces.clear()
         self._curve.begin()
 
     def add(self, points: FloatArray, velocities: FloatArray | None) -> None:
-        """Take a frame into account: positions (N, D) [m], and velocities [m/s], if they are known."""
+        """Add a frame: positions (N, D) [m], and velocities [m/s] if they were recorded."""
         self._pieces.append(_Piece(self._curve.piece(points, velocities)))
 
     def seen(self, view: View) -> tuple[PixelArray, PixelArray | None]:
-        """Pixels (K, N, 2) and depths (K, N), which are None in 2D, from the end of the oldest piece on."""
+        """Pixels (K, N, 2) and depths (K, N) (None in 2D), from the end of the oldest piece on."""
         for piece in self._pieces:
             piece.see(view)
         pixels = [piece.pixels for piece in self._pieces if piece.pixels is not None]
@@ -73,12 +75,12 @@ class Past:
 
     @property
     def gaps(self) -> BoolArray | None:
-        """Whether what is between two points crosses an edge of the domain (K−1, N); None without one."""
+        """Mask (K−1, N) of the segments that cross a face of the periodic domain; None without a domain."""
         if self._domain is None:
             return None
         return ~straight(self._domain, np.diff(_joined([piece.points for piece in self._pieces]), axis=0))
 
 
 def _joined(pieces: list[np.ndarray]) -> np.ndarray:
-    """Pieces of curves in one, from the end of the first one."""
+    """Concatenate pieces of paths, from the end of the first one."""
     return np.concatenate([pieces[0][-1:], *islice(pieces, 1, None)])

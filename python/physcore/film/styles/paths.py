@@ -1,4 +1,4 @@
-"""The whole way of chosen particles."""
+"""Paths of chosen particles over the whole film."""
 
 from __future__ import annotations
 
@@ -19,23 +19,24 @@ from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 FRESH = 0.85
-"""How much of its body's color a path has, beside the background's."""
+"""Opacity of a path."""
 
 
 @dataclass(frozen=True)
 class Paths(BodyStyle):
-    """The way that chosen particles have come since the film began, as lines in the colors of their bodies.
+    """Paths of chosen particles since the start of the film, as lines in the colors of their bodies.
 
         pc.film(recording, "balls.gif", style=[pc.styles.Paths([0, 5], color="gold", fade=1.0), pc.styles.Points()])
 
-    It is drawn in addition to how the bodies look, along the curves that the velocities tell, with a corner where a
-    particle bounces. What fades only adds light to what is below it, or takes some from a light ground.
+    Paths are an overlay, in addition to the styles of the bodies. Velocities, if recorded, determine the curves between
+    frames, with a corner at a bounce. Fading paths are blended additively: they only lighten a dark background, or only
+    darken a light one.
 
     Args:
         particles: indices within each body, shape (K,); negative ones count from the end. None: all.
-        width: of the lines [pixels].
-        fade: for how long a path is shown, which fades and becomes thin with age [s]; None: for ever, as it is.
-        color: of the lines, such as "tomato" or "#10c0ff"; None: that of each body.
+        width: width of the lines [pixels].
+        fade: duration for which a path is shown [s]; it fades and thins with age. None: for the whole film, unchanged.
+        color: color of the lines, such as "tomato" or "#10c0ff"; None: the color of each body.
         on: as in Style.
 
     Raises:
@@ -62,12 +63,12 @@ class Paths(BodyStyle):
             object.__setattr__(self, "particles", tuple(given.tolist()))
 
     def can_draw(self, body: Body) -> bool:
-        """Whether it has as many particles."""
+        """Whether a body has particles with these indices."""
         chosen = self.particles if isinstance(self.particles, tuple) else (0,)
         return all(-len(body) <= index < len(body) for index in chosen)
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter of one source."""
+        """The painter of one source."""
         for part in parts:
             if not self.can_draw(part.body):
                 raise SceneError(f"Paths.particles: must be particles of {part.body!r}, got {self.particles}")
@@ -75,7 +76,7 @@ class Paths(BodyStyle):
 
 
 class PathsPainter(Painter):
-    """Draws lines along all that was seen."""
+    """Painter of paths."""
 
     def __init__(self, style: Paths, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._width, self._theme = style, style.width, theme
@@ -99,19 +100,19 @@ class PathsPainter(Painter):
         return np.unique(self._colors, axis=0)
 
     def begin(self) -> None:
-        """Forget the ways."""
+        """Forget the paths."""
         self._past.begin()
 
     def observe(self, frame: SourceFrame) -> None:
-        """Nothing depends on the film."""
+        """Do nothing: the painter does not depend on the whole film."""
 
     def inset(self, pixels: float) -> float:
-        """Half a line."""
+        """Half the width of a line."""
         del pixels
         return self._width / 2 + 0.5
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add lines."""
+        """Queue the lines."""
         del pixels
         velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
         self._past.add(frame.positions[self._where], velocities)

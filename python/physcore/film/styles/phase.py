@@ -23,27 +23,27 @@ from physcore.simulation.sources import Source, SourceFrame
 from physcore.systems.schrodinger import Schrodinger
 
 SOFT = 0.55
-"""The power of density by which brightness goes, so that faint waves show beside strong ones."""
+"""Exponent of the density in the brightness, so that weak waves are visible beside strong ones."""
 FAINT = 0.22
-"""How much of the edges' color the highest potential has."""
+"""Opacity of the highest potential."""
 Palette = Literal["hues", "blue-yellow"]
 PALETTES: tuple[Palette, ...] = get_args(Palette)
 
 
 @dataclass(frozen=True)
 class Phase(SystemStyle):
-    """A wave function in 2D: the hue is its phase, from −π to π, and the brightness its density.
+    """Wave function in 2D: the hue shows its phase, from −π to π, and the brightness its density.
 
-    The background is where nothing is. A potential is drawn faintly, the brighter the higher. The scale of density is
-    the same for the whole film.
+    Zero density has the color of the background. A potential is drawn faintly, brighter where it is higher. The scale
+    of the density is the same for the whole film.
 
         pc.film(recording, "packet.gif", style=pc.styles.Phase(palette="blue-yellow"))
 
     Args:
-        palette: "hues": all around the circle of hues at one lightness; "blue-yellow": from dark through blue, light
-            and yellow back, which the color-blind can tell apart, whose lightness is not that of density alone.
-        range: the density at full brightness; None: the largest that is typical of the film.
-        on: the wave function or several drawn in this style; None: all in 2D.
+        palette: "hues": all hues at a constant lightness. "blue-yellow": from dark over blue, light and yellow back to
+            dark. The color-blind can distinguish these colors, but the lightness depends on the phase too.
+        range: the density at full brightness; None: a typical largest value of the film.
+        on: the wave function or wave functions drawn in this style; None: all in 2D.
 
     Source: B. Ottosson, "A perceptual color space for image processing", 2020, for the circles in Oklab.
 
@@ -62,18 +62,18 @@ class Phase(SystemStyle):
         self._set_positive("range")
 
     def can_draw(self, item: object) -> bool:
-        """Whether it is a wave function in the plane."""
+        """Whether an item is a wave function in 2D."""
         return isinstance(item, Schrodinger) and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
-        """A painter with the scale of one film."""
+        """The painter with the scale of one film."""
         if not self.can_draw(part.system):
             raise SceneError(f"Phase.on: {part.system!r} is no wave function in 2D; use Field() in 3D, Line() in 1D")
         return PhasePainter(self, source, part, theme)
 
 
 class PhasePainter(GridPainter):
-    """Draws the picture of a wave function, and the shut edges around it."""
+    """Painter of a wave function, with the closed edges of its grid."""
 
     def __init__(self, style: Phase, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, "wave_function", source, part, theme, "Phase")
@@ -86,12 +86,12 @@ class PhasePainter(GridPainter):
 
     @property
     def signed(self) -> bool:
-        """Density is not."""
+        """False: the density is not negative."""
         return False
 
     @property
     def scale(self) -> Scale | None:
-        """Phases around the circle."""
+        """The color scale of the phase."""
         return Scale("phase", "rad", (-math.pi, math.pi), self._table)
 
     @property
@@ -105,22 +105,22 @@ class PhasePainter(GridPainter):
         return corners(np.array(self._grid.origin), np.array(self._grid.upper))
 
     def values(self, frame: SourceFrame) -> FloatArray:
-        """The density."""
+        """The density |ψ|²."""
         density: FloatArray = np.square(frame.fields[self._field]).sum(axis=-1)
         return density
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the end of the scale."""
+        """Update the end of the scale by a frame."""
         if not self.settled:
             self.observe_range(frame)
 
     def inset(self, pixels: float) -> float:
-        """Half of the line around it."""
+        """Half the width of the edges."""
         del pixels
         return 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Draw all pixels whose centers are on the grid, and the edges that are shut."""
+        """Draw all pixels whose centers are on the grid, and the closed edges."""
         del pixels
         (left, bottom), (right, top) = view.project(np.array([self._grid.origin, self._grid.upper]))[0].astype(float)
         width, height = (2.0 * view.middle[axis] + 1.0 for axis in (0, 1))
@@ -143,7 +143,7 @@ class PhasePainter(GridPainter):
             lines(canvas, shut, self._theme.edge, 1.0)
 
     def _picture(self, parts: FloatArray, weights: list[FloatArray]) -> np.ndarray:
-        """The pixels (H, W, 3)."""
+        """The pixels (H, W, 3), from the real and the imaginary part and the interpolation weights along each axis."""
         to_x, to_y = weights
         real, imaginary = (to_y @ (to_x @ parts[..., index]).T for index in (0, 1))
         share = np.clip((real**2 + imaginary**2) / (self.top or 1.0), 0.0, 1.0) ** SOFT
@@ -157,7 +157,7 @@ class PhasePainter(GridPainter):
 
 
 def circle(palette: Palette) -> FloatArray:
-    """Colors of phases from −π to π, shape (STEPS, 3), on a circle in Oklab."""
+    """The colors of phases from −π to π, shape (STEPS, 3), on a circle in Oklab."""
     angle = 2.0 * np.pi * (np.arange(STEPS) + 0.5) / STEPS - np.pi
     flat = np.zeros_like(angle)
     if palette == "hues":

@@ -1,4 +1,4 @@
-"""Particles as discs, colored by how they move or what they belong to."""
+"""Particles as discs or balls."""
 
 from __future__ import annotations
 
@@ -39,47 +39,49 @@ MEASURED = ("speed", "energy")
 
 UNITS = {"speed": "m/s", "energy": "J"}
 SPACING = 0.3
-"""A disc's radius as a fraction of the mean distance that the particles would have if they filled the panel."""
+"""Radius of a disc, as a fraction of the mean spacing of particles that fill the panel evenly."""
 LARGEST = 8.0
-"""The largest diameter by mass, over that of a particle of median mass."""
+"""Largest diameter by mass, relative to a particle of median mass."""
 RADII = (0.5, 5.5)
-"""The smallest and the largest radius that is chosen by itself [pixels]."""
+"""Smallest and largest radius that is chosen automatically [pixels]."""
 TRAIL = 0.7
-"""How much of its color the freshest part of a trail has, beside the background's."""
+"""Opacity of the newest part of a trail."""
 HALO = 4.0
-"""Radius of a halo over that of its disc."""
+"""Radius of a halo, relative to its disc."""
 GLOW = 0.55
-"""How bright the brightest halo is at its center, beside its disc."""
+"""Brightness of the brightest halo at its center, relative to its disc."""
 FEW = 16
-"""Up to so many particles get a trail by themselves."""
+"""Number of particles up to which trails are drawn by default."""
 
 
 @dataclass(frozen=True)
 class Points(BodyStyle):
-    """Each particle is a disc, and in 3D a lit ball.
+    """Particles as discs, in 3D as lit balls.
 
         pc.film(recording, "balls.gif", style=pc.styles.Points("tomato"))
         pc.film(recording, "balls.gif", style=pc.styles.Points({"earth": "#2a6fdb", "moon": "silver"}, size="mass"))
         pc.film(recording, "balls.gif", style=pc.styles.Points(lambda time, positions, velocities: positions[:, 1]))
 
     Args:
-        color: by "speed" [m/s], kinetic "energy" [J] or "body"; None: speed if it was recorded, otherwise body. Scales
-            of these begin at zero. Or colors of one's own: a name of CSS, such as "tomato", or "#10c0ff"; a mapping
-            from bodies, or their names, to such (bodies that it does not name keep their own); a list of them, or an
-            array (N, 3), for the particles that are drawn; values (N,) that are shown on a ramp; or a function of the
-            time [s], positions and velocities (N, D) of these particles that gives such values or colors in each frame.
-        colormap: the ramp, "plasma", "viridis", "inferno", "magma", "water" or "ember".
-        size: diameter [pixels], one or for each particle (N,); "mass": areas, in 3D volumes, go with the masses;
-            "radius": as large as the particle, which has to have a radius; None: as large as the particle if it has a
-            radius, otherwise as fits their number.
-        trail: for how long the path behind each particle is shown [s]; None: where there are only a few particles, an
-            eighth of the film, otherwise not.
-        glow: how brightly what is at the top of the color scale shines, 0 to 1; by body, everything shines. On a light
-            ground it is a shadow of its color.
-        blur: the part of the time between two frames for which the shutter is open, 0 to 1: discs are drawn out along
-            their velocities. 0.5 is what film cameras have.
-        top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the film.
-        shading: whether balls are lit in 3D and fade with distance; if not, each color is exactly what was asked for.
+        color: "speed" [m/s], kinetic "energy" [J] or "body"; None: speed if it was recorded, otherwise body. The scales
+            of speed and energy begin at zero. Or chosen colors: a name of CSS, such as "tomato", or "#10c0ff"; a
+                mapping
+            from bodies or their names to such colors (other bodies keep their default colors); a list of colors or an
+            array (N, 3) for the drawn particles; values (N,) for the color scale; or a function of the time [s], the
+            positions and the velocities (N, D) of these particles that gives such values or colors in each frame.
+        colormap: the map of the color scale: "plasma", "viridis", "inferno", "magma", "water" or "ember".
+        size: diameter [pixels], one or for each particle (N,). "mass": areas, in 3D volumes, are proportional to the
+            masses. "radius": the radius of the particle, which must have one. None: the radius of the particle if it
+                has
+            one, otherwise a size that suits the number of particles.
+        trail: duration of the trail behind each particle [s]; None: an eighth of the film for at most 16 particles,
+            otherwise no trails.
+        glow: brightness of the halo around particles at the top of the color scale, 0 to 1. Particles without a scale
+            all have the full halo. On a light background, a halo is a shadow of the same color.
+        blur: fraction of the interval between two frames for which the shutter is open, 0 to 1. Discs are stretched
+            along their velocities. Film cameras have 0.5.
+        top: the value at the end of the color scale [m/s or J], above zero; None: a typical value of the film.
+        shading: whether balls in 3D are lit and fade with distance. If False, the colors are exact.
         on: as in Style.
 
     Raises:
@@ -109,7 +111,7 @@ class Points(BodyStyle):
         self._set_positive("top")
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter with the color scale of one film."""
+        """The painter with the color scale of one film."""
         color = ("speed" if source.has("velocities") else "body") if self.color is None else self.color
         if self.blur > 0.0 and not source.has("velocities"):
             raise SceneError("Points.blur: needs velocities, which were not recorded; record them, or leave it out")
@@ -123,7 +125,7 @@ class Points(BodyStyle):
 
 
 class PointsPainter(Painter):
-    """Draws discs, the trails behind them and the light around them."""
+    """Painter of discs, trails and halos."""
 
     def __init__(self, style: Points, color: ColorBy | Chosen, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._color, self._theme = style, style, color, theme
@@ -146,7 +148,7 @@ class PointsPainter(Painter):
         self._past = Past(1.0 / source.fps, 1 + round(frames), source.scene.periodic)
 
     def _diameters(self, dimension: int) -> FloatArray | None:
-        """Diameters over the one that is chosen for all (N,), or in pixels, where they differ; None if they do not."""
+        """Diameters (N,), absolute [pixels] or relative to the default diameter; None if all are equal."""
         if isinstance(self._style.size, PerParticle):
             return self._style.size.values
         if not is_word(self._style.size, "mass"):
@@ -156,22 +158,22 @@ class PointsPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of colors."""
+        """The color scale."""
         if self._coloring is not None:
             return self._coloring.scale(self.low, self.top)
         return Scale(str(self._color), UNITS[str(self._color)], (0.0, self.top), self._table)
 
     @property
     def settled(self) -> bool:
-        """Whether the ends of the color scale were given, or there is none."""
+        """Whether the ends of the color scale were given, or there is no scale."""
         return self._style.top is not None if self._coloring is None else self._coloring.settled
 
     def begin(self) -> None:
-        """Forget the paths."""
+        """Forget the trails."""
         self._past.begin()
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the top of the color scale."""
+        """Update the ends of the color scale by a frame."""
         if self.settled:
             return
         if self._coloring is None:
@@ -181,14 +183,14 @@ class PointsPainter(Painter):
             self.low, self.top = self._coloring.low, self._style.top or self._coloring.top
 
     def inset(self, pixels: float) -> float:
-        """A radius."""
+        """The largest radius."""
         most = 1.0 if self._own is None else float(self._own.max(initial=0.0))
         if isinstance(self._style.size, PerParticle):
             return most / 2 + 1.0
         return most * self._chosen(pixels) + 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add trails, then halos, then discs."""
+        """Queue trails, halos and discs, in this order."""
         positions = frame.positions[self._where]
         centers, depth, scale = view.project(positions)
         fraction = None if self.fixed is not None else self._values(frame)
@@ -208,7 +210,7 @@ class PointsPainter(Painter):
         canvas.discs(centers, radii, ink, depth, shading)
 
     def _paint_trails(self, canvas: Canvas, view: View, ink: InkArray, width: float) -> None:
-        """Lines along the last positions that fade with age."""
+        """Queue trails, which fade with age."""
         pixels, depth = self._past.seen(view)
         widths = np.full(len(ink), width, dtype=np.float32)
         canvas.trails(pixels, widths, ink, (self._theme.background, TRAIL), self._past.gaps, depth)
@@ -222,7 +224,7 @@ class PointsPainter(Painter):
         depth: PixelArray | None,
         fraction: FloatArray | None,
     ) -> None:
-        """Light around what is at the top of the scale; it goes with the square of the value, as energy does."""
+        """Queue halos, with the brightness proportional to the square of the value on the scale, as energy is."""
         strength = np.ones(len(ink)) if fraction is None or fraction.ndim == 2 else np.clip(fraction, 0.0, 1.0) ** 2
         light = ink.copy()
         light[:, 3] = np.round(255.0 * self._style.glow * GLOW * strength)
@@ -236,7 +238,7 @@ class PointsPainter(Painter):
         )
 
     def _paint_streaks(self, canvas: Canvas, frame: SourceFrame, view: View, radii: PixelArray, ink: InkArray) -> None:
-        """Discs drawn out along their velocities, with the opacity that leaves their light the same."""
+        """Queue discs stretched along their velocities, with an opacity that leaves the total light constant."""
         half = 0.5 * self._style.blur / self._fps * frame.fields["velocities"][self._where]
         positions = frame.positions[self._where]
         (tails, before, _), (tips, after, _) = view.project(positions - half), view.project(positions + half)
@@ -247,14 +249,14 @@ class PointsPainter(Painter):
         canvas.lines(np.concatenate([tails, tips], axis=1), 2.0 * radii, faint, depth)
 
     def _values(self, frame: SourceFrame) -> FloatArray:
-        """The quantity that the color shows (N,), or colors (N, 3), which a function may give too."""
+        """The quantity (N,) of the color scale; or colors (N, 3), if the function returns these."""
         if self._coloring is not None:
             return self._coloring.values(frame)
         speeds = norms(frame.fields["velocities"][self._where])
         return speeds if self._color == "speed" else 0.5 * self._mass * speeds**2
 
     def _inks(self, fraction: FloatArray | None, depth: PixelArray | None, view: View) -> InkArray:
-        """The color of each particle (N, 4), its own or by the fraction of the scale that it has reached."""
+        """The inks (N, 4) of the particles, from constant colors or from fractions of the color scale."""
         colors = self.fixed if fraction is None else fraction if fraction.ndim == 2 else None
         if colors is not None:
             return inks(colors, self._theme, None if depth is None else view.farness(depth))
@@ -262,7 +264,7 @@ class PointsPainter(Painter):
         return tint(fraction, (0.0, 1.0), self._table, self._theme.background, depth, (view.reach, FOG))
 
     def _chosen(self, pixels: float) -> float:
-        """The radius of a particle that has none [pixels]."""
+        """The radius of particles without one [pixels]."""
         if isinstance(self._style.size, float):
             return self._style.size / 2
         least, most = RADII
@@ -285,7 +287,7 @@ class PointsPainter(Painter):
 
 
 def _size(value: object) -> float | str | PerParticle | None:
-    """The checked form of a size."""
+    """The validated form of a size."""
     if value is None or isinstance(value, PerParticle):
         return value
     if isinstance(value, str):

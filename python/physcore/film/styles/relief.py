@@ -1,4 +1,4 @@
-"""Fields on grids in the plane as lit surfaces in space."""
+"""Fields on 2D grids as lit surfaces in 3D."""
 
 from __future__ import annotations
 
@@ -24,38 +24,37 @@ from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
 
 RISE = 0.05
-"""The height at the end of the scale, as a fraction of the grid's longer side, unless it is given."""
+"""Default height at the end of the scale, as a fraction of the grid's longer side."""
 MESH = 180
-"""The surface has at most so many squares along a side: one for each pixel or two of a picture of usual size."""
+"""Largest number of squares of the mesh along a side, for squares of one or two pixels in pictures of common size."""
 ROOT = 0.4
-"""How deep the block reaches under the lowest value, in heights of the scale."""
+"""Depth of the block below the lowest value, in units of the height at the end of the scale."""
 AMBIENT = 0.42
-"""The light on a surface that is turned away from the lamp, as a fraction of the most that falls on one."""
+"""Ambient light, as a fraction of the full light."""
 GLOSS = 0.5
-"""The brightness of a reflection of the lamp, where 1 is white."""
+"""Brightness of the specular reflection of the lamp; 1 is white."""
 SHARPNESS = 40.0
-"""The exponent of that reflection. Source: J. F. Blinn, Computer Graphics 11 (2), 192 (1977)."""
+"""Exponent of the specular reflection. Source: J. F. Blinn, Computer Graphics 11 (2), 192 (1977)."""
 STEEP = 0.5
-"""The least end of the scale, as a fraction of the largest value of the film."""
+"""Least end of the scale, as a fraction of the largest value of the film."""
 SHADE = 0.45
-"""The light on the sides of the block."""
+"""Brightness of the sides of the block."""
 
 
 @dataclass(frozen=True)
 class Relief(SystemStyle):
-    """A field on a grid in the plane as a lit surface in space, and over it whatever floats: bodies of the scene are
-    raised to the surface.
+    """Field on a 2D grid as a lit surface in 3D. Bodies of the scene are raised to the surface.
 
         pc.film(recording, "waves.gif", style=pc.styles.Relief())
 
-    The scale is the same for the whole film: as far as most of its frames go. Boundaries of the plane are not drawn.
+    The scale is the same for the whole film; most of its frames are within. Boundaries of the 2D scene are not drawn.
 
     Args:
-        quantity: the name of the field; None: the first one that the system has.
-        height: how high the value at the end of the scale is drawn [m]; None: 5 % of the grid's longer side.
-        colormap: "viridis", "inferno", …, or one of Matplotlib's; None: the color of water, from deep to shallow.
-        range: the value at the end of the scale; None: what most frames reach.
-        gloss: how strongly the surface reflects the lamp, 0 to 1.
+        quantity: the name of the field; None: the first field of the system.
+        height: height of the surface at the end of the scale [m]; None: 5 % of the grid's longer side.
+        colormap: "viridis", "inferno", …, or a map of Matplotlib; None: colors of water, from deep to shallow.
+        range: the value at the end of the scale; None: the largest value of most frames.
+        gloss: strength of the lamp's reflection, 0 to 1.
         on: the system or systems drawn in this style; None: all with fields on a grid in 2D.
 
     Raises:
@@ -79,11 +78,11 @@ class Relief(SystemStyle):
         self._set(gloss=number(self.gloss, "Relief.gloss", least=0.0, most=1.0))
 
     def can_draw(self, item: object) -> bool:
-        """Whether it is on a grid in the plane."""
+        """Whether an item is on a 2D grid."""
         return isinstance(item, GridSystem) and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
-        """A painter with the scale of one film."""
+        """The painter with the scale of one film."""
         if not self.can_draw(part.system):
             raise SceneError(
                 f"Relief.on: {part.system!r} has no field on a grid in 2D; use Field() in 3D, Line() in 1D"
@@ -92,7 +91,7 @@ class Relief(SystemStyle):
 
 
 class ReliefPainter(GridPainter):
-    """Draws the surface of a block that ends at the grid's edges."""
+    """Painter of a block with the field as its upper surface."""
 
     def __init__(self, style: Relief, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, style.quantity, source, part, theme, "Relief")
@@ -109,12 +108,12 @@ class ReliefPainter(GridPainter):
         self._solid = np.array(mixed(theme.solid, theme.background, 0.2), dtype=float)
 
     def typical(self) -> Typical:
-        """How the end of the scale is found: from the largest value of each frame; what is above it looks steep."""
+        """The estimator for the end of the scale, from the largest value of each frame."""
         return Typical(100.0, LOUDEST, STEEP)
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of colors, unless nothing ever moves."""
+        """The color scale; None if all values are zero."""
         low = -self.top if self.signed else 0.0
         return None if self.top == NEVER else Scale(self.quantity, self.unit, (low, self.top), self._table)
 
@@ -134,17 +133,17 @@ class ReliefPainter(GridPainter):
         return -(ROOT + self.signed) * self._height
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the end of the scale."""
+        """Update the end of the scale by a frame."""
         if not self.settled:
             self.observe_range(frame)
 
     def inset(self, pixels: float) -> float:
-        """A rim."""
+        """A margin of 1.5 pixels."""
         del pixels
         return 1.5
 
     def raised(self, frame: SourceFrame) -> SourceFrame:
-        """The frame with its particles on the surface."""
+        """The frame with its particles raised to the surface."""
         if len(frame.positions) == 0:
             return frame
         heights = self._heights(frame)
@@ -157,7 +156,7 @@ class ReliefPainter(GridPainter):
         return replace(frame, fields={**frame.fields, "positions": positions})
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add the surface, then the sides of the block that face the eye."""
+        """Queue the surface, then the sides of the block that face the camera."""
         del pixels
         heights = self._heights(frame)
         places = np.concatenate([self._plane, heights[..., np.newaxis]], axis=-1).reshape(-1, 3)
@@ -173,7 +172,7 @@ class ReliefPainter(GridPainter):
                 self._add_side(canvas, view, edge, colors.reshape(-1, 3)[side])
 
     def _add_side(self, canvas: Canvas, view: View, edge: FloatArray, colors: FloatArray) -> None:
-        """Add a side of the block, from an edge of its surface down."""
+        """Queue a side of the block, from an edge of its surface down."""
         count = len(edge)
         feet = edge.copy()
         feet[:, 2] = self._floor
@@ -187,9 +186,9 @@ class ReliefPainter(GridPainter):
         self._add(canvas, view, np.concatenate([edge, feet]), shades, faces)
 
     def _add(self, canvas: Canvas, view: View, places: FloatArray, colors: FloatArray, faces: IntArray) -> None:
-        """Add triangles between places (N, 3), with a color (N, 3) at each."""
+        """Queue triangles between points (N, 3), with a color (N, 3) at each."""
         points, depth, _ = view.project(places)
-        assert depth is not None  # a relief is seen in space
+        assert depth is not None  # views in 3D have depths
         ink = inks(np.clip(colors, 0.0, 255.0), self._theme, 0.5 * view.farness(depth))
         canvas.triangles(
             np.ascontiguousarray(points[faces].reshape(-1, 6)),
@@ -198,20 +197,20 @@ class ReliefPainter(GridPainter):
         )
 
     def _heights(self, frame: SourceFrame) -> FloatArray:
-        """Heights at the corners of the mesh [m]."""
+        """The heights at the nodes of the mesh [m]."""
         along, across = self._weights
         heights: FloatArray = (self._height / self.top) * (along @ self.values(frame) @ across.T)
         return np.where(self._is_solid, 0.0, heights)
 
     def _light(self, heights: FloatArray, view: View) -> tuple[FloatArray, FloatArray]:
-        """The diffuse light on each corner of the mesh, and the lamp's reflection there."""
+        """The diffuse light at each node of the mesh, and the specular reflection there."""
         steps = self._sizes / np.array(self._squares)
         slopes = np.gradient(heights, *steps.tolist())
         normals = np.stack([-slopes[0], -slopes[1], np.ones_like(heights)], axis=-1) @ view.axes.T
         normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
         halfway = np.array(LAMP) + np.array([0.0, 0.0, 1.0])
         halfway /= np.linalg.norm(halfway)
-        # The light on level ground is 1, so that colors there are those of the scale.
+        # The light is normalized to 1 on level ground, where colors are those of the scale.
         level = max(float(view.axes[:, 2] @ LAMP), 0.1)
         light = AMBIENT + (1.0 - AMBIENT) * np.maximum(normals @ LAMP, 0.0) / level
         return light, self._style.gloss * np.maximum(normals @ halfway, 0.0) ** SHARPNESS
@@ -225,7 +224,7 @@ class ReliefPainter(GridPainter):
 
     @cached_property
     def _plane(self) -> FloatArray:
-        """The places of the mesh's corners in the plane [m], shape (m + 1, n + 1, 2)."""
+        """The nodes of the mesh in the plane [m], shape (m + 1, n + 1, 2)."""
         axes = [
             np.linspace(low, high, count + 1)
             for low, high, count in zip(self._grid.origin, self._grid.upper, self._squares, strict=True)
@@ -234,7 +233,7 @@ class ReliefPainter(GridPainter):
 
     @cached_property
     def _weights(self) -> tuple[FloatArray, FloatArray]:
-        """The weights of the cells' values at the corners of the mesh, along x and y."""
+        """The interpolation weights from cells to the nodes of the mesh, along x and y."""
         along, across = (
             cubic(cells, np.linspace(0.0, cells, squares + 1) - 0.5, width=cells / squares)
             for cells, squares in zip(self._grid.cells, self._squares, strict=True)
@@ -243,7 +242,7 @@ class ReliefPainter(GridPainter):
 
     @cached_property
     def _is_solid(self) -> BoolArray:
-        """Which corners of the mesh are in walls."""
+        """Mask of the nodes of the mesh that are in walls."""
         if self._system.solid is None:
             return np.zeros([count + 1 for count in self._squares], dtype=bool)
         along, across = self._weights
@@ -252,13 +251,13 @@ class ReliefPainter(GridPainter):
 
     @cached_property
     def _faces(self) -> IntArray:
-        """The triangles of the mesh, as indices of its corners."""
+        """The triangles of the mesh, as indices of nodes."""
         index = np.arange(self._is_solid.size).reshape(self._is_solid.shape)
         a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
         return np.concatenate([np.stack(each, -1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])
 
     @cached_property
     def _sides(self) -> list[IntArray]:
-        """The corners of the mesh along each edge, counterclockwise, so that the block is on the left."""
+        """The nodes of the mesh along each edge, counterclockwise, so that the block is on the left."""
         index = np.arange(self._is_solid.size).reshape(self._is_solid.shape)
         return [index[:, 0], index[-1, :], index[::-1, -1], index[0, ::-1]]

@@ -1,4 +1,4 @@
-"""The rim of a cloth with a thickness."""
+"""Rims of cloths with a thickness."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from physcore.scene.bodies import Body
 from physcore.scene.scene import Scene
 
 ENDS = (0, 1, 1, 0)
-"""To which end of a side the corners of its band belong, in a round."""
+"""The end of a side to which each corner of its band belongs, in cyclic order."""
 
 
 def thickness_of(body: Body, scene: Scene) -> float:
-    """The thickness at which a body meets itself [m]; 0 where it does not."""
+    """The thickness of a body in its SelfContact [m]; 0 without one."""
     own = (each for each in scene.constraints if isinstance(each, SelfContact) and body in (each.bodies("body") or ()))
     return max((each.thickness for each in own), default=0.0)
 
@@ -26,7 +26,7 @@ def thickness_of(body: Body, scene: Scene) -> float:
 def paint_rim(
     canvas: Canvas, positions: FloatArray, faces: IntArray, thickness: FloatArray, ink: NDArray[np.uint8], view: View
 ) -> None:
-    """Add a band along the sides that one face alone has, as wide as the thickness [m] and in the ink (N, 4) of their
+    """Queue a band along the boundary edges of a surface, as wide as the thickness [m], in the inks (N, 4) of the
     particles.
     """
     ends = _boundary(faces)
@@ -39,7 +39,7 @@ def paint_rim(
     above, below = (view.project(positions + sign * half) for sign in (1.0, -1.0))
     first, second = ends.T
     places = [above[0][first], above[0][second], below[0][second], below[0][first]]
-    assert above[1] is not None  # a cloth with two sides is in space
+    assert above[1] is not None  # views in 3D have depths
     assert below[1] is not None
     depths = np.stack([above[1][first], above[1][second], below[1][second], below[1][first]], axis=1)
     for triangle in ((0, 1, 2), (0, 2, 3)):
@@ -54,7 +54,7 @@ def paint_rim(
 
 
 def _boundary(faces: IntArray) -> IntArray:
-    """The sides (M, 2) that one face alone has."""
+    """The boundary edges (M, 2), which belong to one face only."""
     ends = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     sides, count = np.unique(ends, axis=0, return_counts=True)
     alone: IntArray = sides[count == 1]

@@ -1,4 +1,4 @@
-"""Springs, colored by how far they are stretched or compressed, or as one likes; rods by their tension."""
+"""Springs colored by strain or by chosen colors; rods colored by tension."""
 
 from __future__ import annotations
 
@@ -23,43 +23,42 @@ from physcore.scene.channels import first_spring
 from physcore.simulation.sources import Source, SourceFrame
 
 WIDTHS = (1.0, 3.4)
-"""The thinnest and the thickest line that is chosen by itself [pixels]."""
+"""Smallest and largest width of lines that is chosen automatically [pixels]."""
 NEVER = 1e-9
-"""Strains below this are rounding, and stay neutral [1]."""
+"""Least end of the color scale: smaller strains are rounding errors [1]."""
 BRACE = 1.2
 """Springs longer than the typical shortest one by this factor are braces [1]."""
 TENSIONS = "tensions"
-"""The field of springs that rods are colored by."""
+"""The field of the tensions of rods."""
 FEW = 64
-"""Up to so many particles with a radius are drawn by themselves."""
+"""Number of particles with a radius up to which they are drawn by default."""
 LONG = 24.0
-"""The length of the parts that a spring in space is drawn in, each with a depth of its own [pixels]."""
+"""Length of the parts of a spring in 3D; each part is sorted by its own depth [pixels]."""
 FAINT = 0.5
-"""Opacity of a brace, and its width as a fraction of the others'."""
+"""Opacity of a brace; also its width relative to other springs."""
 PIN = 2.4
-"""Radius of a particle that is held in place [pixels]."""
+"""Radius of the mark of a particle that is held in place [pixels]."""
 
 
 @dataclass(frozen=True)
 class Strain(BodyStyle):
-    """Each spring is a line: blue when compressed, red when stretched, neutral in between.
+    """Springs as lines: blue if compressed, red if stretched, neutral in between.
 
-    The scale is symmetric, the same for the whole film, and goes with the root of the strain, so that small strains
-    show beside large ones. Rods, which are never stretched, show their tension instead, if it was recorded. A spring
-    that lies along two others is not drawn: bending springs would hide what they reinforce. Braces,
-    which are longer than their neighbors, are drawn fainter. Broken springs are not drawn.
+    The scale is symmetric and the same for the whole film. Colors follow the square root of the strain, so that small
+    strains are visible beside large ones. Rods, which have no strain, show their tension if it was recorded. A spring
+    that lies along two others is not drawn, because bending springs would hide the springs below them. Braces, which
+    are longer than their neighbors, are drawn fainter. Broken springs are not drawn.
 
     Args:
-        range: the strain (length / rest length - 1) at which colors end [1], of rods the tension [N]; None: what is
-            typical of the film.
-        width: of the lines [pixels]; None: as fits their length.
-        nodes: whether particles with a radius are drawn as discs of that size, in 3D as lit balls; None: where not
-            more than a few have one, such as the bobs of pendulums.
-        color: "strain", or colors of one's own for springs and nodes, as in Points: one, such as "tomato", one for each
-            body or particle, or values or a function of which each is a place on a ramp. A spring has the mean color of
-            its ends.
-        colormap: the ramp of values, as in Points.
-        on: as in Style; it must have springs.
+        range: the strain (length / rest length - 1) at the ends of the scale [1], for rods the tension [N]; None: a
+            typical value of the film.
+        width: width of the lines [pixels]; None: a width that suits their length.
+        nodes: whether particles with a radius are drawn as discs of that size, in 3D as lit balls. None: if at most 64
+            have one, as the bobs of pendulums do.
+        color: "strain"; or chosen colors for springs and nodes, as in Points: one such as "tomato", one for each body
+            or particle, or values or a function for a color scale. A spring has the mean color of its ends.
+        colormap: the map of the color scale of values, as in Points.
+        on: as in Style; each body must have springs.
 
     Raises:
         SceneError: a value is out of range.
@@ -80,11 +79,11 @@ class Strain(BodyStyle):
             self._set(nodes=flag(self.nodes, "Strain.nodes"))
 
     def can_draw(self, body: Body) -> bool:
-        """Whether it has springs."""
+        """Whether a body has springs."""
         return isinstance(body, SpringNetwork) and len(body.pairs) > 0
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter with the color scale of one film."""
+        """The painter with the color scale of one film."""
         for part in parts:
             if not self.can_draw(part.body):
                 raise SceneError(f"Strain.on: {part.body!r} has no springs; use Points(on=…) for it")
@@ -92,7 +91,7 @@ class Strain(BodyStyle):
 
 
 class StrainPainter(Painter):
-    """Draws lines, and what is pinned."""
+    """Painter of springs, nodes and held particles."""
 
     def __init__(self, style: Strain, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._domain, self._theme = style, style, source.scene.periodic, theme
@@ -100,7 +99,7 @@ class StrainPainter(Painter):
         pairs, rest, chain, brace, fixed, springs, rods, nodes, radii = [], [], [], [], [], [], [], [], []
         for part in parts:
             body = part.body
-            assert isinstance(body, SpringNetwork)  # the style has made sure of it
+            assert isinstance(body, SpringNetwork)  # the style has checked this
             shown = ~covered(body.pairs, body.rest_length)
             pairs.append(body.pairs[shown] + part.where.start)
             rods.append(body.rods[shown])
@@ -113,7 +112,7 @@ class StrainPainter(Painter):
             seen = np.flatnonzero(sized & (sized.sum() <= FEW if style.nodes is None else style.nodes))
             nodes.append(seen + part.where.start)
             radii.append(body.radius[seen])
-        # The longest are painted first, so that in a cloth the weave lies above its diagonals.
+        # The longest springs are painted first, so that the weave of a cloth lies above its diagonals.
         order = np.argsort(-np.concatenate(rest), kind="stable")
         self._pairs: IntArray = np.concatenate(pairs)[order]
         self._rest: FloatArray = np.concatenate(rest)[order]
@@ -142,14 +141,14 @@ class StrainPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of colors."""
+        """The color scale."""
         if self._coloring is not None:
             return self._coloring.scale(self.low, self.top)
         scale = strain_scale(self.top, self._table)
         return scale if self._rods is None else replace(scale, quantity="tension", unit="N")
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the end of the color scale."""
+        """Update the end of the color scale by a frame."""
         if self._coloring is not None:
             self._coloring.observe(frame)
             self.low, self.top = self._coloring.low, self._coloring.top
@@ -157,16 +156,16 @@ class StrainPainter(Painter):
             self.top = max(NEVER, self._typical.add(np.abs(self._values(frame)[self._whole(frame)])))
 
     def inset(self, pixels: float) -> float:
-        """A line's half width, or a pin."""
+        """Half the width of a line, and a mark of a held particle."""
         del pixels
         return max(WIDTHS[1], self._style.width or 0.0) / 2 + PIN
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add lines, and pins above them."""
+        """Queue the springs, with held particles above them."""
         points, depth, _ = view.project(frame.positions)
         first, second = self._pairs.T
         ends, between = points[second], None if depth is None else (depth[first] + depth[second]) / 2
-        if self._domain is not None:  # A spring that crosses a face sticks out of it.
+        if self._domain is not None:  # A spring across a face of the domain extends beyond it.
             ends, there, _ = view.project(frame.positions[first] + self._separation(frame))
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
@@ -192,19 +191,19 @@ class StrainPainter(Painter):
         canvas.discs(points[self._fixed], radii, pins, None if depth is None else depth[self._fixed])
 
     def _paint_nodes(self, canvas: Canvas, frame: SourceFrame, view: View, own: FloatArray | None) -> None:
-        """Add particles that have a radius."""
+        """Queue the particles that have a radius."""
         points, depth, magnification = view.project(frame.positions[self._nodes])
         sizes = (self._radii * magnification).astype(np.float32)
         plain = np.tile(np.array(self._theme.text, dtype=float), (len(sizes), 1))
         colors = inks(
             plain if own is None else own[self._nodes], self._theme, None if depth is None else view.farness(depth)
         )
-        # A node lies over the springs that end in it.
+        # A node is drawn over the springs that end in it.
         nearer = None if depth is None else depth - (self._radii).astype(np.float32)
         canvas.discs(points, sizes, colors, nearer, 0.0 if view.flat else SHADING)
 
     def _own_colors(self, frame: SourceFrame) -> FloatArray | None:
-        """The colors of all particles of the scene (N, 3), where they were chosen."""
+        """The chosen colors (N, 3) of all particles of the scene; None if colors show the strain."""
         if self._coloring is None:
             return None
         colors = np.zeros((self._count, 3))
@@ -212,18 +211,20 @@ class StrainPainter(Painter):
         return colors
 
     def _whole(self, frame: SourceFrame) -> BoolArray | slice:
-        """Which springs are drawn (M,)."""
+        """The springs that are drawn, as a mask (M,) or a slice."""
         return slice(None) if self._springs is None else intact(frame, self._springs)
 
     def _values(self, frame: SourceFrame) -> FloatArray:
-        """Strains, or tensions of rods, (M,)."""
+        """The strains (M,), or the tensions of rods (M,)."""
         if self._rods is None:
             return self._strain(frame)
         tensions: FloatArray = frame.fields[TENSIONS][self._rods]
         return tensions
 
     def _strain(self, frame: SourceFrame) -> FloatArray:
-        """Length over rest length less one, (M,). Where the rest length is 0, the mean length takes its place."""
+        """The strains (M,): length over rest length, minus 1. If the rest length is 0, the mean length is the
+        denominator.
+        """
         separation = self._separation(frame)
         length = np.sqrt(np.einsum("md,md->m", separation, separation))
         rest = self._rest
@@ -233,13 +234,13 @@ class StrainPainter(Painter):
         return strain
 
     def _separation(self, frame: SourceFrame) -> FloatArray:
-        """Separation of the two ends of each spring [m], (M, D), in a domain that of the nearest images."""
+        """The vector between the ends of each spring [m], (M, D); in a periodic domain, between nearest images."""
         first, second = self._pairs.T
         separation = frame.positions[second] - frame.positions[first]
         return separation if self._domain is None else self._domain.nearest(separation)
 
     def _widths(self, view: View) -> np.ndarray:
-        """Widths (M,) [pixels]: a rope is thicker than the threads of a cloth."""
+        """The widths (M,) [pixels]. A rope is thicker than the threads of a cloth."""
         if self._style.width is not None:
             return np.full(len(self._rest), self._style.width, dtype=np.float32)
         length = float(np.median(self._rest)) * view.scale
@@ -248,26 +249,26 @@ class StrainPainter(Painter):
 
 
 def rooted(strain: FloatArray) -> FloatArray:
-    """Places of strains from -1 to 1 on a table of colors, 0–1: by their square root, so that small ones show."""
+    """Positions 0–1 on a color table of relative strains from -1 to 1. The square root makes small strains visible."""
     fraction: FloatArray = 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain))
     return fraction
 
 
 def strain_scale(top: float, table: FloatArray) -> Scale:
-    """The scale of strains from -top to top whose colors are looked up by `rooted`."""
+    """The color scale of strains from -top to top, for colors looked up by `rooted`."""
     return Scale("strain", "", (-top, top), look_up(table, rooted(np.linspace(-1.0, 1.0, len(table)))))
 
 
 def _spacing(pairs: IntArray, rest_length: FloatArray) -> float:
-    """The typical length of a particle's shortest spring [m]."""
+    """The median over all particles of the length of their shortest spring [m]."""
     shortest = np.full(int(pairs.max(initial=-1)) + 1, np.inf)
     np.minimum.at(shortest, pairs.ravel(), np.repeat(rest_length, 2))
     return float(np.median(shortest[np.isfinite(shortest)])) if len(pairs) else 0.0
 
 
 def covered(pairs: IntArray, rest_length: FloatArray) -> BoolArray:
-    """Which springs (M,) lie, at rest, along two others that meet on the way."""
-    longest = 1.001  # how much longer than the direct way the two may be
+    """Mask (M,) of the springs that lie, at rest, along two others that connect the same particles."""
+    longest = 1.001  # largest ratio of the two lengths together to the direct length
     both = np.concatenate([pairs, pairs[:, ::-1]])
     count = int(both.max(initial=-1)) + 1
     keys = both[:, 0] * count + both[:, 1]
@@ -280,7 +281,7 @@ def covered(pairs: IntArray, rest_length: FloatArray) -> BoolArray:
         return result
     degrees = np.diff(starts)[pairs[:, 0]]
     for step in range(int(degrees.max())):
-        # The step-th neighbor of each spring's first end: does a spring lead on from there to its second end?
+        # For the step-th neighbor of each spring's first end: find a spring from there to its second end.
         index = np.flatnonzero(degrees > step)
         there = starts[pairs[index, 0]] + step
         wanted = target[there] * count + pairs[index, 1]
@@ -294,12 +295,12 @@ def covered(pairs: IntArray, rest_length: FloatArray) -> BoolArray:
 def divided(
     lines: PixelArray, widths: PixelArray, ink: InkArray, depths: PixelArray, steps: PixelArray
 ) -> tuple[PixelArray, PixelArray, InkArray, PixelArray]:
-    """Lines (M, 4) in space, cut into parts of which each is sorted by itself: ends, widths, inks and depths of ends.
+    """Cut lines (M, 4) in 3D into parts that are sorted by depth separately. Returns the ends, widths, inks and depths.
 
     Args:
-        lines, widths, ink: as the canvas takes them.
-        depths: of the first ends (M,) [m].
-        steps: from there to the second ends (M,) [m].
+        lines, widths, ink: as for `Canvas.lines`.
+        depths: depths of the first ends (M,) [m].
+        steps: differences of depth from the first to the second ends (M,) [m].
     """
     lengths = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
     counts = np.clip(np.ceil(np.nan_to_num(lengths) / LONG), 1, 64).astype(np.intp)

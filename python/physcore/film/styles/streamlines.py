@@ -1,4 +1,4 @@
-"""Streamlines of a velocity or force field in the plane."""
+"""Streamlines of vector fields in 2D."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 STEP = 3.0
-"""Length of a step along a streamline [pixels]."""
+"""Length of an integration step along a streamline [pixels]."""
 LEAST = 0.02
-"""Where the field is below this fraction of its top, lines end: it has no direction to speak of."""
+"""Lines end where the field is below this fraction of its top, because its direction is not meaningful there."""
 
 
 @dataclass(frozen=True)
 class Streamlines(FieldStyle):
-    """Short streamlines on a regular pattern, growing thinner toward where they come from; for 2D scenes.
+    """Short streamlines on a regular pattern, tapered toward their upstream end; for 2D scenes.
 
-    They are drawn in addition to how the bodies look: `style=[Fluid(), Streamlines()]`. A line is followed by the
-    midpoint rule in steps of three pixels.
+    Streamlines are an overlay, in addition to the styles of the bodies: `style=[Fluid(), Streamlines()]`. They are
+    integrated by the midpoint method in steps of three pixels.
 
     Args:
         of: as in Arrows.
-        spacing: between the ends of lines [pixels], at most 10 000.
-        length: of a line [pixels], at most 10 000.
-        width: at a line's end [pixels].
+        spacing: distance between the ends of lines [pixels], at most 10 000.
+        length: length of a line [pixels], at most 10 000.
+        width: width at a line's downstream end [pixels].
         colormap: as in Points; None: all in the color of text.
-        top: the value at the end of the color scale, above zero; None: what is typical of the film.
-        on: as in Style: whose velocities are shown.
+        top: the magnitude at the end of the color scale, above zero; None: a typical value of the film.
+        on: as in Style: the bodies whose velocities are shown.
 
     Raises:
         SceneError: a value is not valid, the scene is in 3D, or velocities are needed and were not recorded.
@@ -59,11 +59,11 @@ class Streamlines(FieldStyle):
         )
 
     def can_draw(self, body: Body) -> bool:
-        """Whether it lies in the plane."""
+        """Whether a body is in 2D."""
         return body.dimension in self.dimensions
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter with the scale of one film."""
+        """The painter with the scale of one film."""
         if source.scene.dimension not in self.dimensions:
             raise SceneError("Streamlines: show the plane, and this scene is in 3D; Arrows() shows space")
         return super().painter(source, parts, theme)
@@ -74,19 +74,19 @@ class Streamlines(FieldStyle):
 
 
 class StreamlinesPainter(FieldPainter):
-    """Follows lines and draws them."""
+    """Painter of streamlines."""
 
     def __init__(self, style: Streamlines, shown: Field, theme: Theme) -> None:
         super().__init__(style, shown, theme)
         self._style = style
 
     def inset(self, pixels: float) -> float:
-        """Half a line's width."""
+        """Half the width of a line."""
         del pixels
         return self._style.width / 2 + 0.5
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add lines that end on the pattern."""
+        """Queue lines whose downstream ends are on the pattern."""
         del pixels
         at, step = self._field.around(frame, view, 0.5 * self._style.spacing), STEP / view.scale
         places = pattern(view, self._style.spacing)
@@ -94,7 +94,7 @@ class StreamlinesPainter(FieldPainter):
         places, values = places[values > LEAST * self.top], values[values > LEAST * self.top]
         line = [places]
         for _ in range(round(self._style.length / STEP)):
-            # Backward, so that the fresh end stands on the pattern; a line stays where it finds no direction.
+            # Upstream from the points of the pattern. A line ends where the direction is zero.
             middle = places - 0.5 * step * self._direction(at(places))
             places = places - step * self._direction(at(middle))
             line.append(places)
@@ -106,7 +106,7 @@ class StreamlinesPainter(FieldPainter):
         canvas.trails(past, widths, ink)
 
     def _direction(self, vectors: np.ndarray) -> np.ndarray:
-        """Unit vectors, or zero where there is next to nothing."""
+        """Unit vectors; zero vectors where the field is negligible."""
         length = np.linalg.norm(vectors, axis=1)[:, np.newaxis]
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.where(length > LEAST * self.top, vectors / length, 0.0)

@@ -1,4 +1,4 @@
-"""Cloths and soft bodies as lit surfaces, plain, textured or colored by strain."""
+"""Cloths and soft bodies as lit surfaces: plain, textured or colored by strain."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
 RIM = 0.75
-"""The light of the rim of a surface, which faces sideways."""
+"""Brightness of the rim of a surface, which faces sideways."""
 BACK = 0.9
-"""The light of the back of a surface, beside that of its front."""
+"""Brightness of the back of a surface, relative to its front."""
 CREASE = 0.75
-"""The cosine between the normals of two faces below which there is an edge between them."""
+"""Cosine of the angle between two faces below which their common edge is drawn sharp."""
 NEVER = 1e-9
-"""Strains below this are rounding, and stay neutral [1]."""
+"""Least end of the color scale: smaller strains are rounding errors [1]."""
 UPWARD = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
-"""Which way a texture is upright: along z, or along y on what lies flat."""
+"""Upward direction of a texture: along z, or along y for horizontal bodies."""
 LARGEST = 4096
-"""The longest side of a texture [pixels]."""
+"""Longest side of a texture [pixels]."""
 
 
 class Picture:
-    """The pixels (H, W, 3) of a texture, and what the canvas makes of them; compared by the pixels."""
+    """The pixels (H, W, 3) of a texture, with the texture of the canvas; equality compares the pixels."""
 
     def __init__(self, pixels: NDArray[np.uint8]) -> None:
         self.pixels: NDArray[np.uint8] = frozen(np.array(pixels, order="C"))
@@ -66,22 +66,24 @@ class Picture:
 
 @dataclass(frozen=True)
 class Surface(BodyStyle):
-    """The triangles of a spring network's `faces`, filled; in 3D with Lambert's light and smooth normals. A triangle
-    with a broken side is not drawn.
+    """Spring networks as surfaces: their `faces` as filled triangles. In 3D they have Lambertian shading with smooth
+    normals. A triangle with a broken side is not drawn.
 
         pc.film(recording, "flag.gif", style=pc.styles.Surface("#c0392b", back="#f4e7d3"))
 
     Args:
-        color: "body" or "strain"; by strain each particle has the color of its springs' mean, blue when compressed, red
-            when stretched. Or colors of one's own, as in Points: one, such as "tomato", one for each body or particle,
-            or values or a function of which each is a place on a ramp.
-        texture: a picture that is laid on the body as it was at the start, seen along its thinnest side: a path, or
-            an array (H, W, 3) of bytes; None: none.
-        range: the strain at which colors end [1]; None: what is typical of the film.
-        colormap: the ramp of values, as in Points.
-        back: the color of the back, in 3D, the side from which corners go round clockwise; None: that of the front.
-        thickness: the width of the rim of a cloth in 3D [m], at least zero; None: that of its SelfContact, or no rim.
-        on: as in Style; it must have faces.
+        color: "body" or "strain". With "strain", each particle has the color of the mean strain of its springs: blue if
+            compressed, red if stretched. Or chosen colors, as in Points: one such as "tomato", one for each body or
+            particle, or values or a function for a color scale.
+        texture: a picture projected onto the initial shape of the body along its thinnest direction: a path, or an
+            array
+            (H, W, 3) of bytes; None: no texture.
+        range: the strain at the ends of the scale [1]; None: a typical value of the film.
+        colormap: the map of the color scale of values, as in Points.
+        back: the color of the back in 3D, the side from which corners are in clockwise order; None: as the front.
+        thickness: the width of the rim of a cloth in 3D [m], at least zero; None: the thickness of its SelfContact, or
+            no rim.
+        on: as in Style; each body must have faces.
 
     Raises:
         SceneError: a value is not valid.
@@ -108,11 +110,11 @@ class Surface(BodyStyle):
             self._set(texture=Picture(_pixels(self.texture)))
 
     def can_draw(self, body: Body) -> bool:
-        """Whether it has a surface."""
+        """Whether a body has faces."""
         return isinstance(body, SpringNetwork) and len(body.faces) > 0
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter with the color scale of one film."""
+        """The painter with the color scale of one film."""
         for part in parts:
             if not self.can_draw(part.body):
                 raise SceneError(f"Surface.on: {part.body!r} has no faces; give SpringNetwork faces=, or use Strain()")
@@ -120,7 +122,7 @@ class Surface(BodyStyle):
 
 
 class SurfacePainter(Painter):
-    """Draws triangles."""
+    """Painter of triangles."""
 
     def __init__(self, style: Surface, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme = style, style, theme
@@ -128,7 +130,7 @@ class SurfacePainter(Painter):
         faces, pairs, rest, spots, springs = [], [], [], [], []
         for part in parts:
             body = part.body
-            assert isinstance(body, SpringNetwork)  # the style has made sure of it
+            assert isinstance(body, SpringNetwork)  # the style has checked this
             faces.append(body.faces + part.where.start)
             pairs.append(body.pairs + part.where.start)
             rest.append(body.rest_length)
@@ -173,24 +175,24 @@ class SurfacePainter(Painter):
 
     @property
     def settled(self) -> bool:
-        """Whether the end of the color scale was given, or there is none."""
+        """Whether the end of the color scale was given, or there is no scale."""
         return self._style.range is not None if self._coloring is None else self._coloring.settled
 
     @property
     def scale(self) -> Scale | None:
-        """The scale of colors."""
+        """The color scale."""
         return (
             strain_scale(self.top, self._table) if self._coloring is None else self._coloring.scale(self.low, self.top)
         )
 
     @property
     def palette(self) -> FloatArray:
-        """Colors (K, 3) that it may draw, that of the back among them."""
+        """Colors (K, 3) that may occur in any frame, including the color of the back."""
         front = super().palette
         return front if self._back is None else np.concatenate([front, self._back[np.newaxis]])
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the end of the color scale."""
+        """Update the end of the color scale by a frame."""
         if self._coloring is not None:
             self._coloring.observe(frame)
             self.low, self.top = self._coloring.low, self._coloring.top
@@ -198,12 +200,12 @@ class SurfacePainter(Painter):
             self.top = max(NEVER, self._typical.add(np.abs(self._strain(frame))[self._where]))
 
     def inset(self, pixels: float) -> float:
-        """A rim."""
+        """A margin of 1.5 pixels."""
         del pixels
         return 1.5
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add triangles."""
+        """Queue the triangles."""
         del pixels
         corners, depth, _ = view.project(frame.positions)
         farness = None if depth is None else view.farness(depth)
@@ -211,7 +213,7 @@ class SurfacePainter(Painter):
         colors = self._colors(frame)[faces].reshape(-1, 3)
         if not view.flat:
             one, other = corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]]
-            # Pixels are counted downward: what goes round to the left is seen with a negative area.
+            # The y axis of pixels points down: faces that are counterclockwise in the picture have a negative area.
             away = np.repeat(one[:, 0] * other[:, 1] > one[:, 1] * other[:, 0], 3)
             if self._back is not None:
                 colors = np.where(away[:, np.newaxis], self._back, colors)
@@ -219,12 +221,12 @@ class SurfacePainter(Painter):
             colors = np.where((away & ~np.repeat(self._closed, 3))[:, np.newaxis], BACK * colors, colors)
         far = None if farness is None else farness[faces].ravel()
         inked = inks(np.clip(colors, 0.0, 255.0), self._theme, far).reshape(-1, 12)
-        # The inside of a closed surface is not seen.
+        # The inside of a closed surface is not visible.
         shown = np.ones(len(faces), dtype=np.bool_) if view.flat else ~(self._closed & away[::3])
         if self._sides is not None:
             shown &= intact(frame, self._sides).all(axis=1)
         if self._domain is not None:
-            # A triangle that reaches across a face of the domain would cross the picture.
+            # A triangle across a face of the domain would be drawn across the whole picture.
             shown &= straight(self._domain, np.diff(frame.positions[faces[:, [0, 1, 2, 0]]], axis=1)).all(axis=1)
         if not shown.all():
             faces, spots, inked = faces[shown], spots[shown], inked[shown]
@@ -246,7 +248,7 @@ class SurfacePainter(Painter):
         return look_up(self._table, rooted(self._strain(frame) / self.top))
 
     def _strain(self, frame: SourceFrame) -> FloatArray:
-        """The mean strain of each particle's springs that are not broken (N,)."""
+        """The mean strain (N,) of the unbroken springs of each particle."""
         whole = slice(None) if self._sides is None else intact(frame, self._springs)
         positions, pairs = frame.positions, self._pairs[whole]
         separation = positions[pairs[:, 1]] - positions[pairs[:, 0]]
@@ -259,9 +261,9 @@ class SurfacePainter(Painter):
         return mean
 
     def _normals(self, positions: FloatArray, away: BoolArray, view: View) -> FloatArray:
-        """Unit normals at the corners of all faces (3T, 3) along the view's axes; those turned away from it are turned.
+        """Unit normals at the corners of all faces (3T, 3), in the coordinates of the view and toward the camera.
 
-        A corner has the mean normal of the faces around it, without those that lie behind an edge at the start.
+        A corner has the mean normal of the faces around it, without those beyond a sharp edge in the initial shape.
         """
         flat = _areas(positions, self._faces) @ view.axes.T
         if self._around is None:
@@ -270,28 +272,29 @@ class SurfacePainter(Painter):
             corner, face = self._around
             normals = _unit(sums(corner, flat[face], 3 * len(flat)))
         normals[away] *= -1.0
-        # A mean normal may point away from the eye where its face does not: that is the rim.
+        # Near the silhouette, a mean normal may point away from the camera though its face does not.
         normals[:, 2] = np.maximum(normals[:, 2], 0.0)
         return normals
 
 
 def _areas(positions: FloatArray, faces: IntArray) -> FloatArray:
-    """Normals of faces (T, 3), twice as long as they are large."""
+    """Normals of faces (T, 3); their length is twice the area."""
     first, second, third = (positions[faces[:, corner]] for corner in (0, 1, 2))
     return np.cross(second - first, third - first)
 
 
 def _closed(faces: IntArray) -> bool:
-    """Whether each edge of faces (T, 3) belongs to two of them, once in each direction."""
+    """Whether a surface is closed: each edge of the faces (T, 3) occurs twice, once in each direction."""
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     count = int(faces.max(initial=0)) + 1
     return bool((np.sort(edges @ [count, 1]) == np.sort(edges[:, ::-1] @ [count, 1])).all())
 
 
 def _around(positions: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray] | None:
-    """The faces around each corner of each face that are not behind an edge: corners (K,) of 3T and faces (K,) of T.
+    """The faces around each corner of each face that are not beyond a sharp edge: corners (K,) of 3T and faces (K,) of
+    T.
 
-    None where there is no edge, so that all faces around a particle are.
+    The result is None if there are no sharp edges, so that all faces of a particle count.
     """
     corners, normals = faces.ravel(), _unit(_areas(positions, faces))
     order = np.argsort(corners, kind="stable")
@@ -305,15 +308,16 @@ def _around(positions: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray]
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    """Vectors (N, 3) of length one."""
+    """Vectors (N, 3) scaled to length 1."""
     length = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
     result: FloatArray = vectors / np.maximum(length, 1e-300)[:, np.newaxis]
     return result
 
 
 def spread(positions: FloatArray) -> NDArray[np.float32]:
-    """Where particles lie on a picture (N, 2), 0–1 to the right and up: seen along their thinnest direction, upright,
-    from the side of the usual camera.
+    """Texture coordinates (N, 2) of particles, 0–1 to the right and up.
+
+    The projection is along the thinnest direction of the body, upright, from the side of the default camera.
     """
     centered = positions - positions.mean(axis=0)
     if positions.shape[1] == 3:

@@ -1,4 +1,4 @@
-"""The springs and the faces that are left of a body that tears."""
+"""The intact springs and faces of a body that tears."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from physcore.scene.scene import Scene
 from physcore.simulation.sources import Source, SourceFrame
 
 BROKEN = "broken"
-"""The field of springs that are broken."""
+"""The field of broken springs."""
 
 
 def has_tears(source: Source, parts: list[Part]) -> bool:
-    """Whether springs of these bodies may be broken in a film."""
+    """Whether springs of these bodies may break in a film."""
     return source.has(BROKEN) and any(isinstance(part.body, SpringNetwork) and part.body.can_tear for part in parts)
 
 
 def intact(frame: SourceFrame, springs: IntArray) -> BoolArray:
-    """Which of these springs (M,), as indices in the scene, are not broken; -1 is a spring that does not exist."""
+    """Mask (M,) of the unbroken ones among springs, given as indices in the scene; -1 stands for no spring."""
     whole: BoolArray = (frame.fields[BROKEN][springs] == 0.0) | (springs < 0)
     return whole
 
 
 def sides(scene: Scene, parts: list[Part]) -> IntArray:
-    """The springs along the three sides of each face of these bodies (T, 3), as indices in the scene; -1: none."""
+    """The springs along the three sides of each face of these bodies (T, 3), as indices in the scene; -1: no spring."""
     found = []
     for part in parts:
         body = part.body
-        assert isinstance(body, SpringNetwork)  # the style has made sure of it
+        assert isinstance(body, SpringNetwork)  # the style has checked this
         count = len(body)
         keys = np.sort(body.pairs, axis=1) @ [count, 1]
         order = np.argsort(keys, kind="stable")

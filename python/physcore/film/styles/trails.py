@@ -1,4 +1,4 @@
-"""A few tracers as discs with paths that fade."""
+"""Few tracers as discs with fading trails."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from physcore.systems.point_vortices import PointVortices
 from physcore.systems.tracers import Tracers
 
 SHARE = 0.3
-"""The part of the film for which a path is shown where nothing is said."""
+"""Default duration of a trail, as a fraction of the film."""
 FRESH = 0.9
-"""How much of its color the freshest part of a path has, beside the background's."""
+"""Opacity of the newest part of a trail."""
 LONGEST = 400_000
-"""The most points of all paths."""
+"""Largest number of points of all trails."""
 
 
 @dataclass(frozen=True)
 class Trails(SystemStyle):
-    """Tracers as discs, with the paths on which they came, which become thin and fade.
+    """Tracers as discs with trails, which taper and fade.
 
         pc.film(recording, "lorenz.gif", style=pc.styles.Trails(duration=4.0))
 
-    Paths are the cubics through positions and velocities of the frames, where velocities were recorded. Each tracer has
-    its own color; of several systems of tracers in a scene, each system has. Vortices have two colors, for both signs
-    of their circulation.
+    Trails are cubic interpolants of the positions and velocities in the frames, if velocities were recorded. Each
+    tracer has its own color; with several systems of tracers in a scene, each system has its own color. Vortices have
+    one color for each sign of their circulation.
 
     Args:
-        duration: for how long a path is shown [s]; None: three tenths of the film.
-        width: of a path at its fresh end [pixels].
+        duration: duration of a trail [s]; None: three tenths of the film.
+        width: width of a trail at its newest end [pixels].
         size: diameter of the discs [pixels].
-        color: one for all, such as "tomato" or "#10c0ff".
+        color: one color for all, such as "tomato" or "#10c0ff".
         on: the tracers drawn in this style; None: all systems of up to 200 points.
 
     Raises:
@@ -64,16 +64,16 @@ class Trails(SystemStyle):
             self._set(color=color(self.color, "Trails.color"))
 
     def can_draw(self, item: object) -> bool:
-        """Whether it consists of a few points."""
+        """Whether an item has few points."""
         return isinstance(item, PointSystem) and len(item) <= FEW
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> TrailsPainter:
-        """A painter of one system."""
+        """The painter of one system."""
         return TrailsPainter(self, source, part, theme)
 
 
 class TrailsPainter(PointsPainter):
-    """Draws paths, and discs at their ends."""
+    """Painter of trails and discs."""
 
     def __init__(self, style: Trails, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, source, part)
@@ -100,16 +100,16 @@ class TrailsPainter(PointsPainter):
         return [] if color is None else [(self._system, color)]
 
     def begin(self) -> None:
-        """Forget the paths."""
+        """Forget the trails."""
         self._past.begin()
 
     def inset(self, pixels: float) -> float:
-        """A disc."""
+        """The radius of a disc."""
         del pixels
         return self._trails.size / 2 + 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add paths, then discs."""
+        """Queue the trails, then the discs."""
         del pixels
         points = frame.fields[self._field]
         self._past.add(points, None if self._rates is None else frame.fields[self._rates])

@@ -1,4 +1,4 @@
-"""What is typical of values: ends of color scales that neither a few values nor a few frames take for themselves."""
+"""Robust upper ends of color scales, which are not affected by outliers among values and frames."""
 
 from __future__ import annotations
 
@@ -9,28 +9,29 @@ import numpy as np
 from physcore.checks import FloatArray
 
 TYPICAL = 99.5
-"""What is typical of a frame is this percentile of its values: one particle in two hundred may be beyond."""
+"""Percentile of a frame's values for its typical value: one particle in two hundred may be beyond."""
 RARE = 0.02
-"""The share of frames that may be beyond the end of a scale: an impact of some frames does not darken all others."""
+"""Fraction of frames that may be beyond the end of a scale, so that an impact does not darken all other frames."""
 SEVERAL = 10
-"""Of so many frames at least one may be."""
+"""From this number of frames on, at least one frame may be beyond the end."""
 MANY = 50_000
-"""The largest number of values of which a percentile is taken."""
+"""Largest number of values of which a percentile is computed."""
 
 
 class Typical:
-    """The end of a scale for a whole film: a percentile of each frame, and of these all but the rarest.
+    """Upper end of a scale for a whole film: the largest percentile of its frames, without the rarest frames.
 
         top = Typical()
         top.add(np.array([0.1, 0.3, 0.2]))  # 0.3
 
-    With one outlier in a frame, or one frame among many, the end is that of the others; the values beyond it have its
-    color. A percentile of all values of a film would be that of the particles at rest, if only a few move.
+    A single outlier in a frame, or a single extreme frame among many, does not affect the end. Values beyond the end
+    have its color. A percentile over all values of a film would not serve: if few particles move, it is the value of
+    those at rest.
 
     Args:
-        percentile: of each frame.
-        rare: the share of frames that may be beyond the end.
-        least: the end is at least this fraction of what is typical of the frame with the most.
+        percentile: the percentile of each frame.
+        rare: the fraction of frames that may be beyond the end.
+        least: least end, as a fraction of the largest typical value of all frames.
     """
 
     def __init__(self, percentile: float = TYPICAL, rare: float = RARE, least: float = 0.0) -> None:
@@ -38,14 +39,14 @@ class Typical:
         self._frames: list[float] = []
 
     def add(self, values: FloatArray) -> float:
-        """The end for all frames so far, with one more."""
+        """Add a frame, and return the end of the scale for all frames so far."""
         insort(self._frames, typical(values, self._percentile))
         beyond = max(int(self._rare * len(self._frames)), len(self._frames) >= SEVERAL)
         return max(self._frames[-1 - beyond], self._least * self._frames[-1])
 
 
 def typical(values: FloatArray, percentile: float = TYPICAL) -> float:
-    """The value below which nearly all lie, of at most some ten thousands of them; 0 if there are none."""
+    """A percentile of the finite values, computed from at most MANY of them; 0 if there are none."""
     few = values[:: 1 + len(values) // MANY]
     finite = few[np.isfinite(few)]
     if len(finite) == 0:

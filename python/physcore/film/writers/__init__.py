@@ -1,4 +1,4 @@
-"""The formats of films, one file each. To add one: a file here and a line in WRITERS."""
+"""Formats of films, one module each. To add one: a module here and a line in WRITERS."""
 
 from __future__ import annotations
 
@@ -11,6 +11,6 @@ from physcore.film.writers.png import PngWriter
 from physcore.film.writers.webp import WebpWriter
 
 WRITERS: tuple[type[Writer], ...] = (GifWriter, WebpWriter, ApngWriter, Mp4Writer, PngWriter)
-"""Every format that a film can have."""
+"""All formats of films."""
 
 __all__ = ["QUALITIES", "WRITERS", "Film", "FilmJob", "GifWriter", "Loop", "Quality", "Writer", "check_loop", "delays"]

@@ -1,7 +1,7 @@
-"""Animated PNG: every color as it was drawn; Pillow compresses each frame, and nothing else is kept in memory.
+"""Writer of animated PNG, which is lossless. Pillow compresses each frame, and only one frame is in memory.
 
-Pillow's own way to write one takes no generator, holds all frames until the last is there, and merges those that are
-like the one before.
+Pillow's own writer takes no generator, holds all frames in memory, and merges equal successive frames.
+
 Source: W3C, "Portable Network Graphics (PNG) Specification (Third Edition)", 2025, section 11.3.6.
 """
 
@@ -23,17 +23,17 @@ from physcore.film.writers.png import KEYWORD, text_of
 from physcore.storage.files import replacing
 
 TICKS = 1000
-"""Delays are given in milliseconds."""
+"""Unit of delays: 1/1000 s."""
 STAY, REPLACE = 0, 0
-"""A frame stays when its time is over, and takes the place of what is there."""
+"""Disposal and blend operation: a frame remains after its delay, and replaces the pixels below it."""
 
 
 class ApngWriter(Writer):
-    """Every pixel as it was drawn, for viewers of animated PNG: all browsers."""
+    """Lossless animation for viewers of animated PNG: all browsers."""
 
     suffixes: ClassVar = (".apng",)
     name: ClassVar = "an animated PNG"
-    fastest: ClassVar = 90.0  # Browsers slow delays of 10 ms and less down to 100 ms.
+    fastest: ClassVar = 90.0  # Browsers replace delays of 10 ms and less by 100 ms.
     longest: ClassVar = 65535 / TICKS
 
     def write(self, job: FilmJob, target: Path) -> Film:
@@ -65,13 +65,13 @@ class ApngWriter(Writer):
 
 
 def _chunk(file: BinaryIO, kind: bytes, content: bytes) -> None:
-    """Write a piece with its length and its checksum."""
+    """Write a chunk with its length and its checksum."""
     file.write(struct.pack(">I", len(content)) + kind + content)
     file.write(struct.pack(">I", zlib.crc32(content, zlib.crc32(kind))))
 
 
 def _compressed(pixels: NDArray[np.uint8]) -> tuple[bytes, Iterator[bytes]]:
-    """The header and the compressed pixels of a picture, out of the PNG that Pillow makes of it."""
+    """The header and the compressed pixels of a picture, taken from the PNG written by Pillow."""
     from PIL import Image
 
     buffer = io.BytesIO()

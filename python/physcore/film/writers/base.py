@@ -1,4 +1,4 @@
-"""Formats of films: the job that a writer is given, the base of writers, and the display time of frames."""
+"""Base class of writers, the job given to a writer, and the delays of frames."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ from physcore.storage.formats import Format
 
 Quality = Literal["fast", "high"]
 KINDS = {".gif": "gif", ".webp": "webp", ".apng": "apng", ".png": "png"}
-"""What a page shows as an image."""
+"""Suffixes of films that a page shows as images, with their types."""
 INLINE = 3_000_000
-"""Films of at most so many bytes are shown by themselves in notebooks."""
+"""Largest size of a film that is embedded in a notebook [bytes]."""
 QUALITIES: tuple[Quality, ...] = get_args(Quality)
 
 
 @dataclass(frozen=True)
 class Film:
-    """A film that was written."""
+    """Written film."""
 
     path: Path
     """The path of its file."""
     bytes: int
-    """How large it is."""
+    """Size of the file [bytes]."""
     size: tuple[int, int]
     """Width and height [pixels]."""
     frames: int
-    """How many it shows."""
+    """Number of frames."""
     rate: float
-    """How many of them in a second."""
+    """Frames per second."""
     colors: int | None = None
-    """How many it has at most; None: all that there are."""
+    """Largest number of colors; None: all colors."""
 
     def __repr__(self) -> str:
         moving = f", {self.frames} frames, {self.rate:.4g} per second" if self.frames > 1 else ""
@@ -50,7 +50,7 @@ class Film:
         return f"{self.path}: {self.size[0]}×{self.size[1]}{moving}{colors}, {self.bytes / 1e6:.2f} MB"
 
     def _repr_html_(self) -> str:
-        """For notebooks: the film itself as long as it has at most 3 MB and is still there, and what it is."""
+        """HTML for notebooks: a description, and the film itself if it exists and has at most 3 MB."""
         words = f"<div>{escape(repr(self))}</div>"
         kind = KINDS.get(self.path.suffix.lower())
         if kind is None or self.bytes > INLINE:
@@ -63,36 +63,38 @@ class Film:
 
 @dataclass(frozen=True, eq=False)
 class FilmJob:
-    """A film to be written, one frame at a time."""
+    """Job of a writer: a film whose frames are drawn one at a time."""
 
     renderer: Renderer
     """The renderer of its frames."""
     rate: float
     """Frames per second."""
     quality: Quality
-    """How much care is taken of colors, where a format has few."""
+    """Effort for the colors, in formats with few colors."""
     max_bytes: int | None
-    """How large the file may become, where a format can be made smaller."""
+    """Largest size of the file [bytes], for formats that can be made smaller."""
     describe: Callable[[], str]
-    """Gives the provenance record, as JSON in ASCII; a scene that was not simulated yet is, so ask late."""
+    """Gives the provenance record as JSON in ASCII. Call it at the end: a scene that was not simulated yet is simulated
+    then.
+    """
     progress: bool | None
     """Whether to show a progress bar, as in `film`."""
     repeat: Repeat = field(default_factory=Repeat)
-    """How it begins again."""
+    """The transition from the end to the start."""
 
     def count(self, stride: int = 1) -> int:
-        """How many frames the film has, if of so many of the renderer's one is shown."""
+        """The number of frames of the film, if it shows one of every `stride` frames of the renderer."""
         return self.repeat.count(math.ceil(self.renderer.count / stride), self.rate / stride)
 
     def delays(self, ticks: int, stride: int = 1) -> list[int]:
-        """How long each frame is shown, in units of 1/ticks s, none of them late by more than half a unit."""
+        """The delay of each frame, in units of 1/ticks s; accumulated times are off by at most half a unit."""
         result = delays(self.count(stride), self.rate / stride, ticks)
         if result:
             result[self.held(stride)] += round(self.repeat.hold * ticks)
         return result
 
     def held(self, stride: int = 1) -> int:
-        """The number of the frame that is held: the last one drawn."""
+        """The index of the frame that is held: the last one drawn."""
         return min(math.ceil(self.renderer.count / stride), self.count(stride)) - 1
 
     @property
@@ -101,11 +103,11 @@ class FilmJob:
         return self.describe()
 
     def frames(self, stride: int = 1) -> Iterator[Canvas]:
-        """Every frame, or every second, third, …; each canvas is valid until the next is asked for."""
+        """Every frame, or every second, third, …; each canvas is valid until the next is requested."""
         return self.repeat.frames(self._drawn(stride), math.ceil(self.renderer.count / stride), self.rate / stride)
 
     def _drawn(self, stride: int) -> Iterator[Canvas]:
-        """Those of the renderer."""
+        """The frames of the renderer."""
         with Progress(self.renderer.count, "drawing", self.progress) as bar:
             for index, canvas in enumerate(self.renderer.frames()):
                 if index % stride == 0:
@@ -114,22 +116,23 @@ class FilmJob:
 
 
 class Writer(Format, ABC):
-    """A format of films."""
+    """Base class of the formats of films."""
 
     name: ClassVar[str]
-    """Its name in a sentence."""
+    """The name of the format in a sentence."""
     fastest: ClassVar[float] = math.inf
-    """Frames per second that every viewer shows."""
+    """Largest frame rate that every viewer supports [1/s]."""
     longest: ClassVar[float] = math.inf
-    """How long it can show one frame [s]."""
+    """Longest delay of a frame [s]."""
 
     @classmethod
     def rate(cls, fps: float, speed: float | None) -> float:
-        """Frames per second of a film that shows `fps` frames of each simulated second; None: in real time, or slower,
-        with a warning, where the format cannot.
+        """Frame rate of a film that shows `fps` frames per simulated second, at a given speed.
+
+        Without a speed, the film plays in real time. If the format cannot, it plays slower, with a warning.
 
         Raises:
-            SceneError: the format cannot show them at that speed.
+            SceneError: the format does not support the frame rate at this speed.
         """
         if speed is None and fps > cls.fastest * (1.0 + 1e-9):
             warn(
@@ -152,15 +155,15 @@ class Writer(Format, ABC):
         return rate
 
     budgeted: ClassVar[bool] = False
-    """Whether it can be made to fit into a number of bytes."""
+    """Whether the film can be made to fit into a number of bytes."""
     video: ClassVar[bool] = False
-    """Whether it is compressed so well that large pictures are usual."""
+    """Whether the compression is strong enough for large pictures."""
     moving: ClassVar[bool] = True
-    """Whether it shows more than one frame."""
+    """Whether the format has more than one frame."""
 
     @abstractmethod
     def write(self, job: FilmJob, target: Path) -> Film:
-        """Write a film; it appears under its name when it is whole, and until then what was there stays.
+        """Write a film. The file appears under its name when it is complete; until then an existing file stays.
 
         Raises:
             OSError: the file cannot be written.
@@ -168,7 +171,7 @@ class Writer(Format, ABC):
 
     @classmethod
     def written(cls, job: FilmJob, target: Path) -> Film:
-        """The film that was written, if it shows the whole job."""
+        """The written film, if it shows the whole job."""
         return Film(target, target.stat().st_size, job.renderer.size, job.count(), job.rate)
 
     @staticmethod
@@ -182,6 +185,6 @@ class Writer(Format, ABC):
 
 
 def delays(count: int, rate: float, ticks: int) -> list[int]:
-    """How long each of `count` frames is shown, in units of 1/ticks s, none of them late by more than half a unit."""
+    """The delays of `count` frames, in units of 1/ticks s; accumulated times are off by at most half a unit."""
     ends = [math.floor(ticks * (index + 1) / rate + 0.5) for index in range(count)]
     return [end - start for start, end in zip([0, *ends], ends, strict=False)]

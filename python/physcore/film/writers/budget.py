@@ -1,4 +1,4 @@
-"""How a film is made to fit into a number of bytes: what is given up first, and how the room that is left is used."""
+"""Reductions that make a film fit into a number of bytes: their order, and the use of the remaining room."""
 
 from __future__ import annotations
 
@@ -8,65 +8,67 @@ from dataclasses import dataclass, field, replace
 from physcore.errors import SceneError
 
 MILD, FAR, FARTHEST = 10, 18, 28
-"""How far a pixel's color may be from the nearest of the palette [levels of 255], in a film that would be rather
-large or large, and in one that has to become smaller."""
+"""Tolerances of a pixel's color against the nearest one of the palette [levels of 255].
+
+The first two are for films slightly and clearly above LARGE, the last for films that must become smaller.
+"""
 LARGE = 3_000_000
-"""The bytes above which a film is large."""
+"""Size above which a film is large [bytes]."""
 SMALLER, SMALLEST = 0.5, 0.25
-"""How much narrower the picture becomes, and at last [1]."""
+"""Least widths of the picture, relative to the requested one: at first, and finally [1]."""
 SLOW, SLOWEST = 12.0, 6.0
-"""Frames per second that are left before the picture becomes smaller, and at last, if the film has as many."""
+"""Least frame rates: before the picture becomes smaller, and finally. Films with a lower rate keep theirs."""
 FEW, FEWEST = 63, 31
-"""Colors that are left before the picture becomes smaller, and at last."""
+"""Least numbers of colors: before the picture becomes smaller, and finally."""
 ROOM = 0.95
-"""The fraction of the bytes that is aimed at, because the size of a film is only estimated."""
+"""Target size as a fraction of the limit, because the size of a film is only estimated."""
 ENOUGH = 0.85
-"""The fraction of the bytes that is to be used."""
+"""Fraction of the limit that a film should use."""
 REFINEMENTS = 3
-"""How often a film that fits is made again to use more of them."""
+"""Largest number of repetitions to use more of the limit, after a film fits."""
 
 
 @dataclass(frozen=True)
 class Cut:
-    """A reduction of a film: tolerance of colors, rate, number of colors and size; at first none."""
+    """Reduction of a film: color tolerance, frame rate, number of colors and size; by default none."""
 
     scale: float = 1.0
-    """The width of the picture, over that asked for."""
+    """Width of the picture, relative to the requested one."""
     stride: int = 1
-    """Of so many frames one is shown."""
+    """One of this many frames is shown."""
     colors: int = 255
-    """In the palette."""
+    """Number of colors of the palette."""
     tolerance: int = 0
-    """How far a pixel's color may be from the nearest of the palette [levels of 255]."""
+    """Tolerance of a pixel's color against the nearest one of the palette [levels of 255]."""
 
     def size(self, whole: tuple[int, int]) -> tuple[int, int]:
-        """Width and height, as even numbers of pixels."""
+        """Width and height of the reduced picture, as even numbers of pixels."""
         width, height = (max(2 * round(self.scale * side / 2), 16) for side in whole)
         return width, height
 
     def farther(self, excess: float, most: int) -> int:
-        """The next tolerance, at most so large: the least that is likely to save enough."""
+        """The next tolerance, at most `most`: the least that is likely to reduce the size by the factor `excess`."""
         saving = ((MILD, 1.4), (FAR, 1.9), (FARTHEST, math.inf))
         return next(min(far, most) for far, gain in saving if (far > self.tolerance and excess < gain) or far >= most)
 
     def deeper(self, excess: float, rate: float, limit: int) -> Cut:
-        """The next cut, where a film takes `excess` times the bytes that it may.
+        """The next reduction of a film whose size is `excess` times the limit.
 
-        First colors may be farther off; then every second frame is left out, as long as twelve a second are left; then
-        half of the colors, down to 63; then the picture becomes smaller, down to half as wide; at last all of these go
-        on, to six frames a second, 31 colors and a quarter of the width.
+        The order is: a larger color tolerance; every second frame, down to twelve per second; half of the colors, down
+        to 63; a smaller picture, down to half the width. Finally the same reductions go on, to six frames per second,
+        31 colors and a quarter of the width.
 
         Args:
-            excess: the estimated bytes over those allowed, above one.
-            rate: frames per second of the whole film.
-            limit: the bytes allowed, for the message.
+            excess: the estimated size over the limit, above one.
+            rate: frames per second of the complete film.
+            limit: the largest size [bytes], for the message.
 
         Raises:
-            SceneError: there is nothing left to give up.
+            SceneError: no further reduction is possible.
         """
         if self.tolerance < FARTHEST:
             return replace(self, tolerance=self.farther(excess, FARTHEST))
-        # The bytes of a picture go with its area.
+        # The size of a film is proportional to the area of the picture.
         shrunk = self.scale * math.sqrt(ROOM / excess)
         for slowest, fewest, smallest in ((SLOW, FEW, SMALLER), (SLOWEST, FEWEST, SMALLEST)):
             if rate / (2 * self.stride) >= slowest:
@@ -83,33 +85,34 @@ class Cut:
 
 @dataclass
 class Search:
-    """The search for the least cut with which a film fits into its bytes."""
+    """Search for the least reduction with which a film fits into its limit."""
 
     rate: float
-    """Frames per second of the whole film."""
+    """Frames per second of the complete film."""
     limit: int | None
-    """The bytes allowed; None: any number, but a large film lets colors be farther off."""
+    """The largest size [bytes]; None: no limit, but a large film has a color tolerance if `gentle` is True."""
     gentle: bool = True
-    """Whether it does."""
+    """Whether a large film without a limit has a color tolerance."""
     cut: Cut = field(default_factory=Cut)
-    """What is tried."""
+    """The present reduction."""
     fits: Cut | None = None
-    """The least cut so far with which the film fits."""
+    """The least reduction so far with which the film fits; None: none yet."""
     tries: int = 0
     _failed: Cut | None = None
 
     @property
     def bound(self) -> int | None:
-        """The bytes above which what is tried is given up."""
+        """The size above which the present attempt is abandoned [bytes]."""
         if self.limit is None and self.gentle and self.cut.tolerance < FAR:
             return LARGE
         return self.limit
 
     def too_large(self, excess: float) -> bool:
-        """Go on after a film that took `excess` times its bytes; False: the one that fitted stays.
+        """Choose the next attempt after a film that was `excess` times too large; False: keep the last film that
+        fitted.
 
         Raises:
-            SceneError: there is nothing left to give up.
+            SceneError: no further reduction is possible.
         """
         if self.limit is None:
             self.cut = replace(self.cut, tolerance=self.cut.farther(excess, FAR))
@@ -121,7 +124,7 @@ class Search:
         return self._between(self.fits, self.cut)
 
     def fitted(self, size: int) -> bool:
-        """Go on after a film that fits; False: it uses its bytes."""
+        """Choose the next attempt after a film of `size` bytes that fits; False: it is good enough."""
         self.fits = self.cut
         if self.limit is None or self._failed is None or size >= ENOUGH * self.limit:
             return False
@@ -132,13 +135,13 @@ class Search:
         return self._between(self.cut, replace(self.cut, tolerance=self._lowest()))
 
     def _lowest(self) -> int:
-        """The tolerance below which the film does not fit, as far as it is known."""
+        """The largest tolerance known to be too small; 0 if there is none."""
         failed, fits = self._failed, self.cut
         alike = failed is not None and replace(failed, tolerance=fits.tolerance) == fits
         return failed.tolerance if failed is not None and alike else 0
 
     def _between(self, fits: Cut, other: Cut) -> bool:
-        """Try the middle of a cut with which the film fits and one with which it does not."""
+        """Try the mean of a reduction with which the film fits and another one."""
         tolerance = (fits.tolerance + other.tolerance) // 2
         middle = replace(fits, tolerance=tolerance, scale=0.5 * (fits.scale + other.scale))
         return middle not in (fits, other) and self._try(middle)

@@ -1,4 +1,4 @@
-"""GIF: a palette for the whole film, chosen from some of its frames, and of each frame what has changed."""
+"""Writer of GIF: one palette for the film, chosen from samples; each frame contains the pixels that have changed."""
 
 from __future__ import annotations
 
@@ -14,28 +14,27 @@ from physcore.film.writers.budget import FAR, LARGE, Cut, Search
 from physcore.storage.files import held, replacing
 
 TICKS = 100
-"""Delays are hundredths of a second."""
+"""Unit of delays: 1/100 s."""
 LOOK = 8
-"""After so many frames it is looked whether they are too large already."""
+"""Number of frames between two checks of the size."""
 STEP = 4
-"""By so much [levels of 255] colors may be farther off, every few frames, where a film that is made once would be
-large."""
+"""Increase of the color tolerance at each check, for a large film that is drawn once [levels of 255]."""
 SMALL = 4096
-"""More than the bytes of the header, the palette and the ends of blocks."""
+"""Upper bound of the sizes of the header, the palette and the ends of blocks [bytes]."""
 
 
 class GifWriter(Writer):
-    """The format that moves wherever a picture can be shown, in 255 colors."""
+    """Animation of 255 colors that every program shows."""
 
     suffixes: ClassVar = (".gif",)
     name: ClassVar = "a GIF"
-    fastest: ClassVar = 50.0  # Most viewers slow shorter delays down to 100 ms.
+    fastest: ClassVar = 50.0  # Most viewers replace shorter delays by 100 ms.
     longest: ClassVar = 65535 / TICKS
 
     budgeted: ClassVar = True
 
     def write(self, job: FilmJob, target: Path) -> Film:
-        """Write a film, as often as it takes to find what fits into the bytes that are allowed and uses them."""
+        """Write a film, repeatedly until it fits into the allowed bytes and uses them."""
         whole = job.renderer.size
 
         def attempt(cut: Cut, limit: int | None) -> int:
@@ -60,7 +59,7 @@ class GifWriter(Writer):
 
     @staticmethod
     def provenance(path: Path) -> str | None:
-        """The last comment. Source: CompuServe, "Graphics Interchange Format, Version 89a", 1990."""
+        """The last comment of a GIF. Source: CompuServe, "Graphics Interchange Format, Version 89a", 1990."""
         comment = None
         with path.open("rb") as file:
             if file.read(6) != b"GIF89a":
@@ -80,20 +79,20 @@ class GifWriter(Writer):
 
 
 class TooLargeError(Exception):
-    """A film will take more bytes than it may."""
+    """Film that exceeds its limit."""
 
     def __init__(self, limit: int, excess: float) -> None:
         super().__init__(limit, excess)
         self.limit = limit
         self.excess = excess
-        """How many times more, as far as can be told."""
+        """Estimated ratio of the size to the limit."""
 
 
 def _fit(job: FilmJob, write: Callable[[Cut, int | None], int]) -> Cut:
-    """Write a film until it fits and uses its bytes; the last one that was written is the one to keep.
+    """Write a film repeatedly, until it fits into its limit and uses it. Returns the reduction of the final film.
 
     Raises:
-        SceneError: it cannot be made to fit.
+        SceneError: the film cannot be made to fit.
     """
     gentle = job.quality == "fast" and job.renderer.repeatable
     search, whole = Search(job.rate, job.max_bytes, gentle), job.renderer.size
@@ -108,15 +107,15 @@ def _fit(job: FilmJob, write: Callable[[Cut, int | None], int]) -> Cut:
             going = search.too_large(error.excess)
         else:
             going = search.fitted(written)
-    assert search.fits is not None  # or it would have gone on, or failed
+    assert search.fits is not None  # the loop ends only after a film has fitted
     return search.fits
 
 
 def _write_file(job: FilmJob, target: Path, cut: Cut, limit: int | None) -> None:
-    """Write what is left of all frames under a temporary name first, which is locked as long as it is there.
+    """Write the frames of a reduced film into a temporary file, which is locked, and rename it at the end.
 
     Raises:
-        TooLargeError: they are too many; nothing was written.
+        TooLargeError: the film is too large; nothing was written.
     """
     with ExitStack() as until_replaced, replacing(target) as file:
         part = Path(f"{file.name}.part")
@@ -129,10 +128,10 @@ def _write_file(job: FilmJob, target: Path, cut: Cut, limit: int | None) -> None
 
 
 def _write(job: FilmJob, target: Path | None, cut: Cut, limit: int | None) -> bytes | None:
-    """Write what is left of all frames, and give their bytes if there is no file to put them into.
+    """Write the frames of a reduced film into a file; without one, return the bytes.
 
     Raises:
-        TooLargeError: they are too many; nothing was written.
+        TooLargeError: the film is too large; nothing was written.
     """
     renderer, times, tolerance = job.renderer, job.delays(TICKS, cut.stride), cut.tolerance
     growing = job.quality == "fast" and limit is None
@@ -159,19 +158,19 @@ def _write(job: FilmJob, target: Path | None, cut: Cut, limit: int | None) -> by
 
 
 def _refuse_if_too_large(written: int, limit: int, done: float) -> None:
-    """Stop where what is done shows that the whole will not fit."""
+    """Raise TooLargeError if the part written so far exceeds the limit."""
     if written > limit:
         raise TooLargeError(limit, written / done / limit)
 
 
 def _skip_colors(file: BinaryIO, packed: int) -> None:
-    """Go past a table of colors, if there is one."""
+    """Skip a color table, if there is one."""
     if packed & 0x80:
         file.seek(3 << (packed % 8 + 1), 1)
 
 
 def _blocks(file: BinaryIO) -> bytes:
-    """A run of blocks, each after its size, up to one of size zero."""
+    """The contents of a sequence of data blocks, each preceded by its size, up to one of size zero."""
     parts = []
     while size := ord(file.read(1)):
         parts.append(file.read(size))

@@ -1,4 +1,4 @@
-"""How a film begins again: by a jump, backward, or by a blend of its end with its start."""
+"""Transitions from the end of a film to its start: none, backward playback, or a crossfade."""
 
 from __future__ import annotations
 
@@ -17,52 +17,52 @@ from physcore.errors import SceneError
 
 Loop = Literal["bounce", "crossfade"]
 BLEND = 0.5
-"""How long a crossfade takes [s]."""
+"""Duration of a crossfade [s]."""
 PART = 1 / 3
-"""The part of a short film that it takes at most."""
+"""Largest fraction of a short film that a crossfade takes."""
 
 
 @dataclass(frozen=True)
 class Repeat:
-    """How a film begins again."""
+    """Transition from the end of a film to its start."""
 
     loop: Loop | None = None
     hold: float = 0.0
-    """How long the last frame drawn stays [s]."""
+    """Additional duration of the last drawn frame [s]."""
 
     def count(self, drawn: int, rate: float) -> int:
-        """How many frames there are, of so many that are drawn and so many per second."""
+        """The number of frames of the film, from the number of drawn frames and the frame rate."""
         if self.loop == "bounce":
             return max(2 * drawn - 2, 1)
         return drawn - self._blended(drawn, rate) if self.loop == "crossfade" else drawn
 
     def frames(self, drawn: Iterator[Canvas], count: int, rate: float) -> Iterator[Canvas]:
-        """The frames of the film; each canvas is valid until the next is asked for."""
+        """The frames of the film; each canvas is valid until the next is requested."""
         if self.loop == "bounce":
             return _bounced(drawn)
         return _crossfaded(drawn, count, self._blended(count, rate)) if self.loop == "crossfade" else drawn
 
     @staticmethod
     def _blended(drawn: int, rate: float) -> int:
-        """How many frames a crossfade takes."""
+        """The number of frames of a crossfade."""
         return min(math.ceil(BLEND * rate), math.floor(PART * drawn))
 
 
 def check_loop(loop: object, hold: object, name: str, longest: float, *, moving: bool) -> Repeat:
-    """What was asked for.
+    """The requested transition.
 
     Args:
         loop, hold: as in `film`.
-        name: of the format, in a sentence.
-        longest: how long it can show one frame [s].
-        moving: whether it shows more than one.
+        name: the name of the format in a sentence.
+        longest: longest delay of a frame in this format [s].
+        moving: whether the format has more than one frame.
 
     Raises:
-        SceneError: there is no such loop, or the format cannot show it.
+        SceneError: there is no such loop, or the format does not support it.
     """
     chosen = None if loop is None else word(loop, "loop", get_args(Loop))
     seconds = span(hold, "hold", empty=True)
-    if not moving:  # it stays for as long as it is looked at
+    if not moving:  # a still picture has no duration
         if chosen is not None:
             raise SceneError(f"loop: needs more than one frame, and {name} has only the last; leave it out")
         return Repeat()
@@ -74,7 +74,7 @@ def check_loop(loop: object, hold: object, name: str, longest: float, *, moving:
 
 
 def _bounced(drawn: Iterator[Canvas]) -> Iterator[Canvas]:
-    """Forward and backward; the frames wait in a temporary file."""
+    """The frames forward and backward; the frames are kept in a temporary file."""
     with tempfile.TemporaryFile(prefix="physcore-") as file:
         count, shape = 0, (0, 0, 0)
         for canvas in drawn:
@@ -90,7 +90,9 @@ def _bounced(drawn: Iterator[Canvas]) -> Iterator[Canvas]:
 
 
 def _crossfaded(drawn: Iterator[Canvas], count: int, blended: int) -> Iterator[Canvas]:
-    """From after the blend to the end, which is blended with the start; only the start is kept."""
+    """The frames from the end of the blend on. The last ones are blended with the first ones, which alone are in
+    memory.
+    """
     start: list[NDArray[np.uint8]] = []
     for index, canvas in enumerate(drawn):
         if index < blended:

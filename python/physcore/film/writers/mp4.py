@@ -1,4 +1,4 @@
-"""MP4: H.264 video, through the FFmpeg that imageio-ffmpeg brings along."""
+"""Writer of MP4: H.264 video, encoded by the FFmpeg of imageio-ffmpeg."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from numpy.typing import NDArray
 from physcore.film.writers.base import Film, FilmJob, Writer
 from physcore.storage.files import replacing
 
-# What runs another program is imported where it is used: it takes as long as half of physcore.
+# Modules that run another program are imported on use: their import takes half as long as that of physcore.
 if TYPE_CHECKING:
     import subprocess
     from fractions import Fraction
 
 THREADS = 4
-"""Of the encoder, on any machine: its bytes depend on how many they are."""
+"""Number of threads of the encoder on any machine, because its output depends on it."""
 ENCODER = (
     *("-c:v", "libx264", "-preset", "medium", "-crf", "16", "-tune", "animation", "-threads", str(THREADS)),
     *("-vf", "scale=out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int,format=yuv420p"),
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
     *("-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"),
 )
-"""Options of the encoder: every player shows it, and it can begin before it has been loaded to its end."""
+"""Options of the encoder. Every player supports the result, and playback can start before the download ends."""
 COMMENT = (b"moov", b"udta", b"meta", b"ilst", b"\xa9cmt", b"data")
-"""The path of the comment through the boxes of a file."""
+"""Path of the comment through the boxes of a file."""
 
 
 class Mp4Writer(Writer):
-    """Video for slides, talks and the web; far smaller than any other format for long films. Needs physcore[video]."""
+    """Video for slides, talks and the web; the smallest format for long films. Needs physcore[video]."""
 
     suffixes: ClassVar = (".mp4",)
     name: ClassVar = "an MP4"
@@ -44,11 +44,13 @@ class Mp4Writer(Writer):
 
     @classmethod
     def missing(cls) -> str | None:
-        """FFmpeg, if it is not there."""
+        """The instruction to install FFmpeg, if it is missing; otherwise None."""
         return None if _ffmpeg() else "an MP4 needs FFmpeg: pip install 'physcore[video]'; a .webp needs nothing"
 
     def write(self, job: FilmJob, target: Path) -> Film:
-        """Write a film; a side of odd length gets one more row or column, because colors have half the resolution."""
+        """Write a film. Odd sides are extended by one row or column, because the color channels have half the
+        resolution.
+        """
         import subprocess
         import tempfile
 
@@ -70,7 +72,9 @@ class Mp4Writer(Writer):
 
     @staticmethod
     def provenance(path: Path) -> str | None:
-        """The comment. Source: Apple, "QuickTime File Format", metadata; every box has a length and a kind."""
+        """The comment of an MP4 file. Source: Apple, "QuickTime File Format", metadata; every box has a length and a
+        kind.
+        """
         content = path.read_bytes()
         start, end = 0, len(content)
         for wanted in COMMENT:
@@ -84,7 +88,7 @@ class Mp4Writer(Writer):
 
 
 def _ffmpeg() -> str:
-    """The program, or nothing."""
+    """The path of FFmpeg; empty if it is missing."""
     try:
         import imageio_ffmpeg
 
@@ -94,7 +98,7 @@ def _ffmpeg() -> str:
 
 
 def _command(shape: tuple[int, ...], rate: float, notes: str, target: str) -> list[str]:
-    """The command that encodes the frames that come in."""
+    """The command that encodes the raw frames from its standard input."""
     height, width = shape
     frames = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-framerate", str(exact(rate)))
     inputs = ("-f", "ffmetadata", "-i", notes, *frames, "-i", "pipe:0", "-map", "1:v", "-map_metadata", "0")
@@ -102,30 +106,30 @@ def _command(shape: tuple[int, ...], rate: float, notes: str, target: str) -> li
 
 
 def exact(rate: float) -> Fraction:
-    """A rate as the ratio that was meant."""
+    """The frame rate as a fraction with a small denominator."""
     from fractions import Fraction
 
     return Fraction(rate).limit_denominator(1_000_000)
 
 
 def _feed(encoder: subprocess.Popen[bytes], frames: Iterable[NDArray[np.uint8]]) -> None:
-    """Hand over all frames; if that fails, the encoder is ended too."""
+    """Write all frames to the encoder; kill the encoder if this fails."""
     assert encoder.stdin is not None
     try:
         for pixels in frames:
             rest = pixels.reshape(-1).data
-            while rest:  # A pipe may take less than it is given.
+            while rest:  # A pipe may accept only a part of the data.
                 rest = rest[encoder.stdin.write(rest) :]
         encoder.stdin.close()
     except BrokenPipeError:
-        pass  # It has ended by itself, and says why.
+        pass  # The encoder has ended, and `_cause` reads its message.
     except BaseException:
         encoder.kill()
         raise
 
 
 def _cause(code: int, complaints: IO[bytes]) -> str:
-    """Why the encoder ended, in one line."""
+    """The reason why the encoder ended, in one line."""
     import signal
 
     complaints.seek(0)
@@ -135,19 +139,19 @@ def _cause(code: int, complaints: IO[bytes]) -> str:
 
 
 def _escaped(text: str) -> str:
-    """As FFmpeg's files of metadata want it."""
+    """Text escaped for FFmpeg's metadata files."""
     return "".join(f"\\{letter}" if letter in "=;#\\\n" else letter for letter in text)
 
 
 def _repeated(job: FilmJob) -> Iterator[NDArray[np.uint8]]:
-    """All frames, with the one that is held as often as that takes: each is shown as long as the others."""
+    """All frames at a constant rate; the held frame is repeated."""
     held, times = job.held(), 1 + round(job.repeat.hold * job.rate)
     for index, canvas in enumerate(job.frames()):
         yield from repeat(_even(canvas.pixels()), times if index == held else 1)
 
 
 def _even(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The same picture with even sides, the last row and column twice where need be."""
+    """The picture with even sides; the last row or column is repeated if necessary."""
     height, width, _ = pixels.shape
     if height % 2 == width % 2 == 0:
         return pixels
@@ -155,11 +159,11 @@ def _even(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _boxes(content: bytes, start: int, end: int) -> Iterator[tuple[bytes, int, int]]:
-    """Kind, first and last byte of each box."""
+    """The kind, the start and the end of the content of each box."""
     while start + 8 <= end:
         length, kind = struct.unpack_from(">I4s", content, start)
         head = 8
-        if length == 1:  # longer than four gigabytes
+        if length == 1:  # 64-bit length, for more than 4 GB
             length, head = struct.unpack_from(">Q", content, start + 8)[0], 16
         if length < head:
             return

@@ -1,4 +1,4 @@
-"""Differences between frames, for formats that draw each frame over the one before."""
+"""Differences between successive frames, for formats that draw each frame over the previous one."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from physcore._core import Canvas
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """A rectangle that takes the place of what is there. Measured on cloths, fluids and orbits, marking in it what has
-    not changed as transparent makes no file smaller.
+    """Rectangle of new pixels, which replaces the pixels below it.
+
+    Transparency for unchanged pixels inside the rectangle makes no file smaller, as measured on cloths, fluids and
+    orbits.
     """
 
     left: int
-    """Column of its first pixel; even, as WebP wants it."""
+    """Column of its first pixel; even, as WebP requires."""
     top: int
     """Row of its first pixel; even."""
     pixels: NDArray[np.uint8]
@@ -26,7 +28,7 @@ class Patch:
 
 
 def patches(frames: Iterable[Canvas]) -> Iterator[Patch]:
-    """One patch for each frame: the first is the whole picture, and one pixel stands for no change at all."""
+    """One patch for each frame. The first is the whole picture; an unchanged frame gives a patch of one pixel."""
     before: NDArray[np.uint8] | None = None
     for canvas in frames:
         now = canvas.pixels()
@@ -39,5 +41,5 @@ def patches(frames: Iterable[Canvas]) -> Iterator[Patch]:
 
 
 def _extent(changed: NDArray[np.int64]) -> tuple[int, int]:
-    """The range of indices, from an even one on, that holds all that has changed."""
+    """The smallest range of indices that contains all changes and begins at an even one."""
     return (int(changed.min()) & ~1, int(changed.max()) + 1) if len(changed) else (0, 1)

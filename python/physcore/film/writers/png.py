@@ -1,4 +1,4 @@
-"""PNG: the last frame."""
+"""Writer of PNG: the last frame."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from physcore.film.writers.base import Film, FilmJob, Writer
 from physcore.storage.files import replacing
 
 KEYWORD = "physcore"
-"""Under which the provenance stands."""
+"""Keyword of the provenance."""
 
 
 def text_of(path: Path) -> str | None:
-    """The text under the keyword; Pillow would decode all frames to find it at the end.
+    """The text under the keyword of a PNG or APNG file, found without decoding frames as Pillow would.
 
     Source: W3C, "Portable Network Graphics (PNG) Specification", third edition, 2025: chunks.
     """
@@ -33,7 +33,7 @@ def text_of(path: Path) -> str | None:
 
 
 class PngWriter(Writer):
-    """A still picture."""
+    """Still picture of the last frame."""
 
     suffixes: ClassVar = (".png",)
     name: ClassVar = "a PNG"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 from physcore.checks import is_word, shown
@@ -17,7 +17,7 @@ FLUID_METHODS: tuple[type[FluidMethod], ...] = (WeaklyCompressible,)
 """Every method; what is registered here can be saved."""
 
 FLUID_METHODS_BY_NAME = {kind.__name__: kind for kind in FLUID_METHODS}
-"""The same by their names, by which they can be asked for."""
+"""Methods by their names, by which they can be asked for."""
 
 Fluids: TypeAlias = FluidMethod | str | Mapping[BodyKey, FluidMethod | str] | Mapping[str, FluidMethod]
 """One method for all fluids, or one for each; "auto": WeaklyCompressible()."""
@@ -44,31 +44,20 @@ def fluid_methods(value: object, scene: Scene) -> dict[str, FluidMethod]:
     """The method of each fluid of a scene, by their paths.
 
     Raises:
-        SceneError: something is no method or no fluid, or a fluid has numerical arguments of its own, which are
-            deprecated, and a method too.
+        SceneError: something is no method or no fluid.
     """
-    paths = {scene.path(index): body for index, body in enumerate(scene.bodies) if isinstance(body, Fluid)}
-    given: dict[str, tuple[FluidMethod | None, str]] = {}
+    paths = [scene.path(index) for index, body in enumerate(scene.bodies) if isinstance(body, Fluid)]
+    given: dict[str, FluidMethod | None] = {}
     if isinstance(value, Mapping):
         for key, each in value.items():
             place = f"fluids[{shown(key)}]"
-            given[_path(key, scene, paths, place)] = (fluid_method(each, place), place)
+            given[_path(key, scene, paths, place)] = fluid_method(each, place)
     else:
         one = fluid_method(value, "fluids")
         if one is not None and not paths:
             raise SceneError("fluids: there is no Fluid in this scene")
-        given = dict.fromkeys(paths, (one, "fluids"))
-    chosen: dict[str, FluidMethod] = {}
-    for path, fluid in paths.items():
-        method, place = given.get(path, (None, "fluids"))
-        own = WeaklyCompressible(**fluid.numerics)
-        if method not in (None, own) and fluid.numerics:
-            raise SceneError(
-                f"{place}: {path} has the deprecated arguments {', '.join(fluid.numerics)}, which belong here; leave "
-                "them out there"
-            )
-        chosen[path] = method or own
-    return chosen
+        given = dict.fromkeys(paths, one)
+    return {path: given.get(path) or WeaklyCompressible() for path in paths}
 
 
 def check_flows(methods: Mapping[str, FluidMethod], scene: Scene) -> None:
@@ -84,7 +73,7 @@ def check_flows(methods: Mapping[str, FluidMethod], scene: Scene) -> None:
             methods[path].check(body, f"fluids[{path}]" if several else "fluids")
 
 
-def _path(key: object, scene: Scene, paths: Mapping[str, Fluid], place: str) -> str:
+def _path(key: object, scene: Scene, paths: Sequence[str], place: str) -> str:
     """The path of a fluid that is given by itself, its index, its name or its path."""
     if isinstance(key, str) and key in paths:
         return key

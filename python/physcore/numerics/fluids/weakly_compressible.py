@@ -2,20 +2,61 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
 
 from physcore.arithmetic import lengths
+from physcore.checks import is_word, number, shown, span, word
 from physcore.errors import MachWarning, SceneError, SceneWarning, warn
 from physcore.numerics.fluids.base import FluidMethod
-from physcore.scene.compressible import CHECKS
 from physcore.scene.fluid import Fluid
-from physcore.scene.kernels import Kernel, WendlandC2
+from physcore.scene.kernels import KERNELS, Kernel, WendlandC2
 
 COMPRESSED = 0.01
 """The relative change of density that is meant."""
+
+
+def _or_auto(check: Callable[[object, str], float], what: str) -> Callable[[object, str], float | Literal["auto"]]:
+    """A check that lets "auto" pass."""
+
+    def checked(value: object, path: str) -> float | Literal["auto"]:
+        if is_word(value, "auto"):
+            return "auto"
+        if isinstance(value, str):
+            raise SceneError(f"{path}: must be {what} or 'auto', got {shown(value)}")
+        return check(value, path)
+
+    return checked
+
+
+def _coefficient(value: object, path: str) -> float:
+    return number(value, path, least=0.0)
+
+
+def _kernel(value: object, path: str) -> Kernel:
+    if isinstance(value, KERNELS):
+        return value
+    known = ", ".join(f"{kind.__name__}()" for kind in KERNELS)
+    missing = f"; write {value.__name__}()" if isinstance(value, type) else ""
+    raise SceneError(f"{path}: must be one of {known}, got {shown(value)}{missing}")
+
+
+def _density_from(value: object, path: str) -> str:
+    return word(value, path, ("continuity", "summation"))
+
+
+CHECKS: dict[str, Callable[[object, str], object]] = {
+    "sound_speed": _or_auto(span, "a number of meters per second"),
+    "kernel": _kernel,
+    "artificial_viscosity": _or_auto(_coefficient, "a number"),
+    "density_diffusion": _coefficient,
+    "density_from": _density_from,
+    "shifting": _or_auto(_coefficient, "a number"),
+}
+"""The check of each argument, by its name; each takes a value and its path."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Integrators, one file each."""
+"""Integrators, one module each."""
 
 from __future__ import annotations
 
@@ -50,14 +50,14 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     ImplicitMidpoint,
     BDF2,
 )
-"""Every integrator; what is registered here can be saved, and is tested for its order."""
+"""All integrators. Those registered here can be saved, and their order is tested."""
 
 INTEGRATORS_BY_NAME = {kind.__name__: kind for kind in INTEGRATORS}
-"""The same by their names, by which they can be asked for."""
+"""All integrators by name."""
 
 
 def made(value: object) -> object:
-    """The integrator that has a name, with its defaults; anything else as it is."""
+    """The integrator with this name and its default parameters; any other value unchanged."""
     kind = INTEGRATORS_BY_NAME.get(value) if isinstance(value, str) else None
     return value if kind is None else kind()
 

@@ -1,4 +1,4 @@
-"""Backward Euler."""
+"""Backward Euler method."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class BackwardEuler(Integrator):
-    """Backward Euler, order 1, implicit: for what is stiff and comes to rest.
+    """Backward Euler, order 1, implicit: for stiff systems that come to rest.
 
         pc.simulate(pc.Scene(cloth, pc.Gravity()), 5.0, integrator=pc.BackwardEuler(), dt=1 / 60)
 
         v ← v + dt F(x + dt v, v)/m at the end of the step,  x ← x + dt v
 
-    An oscillation of frequency ω shrinks by 1/√(1 + ω² dt²) in each step: what steps do not resolve is gone at once,
-    and slow motion is damped too. That damping is an error of the method, no dissipation, and shows as drift of the
-    energy balance, always downwards.
+    The amplitude of an oscillation of frequency ω shrinks by the factor 1/√(1 + ω² dt²) in each step. Unresolved
+    oscillations vanish at once, and slow motion is damped too. This numerical damping is an error of the method, not
+    dissipation. It appears as a drift of the energy balance, which is always negative.
 
-    Newton's method with line search, its linear equations by conjugate gradients. A step whose equation is not solved
-    raises SimulationDiverged, or is taken in parts with on_divergence="substep"; none is accepted that is not balanced.
-    Stable with any step, for springs of any stiffness with damping, Gravity, Drag, CentralForce, LennardJones,
-    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries; forces without known derivatives
-    are refused by their names. A force that jumps, as where damped spheres touch, may have no solution at long steps.
+    Each step is solved by Newton's method with line search and conjugate gradients. A step without a solution raises
+    SimulationDiverged, or is divided with on_divergence="substep". An unbalanced step is never accepted. The method is
+    stable at any step and any stiffness. It supports springs with damping, Gravity, Drag, CentralForce, LennardJones,
+    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries. Other forces, whose derivatives
+    are unknown, are refused by name. A discontinuous force, as at the contact of damped spheres, may have no solution
+    at long steps.
 
     Args:
-        tolerance: the largest unbalanced force over the largest force in the step, above 0.
+        tolerance: largest residual force relative to the largest force in the step, above 0.
 
     Source: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed., 1993, section
     II.7; D. Baraff, A. Witkin, SIGGRAPH 1998, 43.

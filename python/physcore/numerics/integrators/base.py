@@ -1,4 +1,4 @@
-"""The base of all integrators."""
+"""Base class of all integrators."""
 
 from __future__ import annotations
 
@@ -8,28 +8,30 @@ from typing import ClassVar
 from physcore.scene.items import Equation
 
 
+# To add an integrator: a module here, a line in `INTEGRATORS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class Integrator:
-    """A way to advance an equation of motion, such as x' = v, v' = a(x, v, t). Integrators of the same kind and
-    parameters are equal.
+    """Integrator: a method to advance an equation of motion, such as x' = v, v' = a(x, v, t).
 
         integrator = pc.RungeKutta4()  # an Integrator
         integrator.order  # 4
 
-    To add one: a file here, a line in `INTEGRATORS`, and its counterpart in Rust.
+    Integrators of the same class with equal parameters are equal.
     """
 
     order: ClassVar[int]
-    """Nominal order: the error at a fixed time shrinks like dt^order. `plan.order` is what holds in a scene."""
+    """Nominal order: the error at a fixed time is proportional to dt^order. `plan.order` is the order in a scene."""
     symplectic: ClassVar[bool]
-    """Whether it keeps the area in phase space: without dissipation its energy error then stays bounded."""
+    """Whether the method is symplectic. Its energy error is then bounded without dissipation."""
     embedded: ClassVar[bool] = False
-    """Whether it estimates the error of each step, from a method of the order below that is embedded in it."""
+    """Whether the method estimates the error of each step, by an embedded method of lower order."""
     self_adaptive: ClassVar[bool] = False
-    """Whether it chooses the steps itself with dt="auto", by a `tolerance` of its own."""
+    """Whether the method chooses its steps with dt="auto", by its own `tolerance`."""
     stiff: ClassVar[bool] = False
-    """Whether it is for motion that steps do not resolve: it is then compared where it is named."""
+    """Whether the method is for motion that steps do not resolve. `tradeoff` compares such methods only if they are
+    named.
+    """
     holds_rods: ClassVar[bool] = False
-    """Whether it keeps springs of infinite stiffness at their lengths."""
+    """Whether the method keeps springs of infinite stiffness (rods) at their lengths."""
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order")
-    """The kinds of equations of motion that it can advance."""
+    """The kinds of equations of motion that the method supports."""

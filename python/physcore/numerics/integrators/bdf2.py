@@ -1,4 +1,4 @@
-"""The backward differentiation formula of order 2."""
+"""Backward differentiation formula of order 2."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class BDF2(Integrator):
-    """The backward differentiation formula of order 2, implicit: for what is stiff, damped less than by BackwardEuler.
+    """Backward differentiation formula of order 2, implicit: for stiff systems, with less damping than BackwardEuler.
 
         pc.simulate(pc.Scene(cloth, pc.Gravity()), 5.0, integrator=pc.BDF2(), dt=1 / 60)
 
         3x'/2 − 2x + x₋/2 = dt v',  3v'/2 − 2v + v₋/2 = dt F(x', v')/m
 
-    From the last two states; the first step, and one after another step size or a contact, is backward Euler's.
-    Oscillations that steps do not resolve are gone at once, slow ones lose little. That damping is an error of the
-    method, no dissipation, and shows as drift of the energy balance.
+    The formula uses the last two states. The first step, and each step after a change of step size or a contact, is one
+    of backward Euler. Unresolved oscillations vanish at once, and slow ones lose little energy. This numerical damping
+    is an error of the method, not dissipation. It appears as a drift of the energy balance.
 
-    Newton's method with line search, its linear equations by conjugate gradients. A step whose equation is not solved
-    raises SimulationDiverged, or is taken in parts with on_divergence="substep"; none is accepted that is not balanced.
-    Stable with any step, for springs of any stiffness with damping, Gravity, Drag, CentralForce, LennardJones,
-    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries; forces without known derivatives
-    are refused by their names. A force that jumps, as where damped spheres touch, may have no solution at long steps.
+    Each step is solved by Newton's method with line search and conjugate gradients. A step without a solution raises
+    SimulationDiverged, or is divided with on_divergence="substep". An unbalanced step is never accepted. The method is
+    stable at any step and any stiffness. It supports springs with damping, Gravity, Drag, CentralForce, LennardJones,
+    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries. Other forces, whose derivatives
+    are unknown, are refused by name. A discontinuous force, as at the contact of damped spheres, may have no solution
+    at long steps.
 
     Args:
-        tolerance: the largest unbalanced force over the largest force in the step, above 0.
+        tolerance: largest residual force relative to the largest force in the step, above 0.
 
     Source: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed., 1993, section
     III.1; D. Baraff, A. Witkin, SIGGRAPH 1998, 43.

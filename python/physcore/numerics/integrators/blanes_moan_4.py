@@ -1,4 +1,4 @@
-"""Blanes and Moan's integration of order 4."""
+"""Blanes and Moan's method of order 4."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class BlanesMoan4(Integrator):
         b₁ = 0.0829844064174052,  b₂ = 0.396309801498368,  b₃ = −0.0390563049223486,  b₄ = 1 − 2(b₁ + b₂ + b₃)
         and backwards from there: a₄ = a₃ …, b₅ = b₃ …
 
-    The last force of a step is the first one of the next. For the same energy error it takes half as many evaluations
-    as PEFRL; for the same error of positions half as many on orbits, and as many in spring networks, where BlanesMoan6
-    takes fewer. Forces that depend on velocity bring it down to order 2, because every splitting above order 2 has
-    negative substeps. Stable for ω dt < 3.163 without damping.
+    The last force of a step is the first one of the next. For the same energy error the method needs half as many
+    evaluations as PEFRL. For the same error of positions it needs half as many on orbits, and as many in spring
+    networks, where BlanesMoan6 needs fewer. Forces that depend on velocity reduce the order to 2, because every
+    splitting above order 2 has negative substeps. Stable for ω dt < 3.163 without damping.
 
     Source: S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142, 313 (2002), table 3.
     """

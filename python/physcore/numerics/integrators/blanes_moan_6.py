@@ -1,4 +1,4 @@
-"""Blanes and Moan's integration of order 6."""
+"""Blanes and Moan's method of order 6."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ class BlanesMoan6(Integrator):
         a₅ =  0.357208872795928,  a₆ = 1 − 2(a₁ + … + a₅),   b₅ = −0.0115113874206879,  b₆ = ½ − (b₁ + … + b₅)
         and backwards from there: a₇ = a₅ …, b₇ = b₆ …
 
-    The last force of a step is the first one of the next. It follows orbits and vibrating networks to 1e-3 with half
-    the evaluations of PEFRL, and to 1e-9 with a fourth to a ninth; single precision is too coarse for that. Forces
-    that depend on velocity bring it down to order 2, because every splitting above order 2 has negative substeps.
-    Stable for ω dt < 3.141 without damping.
+    The last force of a step is the first one of the next. On orbits and vibrating networks, an accuracy of 1e-3 takes
+    half the evaluations of PEFRL. An accuracy of 1e-9 takes a fourth to a ninth, and requires double precision. Forces
+    that depend on velocity reduce the order to 2, because every splitting above order 2 has negative substeps. Stable
+    for ω dt < 3.141 without damping.
 
     Source: S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142, 313 (2002), table 3.
     """

@@ -1,4 +1,4 @@
-"""Boris' method, the default in magnetic fields."""
+"""Boris' method, the default with magnetic fields."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class Boris(Integrator):
-    """Boris' method, order 2, one force evaluation: the default where there is a magnetic field.
+    """Boris' method, order 2, one force evaluation: the default with a magnetic field.
 
         pc.simulate(scene, 10.0, integrator=pc.Boris())
 
-    Half a drift; half a kick by all other forces, a rotation of the velocity by 2 atan(|q B| dt/2m) about q B, half a
-    kick; half a drift. It keeps volumes in phase space, is reversible, and keeps the speed in a magnetic field
-    alone, at any q B dt/m; without one it is position Verlet. It is not symplectic. A magnetic field limits only the
-    accuracy of its step, to a hundredth of the period of the gyration, 2πm/|qB|. Drag and damping are evaluated at a
-    predicted velocity, which keeps order 2.
+    A step has the following parts: half a drift; half a kick by all other forces; a rotation of the velocity by 2
+    atan(|q B| dt/2m) about q B; half a kick; half a drift. The method is reversible and conserves phase-space volume.
+    In a magnetic field alone it conserves the speed at any q B dt/m. Without a magnetic field it is position Verlet. It
+    is not symplectic. A magnetic field limits the step only by accuracy, to a hundredth of the gyration period
+    2πm/|qB|. Drag and damping are evaluated at a predicted velocity, which preserves order 2.
 
     Args:
-        exact_angle: turn velocities by |q B| dt/m instead, the angle of a uniform field.
+        exact_angle: whether to rotate velocities by |q B| dt/m instead, the exact angle in a uniform field.
 
     Raises:
         SceneError: `exact_angle` is neither True nor False.

@@ -1,4 +1,4 @@
-"""The pair of Dormand and Prince."""
+"""Dormand–Prince pair."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class DormandPrince5(Integrator):
-    """Dormand–Prince 5(4), order 5, six force evaluations, with an estimate of the error of each step.
+    """Dormand–Prince 5(4), order 5, six force evaluations, with an error estimate of each step.
 
         recording = pc.simulate(scene, 0.5, integrator=pc.DormandPrince5(), dt=pc.AdaptiveStep(tolerance=1e-6))
 
@@ -19,12 +19,13 @@ class DormandPrince5(Integrator):
         y ← y + (35 k₁/384 + 500 k₃/1113 + 125 k₄/192 − 2187 k₅/6784 + 11 k₆/84) dt,   k₇ = f(y)
         error = (71 k₁/57600 − 71 k₃/16695 + 71 k₄/1920 − 17253 k₅/339200 + 22 k₆/525 − k₇/40) dt
 
-    The pair of ode45 and RK45; aᵢⱼ as in the source. k₇ is the k₁ of the next step. For motion that friction or drag
-    brings to rest: with AdaptiveStep(tolerance=…) the time step follows the error. For an error of 1e-6 it takes less
-    than a third of the evaluations of BogackiShampine3, and each further digit costs it 1.6 times as many instead of
-    2.2 times. It keeps order 5 with forces that depend on velocity. Not symplectic: it loses energy, slowly and for
-    ever. Stable for ω dt < 0.997 without damping, though up to 1.4 an oscillation grows by less than two thousandths in
-    each step, and for λ dt < 3.306 on pure decay: where stability limits the step, BogackiShampine3 takes larger ones.
+    This is the pair of ode45 and RK45; aᵢⱼ as in the source. k₇ is the k₁ of the next step. The method suits motion
+    that friction or drag brings to rest. With AdaptiveStep(tolerance=…) the time step follows the error estimate. An
+    error of 1e-6 takes less than a third of the evaluations of BogackiShampine3. Each further digit takes 1.6 times as
+    many evaluations, compared with 2.2 times. The order remains 5 with forces that depend on velocity. The method is
+    not symplectic: it loses energy slowly and without limit. Stable for ω dt < 0.997 without damping; up to 1.4 an
+    oscillation grows by less than 0.002 per step. Stable for λ dt < 3.306 for pure decay. If stability limits the step,
+    BogackiShampine3 takes larger steps.
 
     Source: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6, 19 (1980).
     """

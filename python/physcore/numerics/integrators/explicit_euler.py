@@ -1,4 +1,4 @@
-"""Explicit Euler, for teaching."""
+"""Explicit Euler method, for teaching."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class ExplicitEuler(Integrator):
-    """Explicit Euler, order 1, one force evaluation: for teaching, not for work.
+    """Explicit Euler, order 1, one force evaluation: for teaching, not for practical use.
 
         ball = pc.Particles([[0.0, 1.0]], velocities=[[1.0, 2.0]])
         recording = pc.simulate(pc.Scene(ball, pc.Gravity()), duration=1.0, integrator=pc.ExplicitEuler(), dt=1e-3)
 
         x ← x + v dt,   v ← v + a(x, v) dt   (both from the old state)
 
-    It feeds energy into every undamped oscillation, at any time step, so orbits spiral out; its limit of stability
-    there is zero, and ω dt ≤ 2ξ at a damping ratio ξ up to 1. Use SemiImplicitEuler or VelocityVerlet, which cost the
-    same.
+    The energy of every undamped oscillation grows at any time step, so that orbits spiral out. The limit of stability
+    is zero without damping, and ω dt ≤ 2ξ at a damping ratio ξ up to 1. Use SemiImplicitEuler or VelocityVerlet, which
+    have the same cost.
 
     Source: L. Euler, "Institutionum calculi integralis", 1768; E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
     Integration", 2nd ed. 2006, § I.1.

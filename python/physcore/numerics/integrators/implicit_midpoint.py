@@ -1,4 +1,4 @@
-"""The implicit midpoint rule."""
+"""Implicit midpoint rule."""
 
 from __future__ import annotations
 
@@ -12,23 +12,24 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class ImplicitMidpoint(Integrator):
-    """The implicit midpoint rule, order 2, symplectic: for stiff motion that goes on.
+    """Implicit midpoint rule, order 2, symplectic: for stiff systems without damping.
 
         pc.simulate(pc.Scene(cloth, pc.Gravity()), 5.0, integrator=pc.ImplicitMidpoint(), dt=2e-3)
 
         x' − x = dt (v + v')/2,  v' − v = dt F((x + x')/2, (v + v')/2)/m
 
-    It damps nothing: oscillations that steps do not resolve go on with a wrong period, and turn by half a period in a
-    step as ω dt grows. Reversible; momentum and angular momentum are kept.
+    The method has no numerical damping. Unresolved oscillations continue with a wrong period, and advance by half a
+    period per step as ω dt grows. The method is reversible, and conserves momentum and angular momentum.
 
-    Newton's method with line search, its linear equations by conjugate gradients. A step whose equation is not solved
-    raises SimulationDiverged, or is taken in parts with on_divergence="substep"; none is accepted that is not balanced.
-    Stable with any step, for springs of any stiffness with damping, Gravity, Drag, CentralForce, LennardJones,
-    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries; forces without known derivatives
-    are refused by their names. A force that jumps, as where damped spheres touch, may have no solution at long steps.
+    Each step is solved by Newton's method with line search and conjugate gradients. A step without a solution raises
+    SimulationDiverged, or is divided with on_divergence="substep". An unbalanced step is never accepted. The method is
+    stable at any step and any stiffness. It supports springs with damping, Gravity, Drag, CentralForce, LennardJones,
+    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries. Other forces, whose derivatives
+    are unknown, are refused by name. A discontinuous force, as at the contact of damped spheres, may have no solution
+    at long steps.
 
     Args:
-        tolerance: the largest unbalanced force over the largest force in the step, above 0.
+        tolerance: largest residual force relative to the largest force in the step, above 0.
 
     Source: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed., 1993, section
     II.7; D. Baraff, A. Witkin, SIGGRAPH 1998, 43.

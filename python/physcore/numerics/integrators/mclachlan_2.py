@@ -1,4 +1,4 @@
-"""McLachlan's two-stage integration."""
+"""McLachlan's two-stage method."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class McLachlan2(Integrator):
         x ← x + λ v dt
         λ = 0.1931833275037836
 
-    At equal cost its energy error in spring networks is about a tenth of VelocityVerlet's, and of all methods the
-    least where 1e-3 is accurate enough; positions after a long time are no better than VelocityVerlet's. It keeps
-    order 2 with forces that depend on velocity. Stable for ω dt < 2.553 without damping: for the largest stable step
-    take VelocityVerlet.
+    At equal cost the energy error in spring networks is about a tenth of VelocityVerlet's. For an accuracy of 1e-3 it
+    is the smallest of all methods. Positions after a long time are no better than with VelocityVerlet. The order
+    remains 2 with forces that depend on velocity. Stable for ω dt < 2.553 without damping. At equal cost,
+    VelocityVerlet is stable at larger steps.
 
     Source: R. I. McLachlan, SIAM J. Sci. Comput. 16, 151 (1995); I. P. Omelyan, I. M. Mryglod, R. Folk, Comput. Phys.
     Commun. 146, 188 (2002).

@@ -1,4 +1,4 @@
-"""Position-extended Forest–Ruth-like integration."""
+"""Position-extended Forest–Ruth-like method."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class PEFRL(Integrator):
         x ← x + ξ v dt
         ξ = 0.1786178958448091,  λ = −0.2123418310626054,  χ = −0.06626458266981849
 
-    On conservative scenes its energy error stays bounded and is far below that of RungeKutta4 at the same cost. Forces
-    that depend on velocity bring it down to order 2, because every splitting above order 2 has negative substeps.
-    Stable for ω dt < 2.990 without damping.
+    In conservative scenes the energy error is bounded, and far below that of RungeKutta4 at equal cost. Forces that
+    depend on velocity reduce the order to 2, because every splitting above order 2 has negative substeps. Stable for ω
+    dt < 2.990 without damping.
 
     Source: I. P. Omelyan, I. M. Mryglod, R. Folk, Comput. Phys. Commun. 146, 188 (2002).
     """

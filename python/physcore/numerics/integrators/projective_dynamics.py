@@ -12,21 +12,23 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class ProjectiveDynamics(Integrator):
-    """Projective dynamics, order 1: backward Euler's equation by iterations that share one factorized matrix.
+    """Projective dynamics, order 1: backward Euler, solved by iterations with a single factorized matrix.
 
         pc.simulate(pc.Scene(cloth, pc.Gravity()), 5.0, integrator=pc.ProjectiveDynamics(), dt=1 / 60)
 
-    An iteration projects each spring to its rest length, then solves (M + h² Σ k Dᵀ D) Δu = residual for all particles
-    at once; the matrix is factorized once for each step size. Errors of all wavelengths fall together, unlike those
-    of sweeps. Iterations start from the displacements that keep all velocities, so that a state of rest does not depend
-    on their number, and few of them keep motion. What they learn of the true stiffness corrects the matrix (L-BFGS).
-    Stable at any stiffness. Cloth far stiffer than a step resolves takes more iterations: compare by `pc.tradeoff`.
+    An iteration projects each spring to its rest length, and then solves (M + h² Σ k Dᵀ D) Δu = residual for all
+    particles. The matrix is factorized once for each step size. Errors of all wavelengths decrease together, unlike in
+    sweeps over the springs. The initial guess is the displacement at constant velocity. A state of rest therefore does
+    not depend on the number of iterations, and few iterations preserve motion. L-BFGS corrects the matrix by the
+    observed stiffness. The method is stable at any stiffness. Cloth of a stiffness far beyond the resolution of the
+    step needs more iterations; compare by `pc.tradeoff`.
 
-    It damps as backward Euler does, and is not symplectic: errors of the method, which show as drift of the energy
-    balance. For springs and fields such as Gravity and Drag, with boundaries; other forces are refused.
+    The method has the numerical damping of backward Euler, and is not symplectic. Both errors appear as a drift of the
+    energy balance. Supported are springs, external fields such as Gravity and Drag, and boundaries; other forces are
+    refused.
 
     Args:
-        iterations: in each step, at least 1.
+        iterations: number of iterations per step, at least 1.
 
     Source: S. Bouaziz et al., ACM Trans. Graph. 33, 154 (2014); T. Liu, S. Bouaziz, L. Kavan, ACM Trans. Graph. 36, 23
     (2017).

@@ -1,4 +1,4 @@
-"""The classical Runge–Kutta method."""
+"""Classical Runge–Kutta method."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class RungeKutta4(Integrator):
-    """The classical Runge–Kutta method, order 4, four force evaluations.
+    """Classical Runge–Kutta method, order 4, four force evaluations.
 
         recording = pc.simulate(scene, duration=0.5, integrator=pc.RungeKutta4())
 
         k₁ = f(y),  k₂ = f(y + k₁ dt/2),  k₃ = f(y + k₂ dt/2),  k₄ = f(y + k₃ dt)
         y ← y + (k₁ + 2 k₂ + 2 k₃ + k₄) dt/6,   y = (x, v)
 
-    Not symplectic: it loses energy slowly and for ever, so on conservative scenes PEFRL is better at equal cost; it
-    keeps order 4 with forces that depend on velocity. Stable for ω dt < 2√2 without damping, and for
-    λ dt < 2.785 on pure decay.
+    The method is not symplectic: it loses energy slowly and without limit. In conservative scenes PEFRL is better at
+    equal cost. The order remains 4 with forces that depend on velocity. Stable for ω dt < 2√2 without damping, and for
+    λ dt < 2.785 for pure decay.
 
     Source: W. Kutta, Z. Math. Phys. 46, 435 (1901); E. Hairer, S. Nørsett, G. Wanner, "Solving Ordinary Differential
     Equations I", § II.1.

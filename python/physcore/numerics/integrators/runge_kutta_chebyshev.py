@@ -1,4 +1,4 @@
-"""The stabilized Runge–Kutta–Chebyshev method."""
+"""Stabilized Runge–Kutta–Chebyshev method."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class RungeKuttaChebyshev(Integrator):
-    """The stabilized Runge–Kutta–Chebyshev method, order 2, for diffusion: s evaluations reach 0.65 s² as far as one.
+    """Stabilized Runge–Kutta–Chebyshev method, order 2, for diffusion: s evaluations allow 0.65 s² times the step of
+    one.
 
         grid = pc.Grid((64, 64), spacing=0.01)
         dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, {"u": 1.0, "v": 0.0})
@@ -19,12 +20,13 @@ class RungeKuttaChebyshev(Integrator):
 
         Y₁ = y + μ̃₁ dt f(y),   Yⱼ = (1 − μⱼ − νⱼ) y + μⱼ Yⱼ₋₁ + νⱼ Yⱼ₋₂ + μ̃ⱼ dt f(Yⱼ₋₁) + γ̃ⱼ dt f(y),   y ← Yₛ
 
-    The coefficients come from Chebyshev polynomials. Stable for λ dt < 0.65 s² on pure decay at the rate λ: where
-    diffusion limits the step and accuracy does not, a long step costs its square root. The number s of stages is the
-    smallest that the step and the largest rate of diffusion ask for, at least 2 and at most 128, with a rest of the
-    interval for the reaction, whose rates must stay below 2/dt. It pays for steps of more than about five times the
-    limit of ExplicitEuler, h²/(2 D) in 1D, h²/(4 D) in 2D and h²/(6 D) in 3D; `plan.notes` says what steps those are.
-    With AdaptiveStep(tolerance=…) the step follows an estimate of its error, ⅘ (yₙ − yₙ₊₁) + ⅖ dt (f(yₙ) + f(yₙ₊₁)).
+    The coefficients come from Chebyshev polynomials. The method is stable for λ dt < 0.65 s² for pure decay at the rate
+    λ. If diffusion limits the step, the cost of a step thus grows like the square root of its length. The number s of
+    stages is the smallest that the step and the largest rate of diffusion require, from 2 to 128. A part of the
+    interval is reserved for the reaction, whose rates must be below 2/dt. The method is worthwhile for steps longer
+    than about five times the limit of ExplicitEuler. This limit is h²/(2 D) in 1D, h²/(4 D) in 2D and h²/(6 D) in 3D;
+    `plan.notes` gives the steps. With AdaptiveStep(tolerance=…) the step follows the error estimate ⅘ (yₙ − yₙ₊₁) + ⅖
+    dt (f(yₙ) + f(yₙ₊₁)).
 
     Source: B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88, 315 (1998).
     """

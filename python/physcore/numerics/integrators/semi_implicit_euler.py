@@ -1,4 +1,4 @@
-"""Semi-implicit (symplectic) Euler."""
+"""Semi-implicit (symplectic) Euler method."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class SemiImplicitEuler(Integrator):
 
         v ← v + a(x, v) dt,   x ← x + v dt   (with the new velocity)
 
-    Symplectic: its energy error stays bounded. Stable for ω dt < 2 without damping,
-    and for ω dt ≤ 2(√(ξ² + 1) − ξ) at the damping ratio ξ: γ dt ≤ 2 for pure decay at the rate γ.
+    The method is symplectic: its energy error is bounded. Stable for ω dt < 2 without damping, and for ω dt ≤ 2(√(ξ² +
+    1) − ξ) at the damping ratio ξ. For pure decay at the rate γ the limit is γ dt ≤ 2.
 
     Source: E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed. 2006, § I.1.2.
     """

@@ -1,4 +1,4 @@
-"""Visscher's staggered steps of a wave function."""
+"""Visscher's staggered method for wave functions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class Staggered(Integrator):
-    """Staggered steps of wave functions, order 2, explicit: real and imaginary parts R and I in turn.
+    """Staggered steps for wave functions, order 2, explicit: the real part R and the imaginary part I in turn.
 
         line = pc.Grid((256,), spacing=0.1)
         psi = pc.Schrodinger(line, pc.wave_packet(line, center=12.0, momentum=2.0, width=1.5))
@@ -19,8 +19,8 @@ class Staggered(Integrator):
 
         I ← I − HR dt/2ħ,   R ← R + HI dt/ħ,   I ← I − HR dt/2ħ
 
-    The Laplacian is that of three points. Stable for E dt < 2ħ at the largest eigenvalue E of H; the norm oscillates by
-    the order dt² and does not drift.
+    The Laplacian is the three-point formula. Stable for E dt < 2ħ with the largest eigenvalue E of H. The norm
+    oscillates with an amplitude of order dt² and does not drift.
 
     Source: P. B. Visscher, Computers in Physics 5, 596 (1991).
     """

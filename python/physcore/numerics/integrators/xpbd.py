@@ -12,23 +12,23 @@ from physcore.scene.items import Equation
 
 @dataclass(frozen=True)
 class XPBD(Integrator):
-    """Extended position-based dynamics, order 1: sweeps over the springs, each of which satisfies one at a time.
+    """Extended position-based dynamics (XPBD), order 1: sweeps over the springs, which are solved one at a time.
 
         pc.simulate(pc.Scene(cloth, pc.Gravity()), 5.0, integrator=pc.XPBD(substeps=20))
 
-    Each step consists of `substeps` equal parts. A part predicts positions by velocities and by all forces but those of
-    springs, then moves the ends of each spring in turn by the multiplier Δλ = (−C − α̃ λ)/(w + α̃) with C = l − l₀ and
-    the compliance α̃ = 1/(k h²), and takes velocities from the displacements. A single spring is solved exactly, as by
-    BackwardEuler(), and one of stiffness=math.inf by Δλ = −C/w, with α̃ = 0: a rod, whose length each sweep approaches.
-    Stable at any stiffness, fast, and soft: what a sweep does not reach makes stiff cloth stretch, the
-    less the more parts a step has. Parts work better than iterations at equal cost.
+    Each step consists of `substeps` equal parts. A part first predicts positions from the velocities and all forces
+    except those of springs. It then moves the ends of each spring in turn, by the multiplier Δλ = (−C − α̃ λ)/(w + α̃).
+    Here C = l − l₀, and α̃ = 1/(k h²) is the compliance. Finally, velocities follow from the displacements. A single
+    spring is solved exactly, as by BackwardEuler(). A rod (stiffness=math.inf) has α̃ = 0 and Δλ = −C/w; each sweep
+    brings it nearer to its length. The method is fast, and stable at any stiffness. Incomplete convergence makes stiff
+    cloth too soft, less so with more parts per step. At equal cost, more parts are better than more iterations.
 
-    It damps, and is not symplectic: both are errors of the method, and show as drift of the energy balance. For springs
-    and fields such as Gravity and Drag, with boundaries; other forces are refused.
+    The method has numerical damping, and is not symplectic. Both errors appear as a drift of the energy balance.
+    Supported are springs, external fields such as Gravity and Drag, and boundaries; other forces are refused.
 
     Args:
-        substeps: parts of a step, at least 1.
-        iterations: sweeps in each of them, at least 1.
+        substeps: number of parts of a step, at least 1.
+        iterations: number of sweeps per part, at least 1.
 
     Source: M. Macklin, M. Müller, N. Chentanez, Motion in Games 49 (2016); M. Macklin et al., Symp. Computer Animation
     (2019).

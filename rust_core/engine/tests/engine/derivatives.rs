@@ -162,7 +162,7 @@ fn repulsion(damping: f64, friction: f64, tangential: f64, exponent: f64) -> Ite
         ("tangential_damping", tangential),
         ("exponent", exponent),
     ];
-    Item::new("Repulsion", numbers(&values))
+    Item::new("SoftSpheres", numbers(&values))
 }
 
 /// Atoms near the inflection of their potential, where it is stiff along the bond, and pulls across.

@@ -86,7 +86,7 @@ fn the_parameters_of_atoms_are_above_zero() {
 #[test]
 fn the_third_axis_of_a_plane_is_not_periodic() {
     let numbers = [("stiffness", 100.0), ("damping", 0.0), ("friction", 0.0), ("tangential_damping", 0.0), ("exponent", 1.0)];
-    let repulsion = item("Repulsion", &numbers.map(|(name, value)| (name, Value::Number(value))));
+    let repulsion = item("SoftSpheres", &numbers.map(|(name, value)| (name, Value::Number(value))));
     let positions = [DVec3::new(0.05, 0.5, 0.0), DVec3::new(0.95, 0.5, 0.0)];
     let square = |depth: f64| {
         let periodic = Some([DVec3::new(0.0, 0.0, -depth), DVec3::new(1.0, 1.0, depth)]);

@@ -25,7 +25,7 @@ const INTEGRATORS: [&str; 10] = [
     "DormandPrince5",
 ];
 
-const FORCES: [&str; 5] = ["Gravity", "Drag", "CentralForce", "LennardJones", "Repulsion"];
+const FORCES: [&str; 5] = ["Gravity", "Drag", "CentralForce", "LennardJones", "SoftSpheres"];
 
 /// Number ≥ 0, mostly within six decades of 1.
 fn amount() -> impl Strategy<Value = f64> {

@@ -46,7 +46,7 @@ const OVERLAP: f64 = 0.01;
 
 /// Entry in the registry of forces.
 pub fn kind<V: Vector>() -> Kind<V> {
-    Kind { name: "Repulsion", reach: Reach::Pairs, charges: false, build }
+    Kind { name: "SoftSpheres", reach: Reach::Pairs, charges: false, build }
 }
 
 /// Builds the force of an item.
