@@ -18,7 +18,7 @@ CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo tes
 TESTED := --locked --workspace --exclude physcore-benches
 
 .DEFAULT_GOAL := help
-.PHONY: help check install dev demo test test-rust test-python test-long fuzz edges asan validate tradeoff lint format bench clean
+.PHONY: help check install dev demo test test-rust test-python test-portable test-long fuzz edges asan validate tradeoff lint format bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -42,11 +42,18 @@ test: test-rust test-python ## run every test, Rust and Python, in a few minutes
 # Unit tests are compiled with debug assertions and overflow checks, and hardly optimized, which is quickest. The other tests
 # use the wheel's profile and the same features of all dependencies, so that the engine is compiled once for both.
 test-rust: | check
-	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) --locked -p physcore-engine -p physcore-canvas --lib
+	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) $(TESTED) --lib
 	$(CARGO_TEST) $(TESTED) --release --test '*'
 
 test-python: $(VENV)/tools.stamp
 	$(BIN)/python -m pytest -m 'not long' --numprocesses auto
+
+# Wave functions take their transforms from AVX at this level too.
+test-portable: $(VENV)/tools.stamp ## compare the bits of the level of other targets, in a build of its own
+	rm -rf $(OUT)/portable
+	$(BIN)/maturin build --release --locked --features portable --interpreter $(BIN)/python --out $(OUT)/portable
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --target $(OUT)/portable $(OUT)/portable/*.whl
+	PYTHONPATH=$(OUT)/portable $(BIN)/python -m pytest tests/contracts/test_bits.py
 
 test-long: $(VENV)/tools.stamp ## run every test with the full number of examples
 	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test $(TESTED) --release -- --include-ignored

@@ -64,14 +64,18 @@ def scenes() -> dict[str, Callable[[], tuple[Any, dict[str, Any], int]]]:
 
     def dish() -> pc.Scene:
         start = {"u": 1.0, "v": rng.uniform(0, 0.5, (1024, 1024))}
-        return pc.Scene(pc.ReactionDiffusion(pc.Grid((1024, 1024), 0.01), pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, start))
+        return pc.Scene(
+            pc.ReactionDiffusion(
+                pc.Grid((1024, 1024), 0.01), pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, start
+            )
+        )
 
     def packet() -> pc.Scene:
         grid = pc.Grid((512, 512), 0.1, periodic=True)
         return pc.Scene(pc.Schrodinger(grid, pc.wave_packet(grid, 25.0, 1.0, 2.0)))
 
     def dust() -> pc.Scene:
-        return pc.Scene(pc.Tracers(rng.normal(size=(PARTICLES, 3)) + (0, 0, 25), pc.Lorenz()))
+        return pc.Scene(pc.Tracers(rng.normal((0, 0, 25), size=(PARTICLES, 3)), pc.Lorenz()))
 
     def stars(count: int, **options: float) -> pc.Scene:
         return pc.Scene(swarm(count), pc.Gravitation(1.0, 0.05, **options))
@@ -106,7 +110,11 @@ def scenes() -> dict[str, Callable[[], tuple[Any, dict[str, Any], int]]]:
             f"tracers in Lorenz' flow {precision}": lambda numerics=numerics: (dust(), numerics, 20),
             f"reaction of Gray and Scott {precision}": lambda numerics=numerics: (dish(), numerics, 20),
             f"wave function by split steps {precision}": lambda numerics=numerics: (packet(), numerics, 10),
-            f"waves by PEFRL {precision}": lambda numerics=numerics: (pond(), {**numerics, "integrator": pc.PEFRL()}, 20),
+            f"waves by PEFRL {precision}": lambda numerics=numerics: (
+                pond(),
+                {**numerics, "integrator": pc.PEFRL()},
+                20,
+            ),
             f"waves by RungeKutta4 {precision}": lambda numerics=numerics: (
                 pond(),
                 {**numerics, "integrator": pc.RungeKutta4()},

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import functools
-import math
 import os
 import platform
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -19,43 +18,13 @@ hypothesis.settings.register_profile("long", max_examples=1000, deadline=None)
 hypothesis.settings.load_profile("long" if LONG else "short")
 
 
-CALL, STEP, PARTICLE = 2e-5, 3e-7, 1e-8
-"""What a call, an evaluation of the forces, and that of one particle or cell take by the clock of tests [s]."""
+@pytest.fixture(scope="module")
+def clock_of_work() -> Iterator[None]:
+    """Let studies measure the evaluations of runs in place of seconds: how busy a machine is decides no test."""
+    from work import counted
 
-
-@pytest.fixture(autouse=True)
-def clock_of_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Studies measure the evaluations of a run in place of its seconds: how busy a machine is decides no test."""
-    from physcore import Simulation
-    from physcore.studies import clock
-
-    now, within = 0.0, False
-
-    def counted(function):
-        def wrapped(self, *arguments, **options):
-            nonlocal now, within
-            if within:
-                return function(self, *arguments, **options)
-            within, before = True, self.steps
-            try:
-                return function(self, *arguments, **options)
-            finally:
-                within = False
-                cells = sum(math.prod(getattr(system, "grid").cells) for system in self.scene.systems if hasattr(system, "grid"))
-                size = self.scene.particles + cells
-                now += CALL + (self.steps - before) * self.evaluations * (STEP + PARTICLE * size)
-
-        return functools.wraps(function)(wrapped)
-
-    for name in ("step", "run", "record"):
-        monkeypatch.setattr(Simulation, name, counted(getattr(Simulation, name)))
-
-    def seconds() -> float:
-        nonlocal now
-        now += CALL
-        return now
-
-    monkeypatch.setattr(clock, "seconds", seconds)
+    with counted():
+        yield
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -164,9 +164,26 @@ def test_a_number_of_particles_is_refused_where_a_demo_has_none_or_it_is_too_sma
     ]
 
 
-def test_the_source_of_a_demo_is_its_file(capsys):
+def test_the_source_of_a_demo_is_a_script_that_makes_its_film(capsys, tmp_path, monkeypatch):
     assert main(["demo", "rope", "--source"]) == 0
-    assert capsys.readouterr().out == Path(demo("rope").__file__).read_text(encoding="utf-8")
+    script = capsys.readouterr().out
+    monkeypatch.chdir(tmp_path)
+    exec(compile(script, "x.py", "exec"), {"__name__": "__main__"})
+    assert (tmp_path / "rope.gif").read_bytes().startswith(b"GIF89a")
+
+
+def test_alone_it_prints_its_help(capsys):
+    assert main([]) == 0
+    assert "usage: physcore" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_said_in_a_line():
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "physcore", "list"]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "physcore: cannot write: No space left on device\n"
 
 
 def test_a_misspelt_demo_is_guessed(capsys):
@@ -221,7 +238,7 @@ def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):
     output = capsys.readouterr()
     assert output.out == ""  # nothing was simulated
     error = output.err.splitlines()
-    assert error[0].startswith("physcore: no demo 'no-such-demo'; there are")
+    assert error[0].startswith("physcore: no demo 'no-such-demo'; `physcore list` names them")
     assert "no such folder" in error[1]
     assert error[2].startswith("physcore: path: must end in .gif, .webp, .apng, .mp4 or .png")
     assert len(error) == 3

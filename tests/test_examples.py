@@ -1,4 +1,4 @@
-"""The docstring of every top-level name begins with an example, which runs."""
+"""Examples run: the one in the docstring of every top-level name, and the scripts of `examples/`."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import inspect
 import math
 import re
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,3 +44,26 @@ def test_the_help_of_a_fluid_starts_with_five_lines_and_what_to_change():
     lines = inspect.cleandoc(pc.Fluid.__doc__).splitlines()
     assert len([line for line in lines[2:8] if line.startswith("    ")]) == 5
     assert lines[8].startswith("Change these three first: ")
+
+
+SCRIPTS = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
+SHORTER = 0.05
+"""The part of its duration for which a script is run."""
+
+
+def test_there_are_ten_scripts_or_more():
+    assert len(SCRIPTS) >= 10
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_a_script_runs_without_a_warning(script, tmp_path, monkeypatch, clock_of_work):
+    simulate = pc.simulate
+    monkeypatch.setattr(
+        pc,
+        "simulate",
+        lambda scene, duration, fps=30.0, **options: simulate(scene, SHORTER * duration, fps / SHORTER**0.5, **options),
+    )
+    monkeypatch.chdir(tmp_path)
+    exec(compile(script.read_text(encoding="utf-8"), script.name, "exec"), {"__name__": "__main__"})
+    films = [path for path in tmp_path.iterdir() if path.stem == script.stem]
+    assert len(films) == script.read_text(encoding="utf-8").count("pc.film(")

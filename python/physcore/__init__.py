@@ -1,4 +1,4 @@
-"""physcore: particles and spring networks at the speed of the hardware, with an energy budget that closes.
+"""physcore: particles, cloth, fluids, waves, reactions, wave functions and charges, with audited energy and films.
 
     import physcore as pc
 

@@ -27,7 +27,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code: 0, 1 when it failed, 2 when the arguments are not valid."""
     options = _parser().parse_args(arguments)
     try:
-        return int(options.run(options))
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code
     except PhyscoreError as error:
         print(f"physcore: {error}", file=sys.stderr)
         return 1
@@ -37,14 +39,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()  # The reader closed the pipe (`physcore list | head`): no message reaches anybody.
         return 0
+    except OSError as error:
+        print(f"physcore: cannot write: {error.strerror}", file=sys.stderr)
+        sys.stdout = None  # Python would try again, and fail, at its end.
+        return 1
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="physcore", description="Particles and spring networks with an energy budget that closes."
+        prog="physcore", description="Films of simulated physics, with their energy budgets, from demos."
     )
     parser.add_argument("--version", action="version", version=f"physcore {physcore.__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    parser.set_defaults(run=lambda options: _help(parser))
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     commands.add_parser(
         "list", help="name the demos, with the processor time that each takes and the size of its film"
     ).set_defaults(run=_list)
@@ -57,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="the film to write: .gif, .webp, .apng, .mp4, or .png for its last frame (default: NAME.gif)",
     )
-    demo.add_argument("--source", action="store_true", help="print the script of the demo instead of running it")
+    demo.add_argument("--source", action="store_true", help="print a script that makes the film, and do not run it")
     demo.add_argument(
         "--particles", type=int, metavar="N", help="how many particles, where a demo has them by number, as two_dams"
     )
@@ -88,6 +95,11 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _help(parser: argparse.ArgumentParser) -> int:
+    parser.print_help()
+    return 0
+
+
 def _list(options: argparse.Namespace) -> int:
     from physcore.gallery import DEMOS, caption, costs
 
@@ -110,7 +122,7 @@ def _demo(options: argparse.Namespace) -> int:
     if not _exists(name):
         return 2
     if options.source:
-        print(inspect.getsource(cast(ModuleType, demo(name))), end="")
+        print(inspect.getsource(cast(ModuleType, demo(name))), end='\n\nif __name__ == "__main__":\n    main()\n')
         return 0
     chosen, numbers = demo(name), {}
     if options.particles is not None:
@@ -231,7 +243,7 @@ def _exists(name: str) -> bool:
 
     if name in DEMOS:
         return True
-    print(f"physcore: no demo {name!r}; there are {', '.join(DEMOS)}{did_you_mean(name, DEMOS)}", file=sys.stderr)
+    print(f"physcore: no demo {name!r}; `physcore list` names them{did_you_mean(name, DEMOS)}", file=sys.stderr)
     return False
 
 

@@ -1,4 +1,4 @@
-"""Words that are misspelt: which one was meant, in messages about choices, names and keywords."""
+"""Suggestions for misspelt words, in messages about options, names and keywords."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _UNEXPECTED = re.compile(r"unexpected keyword argument '(\w+)'")
 
 
 class KeywordError(TypeError):
-    """A function has no argument of that name."""
+    """Unknown keyword argument of a function."""
 
     def __init__(self, function: str, name: str, known: Iterable[str]) -> None:
         self.known = tuple(dict.fromkeys(known))
@@ -24,7 +24,7 @@ class KeywordError(TypeError):
 
 
 def did_you_mean(value: object, known: Iterable[str]) -> str:
-    """The end of a message: the word that was meant, where one of some is written nearly so."""
+    """The end of a message that suggests the most similar known word; empty if there is none."""
     if not isinstance(value, str):
         return ""
     from difflib import get_close_matches
@@ -35,7 +35,7 @@ def did_you_mean(value: object, known: Iterable[str]) -> str:
 
 
 def spelled(function: Callable[P, R]) -> Callable[P, R]:
-    """A function that says which keyword was meant, as all do from Python 3.13 on."""
+    """Decorator of a function that suggests the intended keyword, as all functions do from Python 3.13 on."""
 
     @wraps(function)
     def called(*arguments: P.args, **keywords: P.kwargs) -> R:
@@ -48,7 +48,7 @@ def spelled(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def spell(kinds: Iterable[object]) -> None:
-    """Let those of some things that are classes say which keyword was meant."""
+    """Apply `spelled` to the constructors of the classes among some objects."""
     for kind in kinds:
         own = vars(kind).get("__init__") if isinstance(kind, type) else None
         if own is not None and not hasattr(own, "__wrapped__"):
@@ -56,7 +56,7 @@ def spell(kinds: Iterable[object]) -> None:
 
 
 def _explained(error: TypeError, function: Callable[..., object], keywords: dict[str, Any]) -> TypeError:
-    """The error of a keyword that a function does not have, with those that it has; any other error as it is."""
+    """The error of an unknown keyword, with a suggestion from the known ones; any other error unchanged."""
     found = _UNEXPECTED.search(str(error))
     if found is None or found[1] not in keywords:
         return error
@@ -65,6 +65,6 @@ def _explained(error: TypeError, function: Callable[..., object], keywords: dict
     own = [each.name for each in parameters if each.kind in named and each.name != "self"]
     if found[1] in own:
         return error
-    # What takes any keyword passes it on, to a function that has complained.
+    # A function with **keywords passes them on to a function that has raised its own KeywordError.
     passed = getattr(error, "known", ()) if any(each.kind == Parameter.VAR_KEYWORD for each in parameters) else ()
     return KeywordError(function.__qualname__.removesuffix(".__init__"), found[1], (*own, *passed))

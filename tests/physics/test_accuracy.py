@@ -15,6 +15,8 @@ from physcore.studies.tradeoff.convergence import convergence, stagnant
 from physcore.studies.tradeoff.experiment import Experiment
 from physics.laboratory import ALL, LONG, name, network, orbits
 
+pytestmark = pytest.mark.usefixtures("clock_of_work")
+
 E = 0.6
 ORBIT = pc.Scene(
     pc.Particles([[1.0 - E, 0.0]], velocities=[[0.0, math.sqrt((1.0 + E) / (1.0 - E))]]),

@@ -9,6 +9,7 @@ import pytest
 
 import physcore as pc
 from physics.laboratory import EPSILON, Array, simulation, state
+from work import counted
 
 RADAU = pc.GaussRadau15()
 
@@ -321,9 +322,15 @@ def test_other_systems_beside_it_need_steps_of_a_given_length():
 
 def test_trades_and_accuracies_take_it_where_it_is_named():
     """With steps of a given length, beside others; its errors are below what the reference is known to."""
-    trade = pc.tradeoff(
-        kepler(0.3), PERIOD, integrators=[RADAU, pc.DormandPrince5()], precisions=["f64"], budget=2.0, progress=False
-    )
+    with counted():
+        trade = pc.tradeoff(
+            kepler(0.3),
+            PERIOD,
+            integrators=[RADAU, pc.DormandPrince5()],
+            precisions=["f64"],
+            budget=2.0,
+            progress=False,
+        )
     best = {kind: min(row.error for row in trade.rows if type(row.integrator) is kind) for kind in (pc.GaussRadau15,)}
     assert best[pc.GaussRadau15] < 1e-11
     recording = pc.simulate(kepler(0.3), PERIOD, fps=2.0, integrator=RADAU, accuracy=1e-12)

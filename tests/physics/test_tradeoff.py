@@ -15,6 +15,8 @@ from physcore.studies.tradeoff.experiment import Choice, Experiment
 from physcore.studies.tradeoff.restarts import bias
 from physics.laboratory import ALL, LONG, name, network
 
+pytestmark = pytest.mark.usefixtures("clock_of_work")
+
 Case = tuple[pc.Scene, float]
 """A scene and its duration [s]."""
 

@@ -13,6 +13,8 @@ import pytest
 import physcore as pc
 from physcore.__main__ import main
 
+pytestmark = pytest.mark.usefixtures("clock_of_work")
+
 SCENE = pc.Scene(
     pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], 100.0, fixed=[0], name="bob"), pc.Gravity((0.0, -1.0))
 )

@@ -17,7 +17,7 @@ from physcore.studies.tradeoff.restarts import Windows
 from physics.laboratory import EPSILON, Array
 from validation.converged import Springs, trajectory
 
-pytestmark = pytest.mark.validation
+pytestmark = [pytest.mark.validation, pytest.mark.usefixtures("clock_of_work")]
 
 GRAVITY = pc.Gravity((0.0, -9.81))
 PENDULUM = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0, 1], [1, 2]], 64.0, fixed=[0])

@@ -245,8 +245,7 @@ class SpringNetwork(Body):
         return bool(np.isfinite(self.breaking_strain).any())
 
     def _check_strains(self) -> None:
-        """Check that springs with a breaking strain or a limit have a strain, unlike rods and those of rest length 0.
-        """
+        """Check that springs with a breaking strain or a limit have a strain, unlike rods or springs of no length."""
         for column in ("breaking_strain", "strain_limit"):
             strains = getattr(self, column)
             strainless = np.isfinite(strains) & (self.rods | (self.rest_length == 0.0))

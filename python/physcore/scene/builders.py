@@ -16,8 +16,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.arithmetic import combined, lengths
 from physcore import memory
+from physcore.arithmetic import combined, lengths
 from physcore.checks import (
     LONGEST,
     SHORTEST,

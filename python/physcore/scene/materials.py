@@ -64,7 +64,9 @@ def _elastic(density: float, modulus: float, ratio: float, thickness: float, sou
     """A sheet of an isotropic solid, from density [kg/m³], Young's modulus [Pa], Poisson's ratio and thickness [m]."""
     stretch = modulus * thickness / (1.0 - ratio * ratio)
     shear = 0.5 * modulus * thickness / (1.0 + ratio)
-    return Material(density * thickness, stretch, stretch, shear, stretch * thickness * thickness / 12.0, thickness, source)
+    return Material(
+        density * thickness, stretch, stretch, shear, stretch * thickness * thickness / 12.0, thickness, source
+    )
 
 
 _KAWABATA = (

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from physcore.arithmetic import dots
 from physcore import memory
+from physcore.arithmetic import dots
 from physcore.checks import MOST, FloatArray, Vector, span, vector
 from physcore.errors import SceneError
 from physcore.spelling import spelled

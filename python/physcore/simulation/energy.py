@@ -1,4 +1,4 @@
-"""The budgets of energy and of what else is conserved: at one moment, and over the frames of a recording."""
+"""Budgets of energy and other conserved quantities: at one time, and over the frames of a recording."""
 
 from __future__ import annotations
 
@@ -18,57 +18,63 @@ if TYPE_CHECKING:
 T = TypeVar("T", float, FloatArray)
 
 GOOD_DRIFT = 1e-2
-"""The largest drift that is called good: the amplitude of an oscillation goes with the root of its energy, and is off
-by half of this, less than 2 pixels of the 320 between the middle and the edge of a film."""
+"""Largest drift that is called good. The amplitude of an oscillation is proportional to the square root of its energy,
+and is thus off by half the drift. This is less than 2 of the 320 pixels between the middle and the edge of a film.
+"""
 WRONG_DRIFT = 0.05
-"""The drift above which a run is wrong to the eye: 8 pixels, likewise."""
+"""Drift above which a run is visibly wrong: the amplitude is off by 8 of 320 pixels."""
 
 
 def verdict(drift: float) -> str:
-    """What a drift of the energy balance means: "good", or "look at dt"."""
+    """The assessment of a drift of the energy balance: "good", or "look at dt"."""
     return "good" if abs(drift) <= GOOD_DRIFT else "look at dt"
 
 
 @dataclass(frozen=True, eq=False)
 class Budget(Generic[T]):
-    """An energy budget; everything in joules."""
+    """Energy budget; all values in joules."""
 
     kinetic: T
     """Kinetic energy of all particles that are not fixed."""
     by_term: Mapping[str, T]
-    """Potential energy by the force that it belongs to, such as `by_term["springs"]` or
-    `by_term["surface tension"]`."""
+    """Potential energy by force, such as `by_term["springs"]` or `by_term["surface tension"]`."""
     internal: T
-    """Internal energy: of the compression of fluids."""
+    """Internal energy, of the compression of fluids."""
     dissipated: T
     """Energy dissipated by drag, damping, viscosity and contacts since the start: the time integral of their power. In
-    a fluid some of it may be given back."""
+    a fluid, some of it may be negative.
+    """
     dissipated_by: Mapping[str, T]
-    """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]`
-    (of fluids, and the diffusion of their density) and `["contacts"]`: restitution and friction, and what the pressure
-    of walls and obstacles takes from a fluid beside them, an error of the images that vanishes with its spacing."""
+    """Dissipated energy by cause.
+
+    The causes are `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]` (of fluids,
+    with the diffusion of their density) and `["contacts"]`. Contacts include restitution and friction. They also
+    include the energy that the pressure of walls and obstacles takes from a fluid, an error of the image particles that
+    vanishes with the spacing.
+    """
     work: T
-    """Work done by wind, custom forces, fixed particles that move, shifting and `Simulation.set` since the start,
-    each metered by itself; exactly 0 where there is none of them."""
+    """Work done since the start by wind, custom forces, moving fixed particles, shifting and `Simulation.set`, each
+    integrated separately; exactly 0 if there is none of them.
+    """
 
     @property
     def potential(self) -> T:
-        """The sum over all terms."""
+        """Potential energy: the sum over all terms."""
         zero: T = self.kinetic - self.kinetic if not self.by_term else 0.0  # type: ignore[assignment]
         return sum(self.by_term.values(), start=zero)
 
     @property
     def total(self) -> T:
-        """Kinetic, potential and internal energy."""
+        """Total energy: kinetic, potential and internal."""
         return self.kinetic + self.potential + self.internal
 
     @property
     def balance(self) -> T:
-        """total + dissipated − work: constant, up to the integrator's error."""
+        """Energy balance, total + dissipated − work: constant, up to the integrator's error."""
         return self.total + self.dissipated - self.work
 
     def _rows(self) -> dict[str, T]:
-        """The lines of the table, from top to bottom."""
+        """The rows of the table, from top to bottom."""
         spent = {f"    by {name}": value for name, value in self.dissipated_by.items() if np.any(value)}
         return {
             "kinetic": self.kinetic,
@@ -84,46 +90,46 @@ class Budget(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class Energy(Budget[float]):
-    """The energy budget at one moment, in joules.
+    """Energy budget at one time, in joules.
 
         energy = pc.Simulation(scene).energy()  # an Energy
         print(energy)  # a table
         energy.kinetic, energy.by_term["springs"]
 
-    `Simulation.energy` gives it; `print` shows it as a table.
+    `Simulation.energy` returns it; `print` shows it as a table.
     """
 
     time: float
-    """When it was taken [s]."""
+    """Time of the budget [s]."""
 
     def __str__(self) -> str:
         return _table([f"at {self.time:.4g} s"], {name: [value] for name, value in self._rows().items()})
 
     def _repr_html_(self) -> str:
-        """For notebooks: the same table."""
+        """The table as HTML, for notebooks."""
         rows = {name: [f"{value:.6g}"] for name, value in self._rows().items()}
         return html_table(["energy [J]", f"at {self.time:.4g} s"], rows)
 
 
 @dataclass(frozen=True, eq=False)
 class EnergySeries(Budget[FloatArray]):
-    """The energy budget over time, in joules; every array has the shape (F,).
+    """Energy budget over time, in joules; every array has the shape (F,).
 
         energy = recording.energy  # an EnergySeries
         print(energy)  # a table of its start and its end
         energy.by_term["springs"], energy.drift  # each of shape (F,)
 
-    `Recording.energy` is one; `print` shows its start and its end as a table, and `plot` draws it.
+    `Recording.energy` is of this class. `print` shows the start and the end as a table, and `plot` draws the budget.
     """
 
     times: FloatArray
-    """When each was taken [s]: at the last step at or before each frame."""
+    """Times of the budgets [s]: the last step at or before each frame."""
 
     @property
     def drift(self) -> FloatArray:
-        """(balance − balance[0]) / (largest kinetic energy + ranges of the potential and the internal energy).
+        """Relative drift (balance − balance[0]) / (largest kinetic energy + ranges of potential and internal energy).
 
-        0 where nothing moves.
+        The drift is 0 if nothing moves.
         """
         change = self.balance - self.balance[0]
         scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
@@ -137,7 +143,7 @@ class EnergySeries(Budget[FloatArray]):
         return f"{_table(['start', 'end'], ends)}\n{drift}"
 
     def _repr_html_(self) -> str:
-        """For notebooks: the same table."""
+        """The table as HTML, for notebooks."""
         rows = {name: [f"{value:.6g}" for value in (values[0], values[-1])] for name, values in self._rows().items()}
         largest = float(np.abs(self.drift).max())
         rows["drift"] = ["", f"at most {largest:.1e}: {verdict(largest)}"]
@@ -155,10 +161,10 @@ class EnergySeries(Budget[FloatArray]):
         return Energy(**whole, **parts, time=float(self.times[index]))  # type: ignore[arg-type]
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the budget over time with Matplotlib (`pip install "physcore[plot]"`).
+        """Plot the budget over time with Matplotlib (`pip install "physcore[plot]"`).
 
         Args:
-            axes: where to draw; a new figure by default.
+            axes: the axes to draw into; a new figure by default.
 
         Raises:
             PhyscoreError: Matplotlib is not installed.
@@ -178,72 +184,72 @@ class EnergySeries(Budget[FloatArray]):
 
 @dataclass(frozen=True, eq=False)
 class Stock(Generic[T]):
-    """The budget of a conserved quantity beside energy, such as the amount of a species or a probability."""
+    """Budget of a conserved quantity other than energy, such as the amount of a species or a probability."""
 
     unit: str
-    """The unit of all numbers."""
+    """Unit of all values."""
     total: T
-    """What there is."""
+    """Present amount."""
     removed_by: Mapping[str, T]
-    """What was removed since the start, by what removed it: `removed_by["edges"]`."""
+    """Amount removed since the start, by cause: `removed_by["edges"]`."""
     supplied_by: Mapping[str, T]
-    """What was supplied since the start, by what supplied it."""
+    """Amount supplied since the start, by cause."""
 
     @property
     def removed(self) -> T:
-        """What was removed since the start."""
+        """Total amount removed since the start."""
         return sum(self.removed_by.values(), start=self.total - self.total)
 
     @property
     def supplied(self) -> T:
-        """What was supplied since the start."""
+        """Total amount supplied since the start."""
         return sum(self.supplied_by.values(), start=self.total - self.total)
 
     @property
     def balance(self) -> T:
-        """total + removed − supplied: constant, up to the method's error."""
+        """Balance, total + removed − supplied: constant, up to the method's error."""
         return self.total + self.removed - self.supplied
 
 
 @dataclass(frozen=True, eq=False)
 class Amount(Stock[float]):
-    """The budget of a conserved quantity at one moment.
+    """Budget of a conserved quantity at one time.
 
         grid = pc.Grid((64, 64), spacing=0.01)
         dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, {"u": 1.0, "v": 0.0})
         pc.Simulation(pc.Scene(dish)).budgets()["u"].total  # of an Amount
 
-    `Simulation.budgets` gives one by the name of each quantity.
+    `Simulation.budgets` returns one for each quantity, by name.
     """
 
     time: float
-    """When it was taken [s]."""
+    """Time of the budget [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class AmountSeries(Stock[FloatArray]):
-    """The budget of a conserved quantity over time; every array has the shape (F,).
+    """Budget of a conserved quantity over time; every array has the shape (F,).
 
         grid = pc.Grid((64, 64), spacing=0.01)
         dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, {"u": 1.0, "v": 0.0})
         pc.simulate(pc.Scene(dish), duration=10.0).budgets["u"].drift  # of an AmountSeries, shape (F,)
 
-    `Recording.budgets` has one by the name of each quantity.
+    `Recording.budgets` has one for each quantity, by name.
     """
 
     times: FloatArray
-    """When each was taken [s]: at the last step at or before each frame."""
+    """Times of the budgets [s]: the last step at or before each frame."""
 
     @property
     def drift(self) -> FloatArray:
-        """(balance − balance[0]) / largest |total|; the change itself where there never was anything."""
+        """Relative drift (balance − balance[0]) / largest |total|; the absolute change if the total is always zero."""
         change: FloatArray = self.balance - self.balance[0]
         scale = float(np.abs(self.total).max())
         return change / scale if scale > 0.0 else change
 
     @classmethod
     def of(cls, moments: Sequence[Amount]) -> AmountSeries:
-        """Budgets at several times as one over time."""
+        """The series of budgets at several times."""
         first = moments[0]
 
         def by(name: str) -> dict[str, FloatArray]:
@@ -259,14 +265,14 @@ class AmountSeries(Stock[FloatArray]):
 
 
 class Drift:
-    """The drift of an energy balance, as `EnergySeries.drift` counts it, from one budget at a time."""
+    """Drift of an energy balance, as in `EnergySeries.drift`, updated by one budget at a time."""
 
     def __init__(self) -> None:
         self._seen: list[FloatArray] = []
-        """Of balance, kinetic, potential and internal energy [J]: the first, the smallest and the largest values."""
+        """First, smallest and largest values of balance, kinetic, potential and internal energy [J]."""
 
     def add(self, energy: Energy) -> float:
-        """Look at one budget, and give its drift by all that was seen so far."""
+        """Add a budget, and return the drift relative to all budgets so far."""
         values = np.array([energy.balance, energy.kinetic, energy.potential, energy.internal])
         first, lower, upper = self._seen or [values] * 3
         self._seen = [first, np.minimum(lower, values), np.maximum(upper, values)]
@@ -274,12 +280,12 @@ class Drift:
 
     @property
     def largest(self) -> float:
-        """The largest one of all."""
+        """The largest drift so far."""
         first, lower, upper = self._seen
         return self._relative(max(upper[0] - first[0], first[0] - lower[0]))
 
     def _relative(self, change: float) -> float:
-        """A change in units of the energy that has been in motion."""
+        """A change relative to the scale of the energy in motion."""
         _, lower, upper = self._seen
         _, _, potential, internal = upper - lower
         scale = upper[1] + potential + internal
@@ -287,7 +293,7 @@ class Drift:
 
 
 def _table(heads: Sequence[str], rows: Mapping[str, Sequence[float]]) -> str:
-    """Energies [J] in columns."""
+    """Energies [J] in columns, as text."""
     width = max(map(len, rows))
     lines = [f"  {'energy [J]':<{width}}" + "".join(f"  {head:>12}" for head in heads)]
     lines += [f"  {name:<{width}}" + "".join(f"  {value:>12.6g}" for value in row) for name, row in rows.items()]

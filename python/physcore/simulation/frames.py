@@ -1,4 +1,4 @@
-"""Frames at a fixed rate, whatever the time step: the state of a step, or a cubic between two steps."""
+"""Frames at a fixed rate, independent of the time step: the state of a step, or an interpolation between two steps."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
 
 
 def energy(world: World) -> Energy:
-    """The energy budget of a world at its present step; warns where it is not finite."""
+    """The energy budget of a world at its present step; warn if it is not finite."""
     return audit(world)[0]
 
 
 def audit(world: World) -> tuple[Energy, dict[str, Amount]]:
-    """The energy budget, and those of what else is conserved, by name."""
+    """The energy budget, and the budgets of other conserved quantities by name."""
     rows, others = world.budgets()
 
     def of(kind: str) -> dict[str, float]:
@@ -48,21 +48,21 @@ def audit(world: World) -> tuple[Energy, dict[str, Amount]]:
 
 
 def momentum(world: World) -> FloatArray:
-    """Total momentum at the present step; warns where it is not finite."""
+    """Total momentum at the present step; warn if it is not finite."""
     total = world.momentum()
     _warn_if_beyond("momentum", float(total.sum()), world)
     return total
 
 
 def angular_momentum(world: World) -> FloatArray:
-    """Total angular momentum at the present step; warns where it is not finite."""
+    """Total angular momentum at the present step; warn if it is not finite."""
     total = world.angular_momentum()
     _warn_if_beyond("angular momentum", float(total.sum()), world)
     return total
 
 
 def _warn_if_beyond(quantity: str, value: float, world: World) -> None:
-    """Say that a quantity is not finite, as it may be of a state whose positions and velocities are."""
+    """Warn if a quantity is not finite, which is possible even for finite positions and velocities."""
     if math.isfinite(value):
         return
     warn(
@@ -73,7 +73,7 @@ def _warn_if_beyond(quantity: str, value: float, world: World) -> None:
 
 
 def frame(world: World, scene: Scene) -> Frame:
-    """The present step as a frame; its positions are where the particles have gone."""
+    """The present step as a frame, with positions not wrapped into the periodic domain."""
     budget, budgets = audit(world)
     return Frame(
         **vars(engine.snapshot(world, scene)),
@@ -86,10 +86,10 @@ def frame(world: World, scene: Scene) -> Frame:
 
 
 def frame_count(duration: float, fps: float) -> int:
-    """How many frames a duration [s] has, the first and the last one included.
+    """The number of frames of a duration [s], including the first and the last one.
 
     Raises:
-        SceneError: they are too many to count.
+        SceneError: there are too many to count.
     """
     intervals = duration * fps + 1e-6
     if intervals > MOST:
@@ -98,19 +98,19 @@ def frame_count(duration: float, fps: float) -> int:
 
 
 def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: float) -> Iterator[Frame]:
-    """Advance by a duration, and give a frame at each start + k/fps; the first one is the present state.
+    """Advance by a duration, and yield a frame at each start + k/fps. The first one is the present state.
 
-    A given time step stays as it is, and a frame between two steps is a cubic Hermite interpolation of both; with
-    dt="auto" every frame falls on a step. The steps taken are those of a run without frames. Positions are put into the
-    periodic domain at the very end: between two of them on different sides there is nothing to interpolate.
+    With a given time step, a frame between two steps is a cubic Hermite interpolation of both. With dt="auto" every
+    frame is at a step. The steps are the same as without frames. Positions are wrapped into the periodic domain at the
+    end, because positions on different sides cannot be interpolated.
 
     Raises:
-        PhyscoreError: somebody else stepped the world between two frames.
+        PhyscoreError: the world was advanced by other code between two frames.
     """
     start = world.time
     count = frame_count(duration, fps)
     if stepper.fixed is not None:
-        steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Refuses more than can be counted.
+        steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Raises if there are too many to count.
     stepper.warn_if_long(duration)
     sampled = _stepped if stepper.fixed is None else _interpolated
     before: Frame | None = None
@@ -129,7 +129,7 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
 
 
 def _measured(sample: Frame, before: Frame | None, fps: float) -> Frame:
-    """A frame with what is measured of fluids as the mean since the frame before: the difference of two integrals."""
+    """A frame in which measured fields of fluids are means since the previous frame: differences of their integrals."""
     fields = dict(sample.fields)
     for name, integral in GAUGES.items():
         total = fields.pop(integral, None)
@@ -139,7 +139,7 @@ def _measured(sample: Frame, before: Frame | None, fps: float) -> Frame:
 
 
 def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
-    """Frames on the steps of a time step that divides the frame interval."""
+    """Frames at the steps of a time step that divides the frame interval."""
     for index in range(count):
         if index > 0:
             stepper.run(1.0 / fps, fps)
@@ -147,7 +147,9 @@ def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: floa
 
 
 def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
-    """Frames between steps of a given size: `before` is the last step at or before a frame, `done` the present step."""
+    """Frames between steps of a given size. `before` is the last step at or before a frame, `done` the number of the
+    present step.
+    """
     dt = stepper.dt
     rates = {info.name: info.rate for info in engine.fields(world, scene)}
     done, before = 0, frame(world, scene)
@@ -169,12 +171,13 @@ def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps:
 
 
 def between(before: Frame, after: Snapshot, fraction: float, dt: float, rates: Mapping[str, str | None]) -> Frame:
-    """The fields at a fraction of a step; the audit is `before`'s.
+    """The fields at a fraction of a step; the audit is that of `before`.
 
-    A field whose rate of change is a field too is the cubic through both at both ends of the step, and its rate the
-    derivative of that; all others go straight from one end to the other. Written in differences, so that what does not
-    change stays as it is to the bit. The error is of order dt⁴ for such fields as positions, dt³ for their rates, and
-    dt² for the others. Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
+    A field whose rate of change is also a field is a cubic Hermite interpolation, and its rate is the derivative of
+    this cubic. All other fields are interpolated linearly. The formulas use differences, so that constant values keep
+    their bits. The error is of order dt⁴ for fields such as positions, dt³ for their rates, and dt² for the others.
+
+    Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
     """
     s, r = fraction, 1.0 - fraction
     fields = {name: values + s * (after.fields[name] - values) for name, values in before.fields.items()}

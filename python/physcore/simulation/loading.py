@@ -1,4 +1,4 @@
-"""Reading back what was saved."""
+"""Loading of checkpoints and recordings."""
 
 from __future__ import annotations
 
@@ -16,20 +16,21 @@ _KINDS: dict[str, Callable[[dict[str, archive.Tree]], Simulation | Recording]] =
     "simulation": Simulation.from_content,
     "recording": Recording.from_content,
 }
-"""The kinds of content of a file."""
+"""Loaders by the kind of a file's content."""
 
 
 def load(path: str | os.PathLike[str]) -> Simulation | Recording:
-    """Read a checkpoint or a recording.
+    """Load a checkpoint or a recording.
 
         recording.save("cloth.npz")
         recording = pc.load("cloth.npz")
 
-    A checkpoint gives a Simulation that goes on with the same bits as the one that was saved.
+    A checkpoint gives a Simulation that continues with the same bits as the saved one.
 
     Raises:
-        SceneError: it is no path.
-        FileError: the file is missing, damaged, of another version, or no file of physcore; with what is wrong in it.
+        SceneError: the value is not a path.
+        FileError: the file is missing, damaged, of another version, or not a file of physcore; the message tells the
+            error in it.
     """
     named = file_path(path)
     kind, content = archive.read(named)

@@ -1,4 +1,4 @@
-"""Notes of a plan on what was hardly meant: before a run what its scene tells, after it what its recording does."""
+"""Notes of a plan on probable mistakes, found in a scene before the run or in its recording afterward."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from physcore.simulation.energy import GOOD_DRIFT, verdict
 from physcore.simulation.recording import Recording
 
 ROUNDING = 1e-12
-"""Of the extent of a body: what is closer to a plane is in it."""
+"""Tolerance of a plane, relative to the extent of a body."""
 
 
 def noted(recording: Recording) -> Recording:
-    """A recording whose plan has the notes on what it shows."""
+    """A recording whose plan includes the notes on the recording."""
     notes = (*recording.plan.notes, *_drift(recording), *_untouched(recording))
     return replace(recording, plan=replace(recording.plan, notes=notes))
 
 
 def _drift(recording: Recording) -> Iterator[str]:
-    """A drift that is not good."""
+    """A note on the drift, if it is not good."""
     largest = float(np.abs(recording.energy.drift).max())
     if not largest <= GOOD_DRIFT:
         yield (
@@ -39,7 +39,7 @@ def _drift(recording: Recording) -> Iterator[str]:
 
 
 def _untouched(recording: Recording) -> Iterator[str]:
-    """Planes that no particle can have touched, between two frames either."""
+    """Notes on planes that no particle can have touched, even between two frames."""
     scene, channels = recording.scene, recording.channels
     if scene.periodic is not None or not {"positions", "velocities"} <= channels.keys():
         return
@@ -62,7 +62,9 @@ def _untouched(recording: Recording) -> Iterator[str]:
 
 
 def of_scene(scene: Scene) -> list[str]:
-    """A network that falls on its edge in unstable balance: flat, with nothing that acts across its plane."""
+    """A note on a flat network that falls on its edge in unstable equilibrium, because nothing acts normal to its
+    plane.
+    """
     network = scene.bodies[0] if len(scene.bodies) == 1 else None
     if not isinstance(network, SpringNetwork) or network.fixed.any() or not scene.boundaries:
         return []
@@ -86,7 +88,7 @@ def of_scene(scene: Scene) -> list[str]:
 
 
 def _normal(positions: FloatArray) -> FloatArray | None:
-    """The direction across the plane, or in 2D the line, of all positions; None where there is none, or several."""
+    """The normal of the plane, in 2D of the line, through all positions; None if there is no such plane, or several."""
     if len(positions) <= positions.shape[1]:
         return None
     away = positions - positions.mean(axis=0)
@@ -98,7 +100,7 @@ def _normal(positions: FloatArray) -> FloatArray | None:
 
 
 def _is_symmetric(boundary: SceneItem, middle: FloatArray, normal: FloatArray) -> bool:
-    """Whether a boundary looks the same from both sides of a plane, as far as what falls along it can meet it."""
+    """Whether a boundary is symmetric about a plane, in the part that a body falling within this plane can touch."""
     if isinstance(boundary, Plane):
         return bool(abs(dots(np.array(boundary.normal), normal)) < ROUNDING)
     if isinstance(boundary, Sphere):

@@ -1,4 +1,4 @@
-"""The period of a motion, from the frames of a recording."""
+"""Period of a motion, found from the frames of a recording."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from physcore.checks import FloatArray
 from physcore.scene.periodic import Periodic
 
 CLOSE = 0.02
-"""How far particles may be from where they were, as a fraction of how far they go (root mean squares)."""
+"""Tolerance of the return to earlier positions, relative to the extent of the motion (root mean squares)."""
 PARTICLES, FRAMES = 200, 600
-"""At most so many of them are looked at."""
+"""Largest numbers of particles and of frames that are used."""
 
 
 def period_of(times: FloatArray, positions: FloatArray, domain: Periodic | None) -> float | None:
-    """The least time [s] after which positions (F, N, D) at equal distances of time come back; None where they do not.
+    """The period [s] of positions (F, N, D) at equidistant times; None if they do not return.
 
-    The mean square distance s(τ) of x(t + τ) from x(t) is small at a period. It is found at the frames and, by a
-    parabola through the three around its minimum, between them, where s(τ) ≈ s₀ + ½ s″ (τ − T)².
+    The mean square distance s(τ) of x(t + τ) from x(t) is small at a period. It is computed at the frames. A parabola
+    through the three values around its minimum, s(τ) ≈ s₀ + ½ s″ (τ − T)², gives the period between frames.
     """
     if len(times) < 8 or positions.shape[1] == 0:
         return None
@@ -33,7 +33,7 @@ def period_of(times: FloatArray, positions: FloatArray, domain: Periodic | None)
     largest = squares.max()
     if not largest > 0.0 or not np.isfinite(largest):
         return None
-    # A period is a minimum after the motion has been far away; between frames s is below its values at them.
+    # A period is a minimum of s after a large value. Between frames, s is smaller than at the frames.
     for index in range(1, len(lags) - 1):
         before, here, after = squares[index - 1 : index + 2]
         if squares[:index].max() > 0.25 * largest and here <= before and here < after:

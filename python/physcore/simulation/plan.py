@@ -1,4 +1,4 @@
-"""The plan: what a scene requires, and how it will be computed."""
+"""Plan of a simulation: the stages that a scene requires, and the chosen numerics."""
 
 from __future__ import annotations
 
@@ -11,57 +11,57 @@ from physcore.numerics.choices import LimitKind
 
 @dataclass(frozen=True)
 class Plan:
-    """Exactly the stages that a scene requires, and the choices that were made; `print` it.
+    """Plan of a simulation: the stages that the scene requires, and the chosen numerics.
 
         print(pc.Simulation(scene).plan)  # a Plan
 
-    `Simulation.plan` and `Recording.plan` give it.
+    `Simulation.plan` and `Recording.plan` have it; `print` shows it.
     """
 
     stages: tuple[str, ...]
-    """The stages of one step, in order."""
+    """Stages of one step, in order."""
     dimension: int
-    """2 or 3."""
+    """The dimension of space."""
     precision: str
     """"f32" or "f64": the arithmetic of forces."""
     integrator: str
-    """The integrator's name."""
+    """Name of the integrator."""
     order: int
-    """The order that holds in this scene."""
+    """Order of the method in this scene."""
     evaluations: int
     """Force evaluations per step."""
     pairs: int
-    """About how many springs, pairs of particles, and pairs of a particle and a cell of a tree each of them goes
-    through, at the start.
+    """Approximate number of springs, particle pairs and particle–cell pairs of a tree per force evaluation, at the
+    start.
     """
     dt: float
     """The time step [s]."""
     dt_limit: float
-    """The largest time step that this scene allows [s], as it stands now where dt was given or follows the motion; inf
-    where nothing limits it, 0.0 where no step is certain to be stable.
+    """Largest time step that this scene allows [s]: inf without a limit, 0.0 if no step is certain to be stable. The
+    value is for the present state if dt was given or follows the motion.
     """
     limit_kind: LimitKind
     """Whether stability or accuracy limits the time step."""
     limit_term: str
-    """The term that limits the time step."""
+    """Term of the scene that limits the time step."""
     memory: int
     """Memory of the simulation [bytes]."""
     threads: int
-    """Threads that share the work."""
+    """Number of threads."""
     simd: str
-    """The vector instructions in use."""
+    """Vector instructions in use."""
     layout: str
-    """How particles and springs are laid out in memory."""
+    """Memory layout of particles and springs."""
     left_out: tuple[str, ...]
-    """The stages that this scene does not need."""
+    """Stages that this scene does not need."""
     notes: tuple[str, ...]
     """Advice."""
     force_error: float = 0.0
-    """The error of the accelerations by a tree, rms over rms, measured at the start on up to 1000 particles against the
-    exact sum; 0.0 where sums are exact.
+    """Relative rms error of the accelerations by a tree, measured at the start on up to 1000 particles against the
+    exact sum; 0.0 with exact sums.
     """
     substeps: int = 0
-    """How many steps failed and were taken again in parts."""
+    """Number of steps that failed and were repeated in parts."""
 
     @property
     def margin(self) -> float:
@@ -69,7 +69,7 @@ class Plan:
         return self.dt / self.dt_limit if self.dt_limit > 0 else math.inf
 
     def _rows(self) -> dict[str, str]:
-        """What it says, line by line."""
+        """The lines of the plan, as names and texts."""
         rows = {
             "stages": " → ".join(self.stages),
             "dimension": f"{self.dimension}D",
@@ -91,12 +91,12 @@ class Plan:
         return "\n".join(["Plan", *lines, *(f"  {'note':<11}{note}" for note in self.notes)])
 
     def _repr_html_(self) -> str:
-        """For notebooks: the same lines as a table."""
+        """The plan as an HTML table, for notebooks."""
         notes = {f"note {number}" if len(self.notes) > 1 else "note": note for number, note in enumerate(self.notes, 1)}
         return html_table([], {name: [text] for name, text in {**self._rows(), **notes}.items()}, "Plan")
 
     def _limit(self) -> str:
-        """One phrase on the limit of the time step."""
+        """A phrase on the limit of the time step."""
         if math.isinf(self.dt_limit):
             return "nothing limits it"
         if self.dt_limit == 0.0:
@@ -105,7 +105,7 @@ class Plan:
 
 
 def _bytes(size: int) -> str:
-    """A size in the unit that suits it."""
+    """A size in a suitable unit, as text."""
     for unit, scale in (("GiB", 1 << 30), ("MiB", 1 << 20), ("KiB", 1 << 10)):
         if size >= scale:
             return f"{size / scale:.1f} {unit}"

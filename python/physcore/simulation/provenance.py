@@ -1,4 +1,4 @@
-"""The provenance of a state: what it takes, beside the scene, to compute it again and to check that."""
+"""Provenance of a state: all that is needed, in addition to the scene, to reproduce and verify it."""
 
 from __future__ import annotations
 
@@ -14,71 +14,71 @@ from physcore.storage.schema import Rule, either, of, record, several, table, te
 
 @dataclass(frozen=True)
 class Segment:
-    """Steps in a row, all of one size, or of sizes that followed the motion."""
+    """Consecutive steps of one size, or of sizes that follow the motion."""
 
     start: float
-    """When the first of them began [s]."""
+    """Start of the first step [s]."""
     steps: int
-    """How many they are."""
+    """Number of steps."""
     dt: float | tuple[float, float]
-    """Their size [s]; of adaptive steps the smallest and the largest."""
+    """Time step [s]; for adaptive steps the smallest and the largest."""
 
     @classmethod
     def from_content(cls, content: Tree) -> Self:
-        """A segment out of a file, where tuples are lists."""
+        """A segment from a file, where tuples are lists."""
         dt = content["dt"]
         return cls(content["start"], content["steps"], tuple(dt) if isinstance(dt, list) else dt)
 
 
 @dataclass(frozen=True)
 class Provenance:
-    """How a simulation came to its state, from the start of its scene; `Simulation.set` leaves no trace in it."""
+    """Provenance of a simulation, from the start of its scene to its state. `Simulation.set` is not recorded in it."""
 
     version: str
-    """The physcore that computed it."""
+    """Version of physcore that computed the state."""
     numerics: dict[str, Tree]
-    """The numerical choices: names and plain values, of an integrator or a rule for steps its kind and its fields."""
+    """Numerical options as names and plain values; an integrator or a step rule has its class and its fields."""
     segments: tuple[Segment, ...]
     """The steps that were taken."""
     state_hash: str
     """`Simulation.state_hash()` at the end."""
 
     def content(self) -> dict[str, Tree]:
-        """For a file."""
+        """The provenance as plain values, for a file."""
         return asdict(self)
 
     @classmethod
     def from_content(cls, content: Tree, path: str = "provenance") -> Self:
-        """The provenance that `content` gave.
+        """The provenance from the result of `content`.
 
         Raises:
-            FileError: it is something else.
+            FileError: the content is not valid.
         """
         checked = of(cls, numerics=table(either(dict, _choice, _scalar)), segments=SEGMENTS)(content, path)
         return cls(**{**checked, "segments": segments_from(checked["segments"])})
 
 
 def segments_from(content: Tree) -> tuple[Segment, ...]:
-    """Segments out of a file."""
+    """Segments from a file."""
     return tuple(Segment.from_content(entry) for entry in content)
 
 
 SEGMENTS: Rule = several(of(Segment))
-"""The rule for the segments in a file."""
+"""Rule for the segments in a file."""
 
 
 def _choice(value: Tree, path: str) -> Tree:
-    """An integrator, a rule for steps or a method for fluids; or several by the paths of what they are for."""
+    """An integrator, a step rule or a method of fluids; or several of these by the paths of their items."""
     return (_one if "kind" in value else table(_one))(value, path)
 
 
 def _one(value: Tree, path: str) -> Tree:
-    """A thing with its fields, in which may be others, as a kernel is in a method."""
+    """An object with its fields, which may contain further objects, such as the kernel of a method."""
     return record(kind=text, fields=table(either(dict, _one, _scalar)))(value, path)
 
 
 def _scalar(value: Tree, path: str) -> Tree:
-    """One value of JSON."""
+    """A scalar value of JSON."""
     if isinstance(value, (dict, list)):
         raise FileError(f"{path}: must be one value, got {shown(value)}")
     return value
@@ -86,7 +86,7 @@ def _scalar(value: Tree, path: str) -> Tree:
 
 @cache
 def version() -> str:
-    """The version of this physcore; found once, because reading package metadata takes its time."""
+    """The version of physcore, cached because reading package metadata is slow."""
     from importlib import metadata
 
     return metadata.version("physcore")

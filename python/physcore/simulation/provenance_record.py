@@ -1,4 +1,4 @@
-"""Records of provenance: what a film says of what it shows, so that anybody can check it or compute it again."""
+"""Provenance records, which films contain, so that the result can be verified and reproduced."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from physcore.simulation.recording import Recording
 from physcore.storage.archive import Tree
 
 ProvenanceRecord = dict[str, Tree]
-"""Plain values by name; what is not known is None.
+"""Provenance as plain values by name; unknown values are None.
 
-    physcore        the version that computed it
-    scene           `Scene.hash()`; None with a CustomForce, whose code has none
+    physcore        the version of physcore
+    scene           `Scene.hash()`; None with a CustomForce, whose code has no hash
     numerics        integrator, dt, precision, max_energy_growth, on_divergence, with their parameters
-    segments        the clock's history: start [s], steps, dt [s] (of adaptive steps the smallest and the largest)
-    substeps        steps that failed and were taken again in parts
-    duration, fps   seconds that are shown, and frames in a second of them
+    segments        the history of steps: start [s], steps, dt [s] (for adaptive steps the smallest and the largest)
+    substeps        steps that failed and were repeated in parts
+    duration, fps   duration shown [s], and frames per second of it
     energy_drift    the largest |drift| of the energy balance
     momentum        total momentum at the first and at the last frame [kg·m/s]
     state           `Simulation.state_hash()` at the end
-    seed            None: physcore draws no random numbers, and those of the user are in the scene
-    machine         threads and vector instructions, on which no bit depends
+    seed            None: physcore uses no random numbers, and those of the user are in the scene
+    machine         threads and vector instructions, on which the bits do not depend
 """
 
 
 def provenance_record(recording: Recording) -> ProvenanceRecord:
-    """The provenance of a recording; also of what only looks like one, as far as that goes."""
+    """The provenance of a recording, or of a similar object as far as it has the data."""
     energy, momentum = getattr(recording, "energy", None), getattr(recording, "momentum", None)
     return record_of(
         recording.scene,
@@ -46,7 +46,7 @@ def provenance_record(recording: Recording) -> ProvenanceRecord:
 
 
 def record_of(scene: Scene, plan: Plan | None, provenance: Provenance | None, **measured: Tree) -> ProvenanceRecord:
-    """The provenance of a run, with what was measured of it."""
+    """The provenance of a run, with the quantities measured from it."""
     numerics = {} if provenance is None else provenance.numerics
     segments = None if provenance is None else provenance.segments
     return {
@@ -70,7 +70,7 @@ def _scene_hash(scene: Scene) -> str | None:
 
 
 def _known(value: Tree) -> Tree:
-    """The same, with None for numbers that JSON does not have."""
+    """A value with None in place of numbers that JSON cannot represent."""
     if isinstance(value, list):
         return [_known(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

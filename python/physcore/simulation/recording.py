@@ -1,4 +1,4 @@
-"""A recording: arrays over time, and the audit that goes with them."""
+"""Recordings: arrays over time, with their budgets."""
 
 from __future__ import annotations
 
@@ -45,23 +45,23 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
-"""The parts of the energy budget that are one number each."""
+"""Parts of the energy budget that are single numbers."""
 PARTS = ("removed_by", "supplied_by")
-"""The parts of the budgets of other quantities that are one number for each cause."""
+"""Parts of other budgets that have one number for each cause."""
 TOTALS = {"momentum": "kg·m/s", "angular_momentum": "kg·m²/s"}
-"""The sums over all particles, with their units."""
+"""Sums over all particles, with their units."""
 UNITS = {"positions": "m", "velocities": "m/s", "densities": "kg/m³", "pressures": "Pa", "tensions": "N"}
 UNITS |= {"pressure": "Pa", "force": "N"}
-"""The units of channels."""
+"""Units of channels."""
 TERMS = 8
-"""About how many forces and frictions there are, each with an energy of its own."""
+"""Approximate number of forces and causes of dissipation, each with an energy of its own."""
 
 
 def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
-    """The fields of a scene to record; None: all but those of fluids.
+    """The fields of a scene to record; None: all except those of fluids.
 
     Raises:
-        SceneError: they are none that the scene has.
+        SceneError: a field is not one of the scene's.
     """
     known, fluids = field_names(scene), bool(scene.fluids)
     if channels is None:
@@ -78,66 +78,71 @@ def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
-    """Positions, velocities and what else was recorded over time, of a whole scene or of one body."""
+    """Recorded fields of a whole scene or of one item over time."""
 
     times: FloatArray
     """Time of each frame [s], shape (F,)."""
     channels: dict[str, FloatArray]
-    """The channels by name: vectors of shape (F, N, D), numbers of shape (F, N)."""
+    """Channels by name: vectors have the shape (F, N, D), numbers (F, N)."""
 
     @property
     def positions(self) -> FloatArray:
-        """[m], shape (F, N, D); within the periodic domain."""
+        """Positions [m], shape (F, N, D); within the periodic domain."""
         return self._channel("positions")
 
     @property
     def velocities(self) -> FloatArray:
-        """[m/s], shape (F, N, D)."""
+        """Velocities [m/s], shape (F, N, D)."""
         return self._channel("velocities")
 
     @property
     def densities(self) -> FloatArray:
-        """[kg/m³], shape (F, N); not a number for particles that are not a fluid's."""
+        """Mass densities [kg/m³], shape (F, N); NaN for particles that do not belong to a fluid."""
         return self._channel("densities")
 
     @property
     def pressures(self) -> FloatArray:
-        """[Pa], shape (F, N); not a number for particles that are not a fluid's."""
+        """Pressures [Pa], shape (F, N); NaN for particles that do not belong to a fluid."""
         return self._channel("pressures")
 
     @property
     def tensions(self) -> FloatArray:
-        """Of the springs of networks with rods [N], shape (F, S), positive where they pull; in the order of `pairs`."""
+        """Tensions of the springs of networks with rods [N], shape (F, S), in the order of `pairs`; positive is
+        attractive.
+        """
         return self._channel("tensions")
 
     @property
     def broken(self) -> BoolArray:
-        """Which springs are broken, of networks that can tear, shape (F, S); in the order of `pairs`."""
+        """Mask of the broken springs of networks that can tear, shape (F, S), in the order of `pairs`."""
         return np.not_equal(self._channel("broken"), 0.0)
 
     def to_dataframe(self) -> DataFrame:
-        """A table of pandas (`pip install "physcore[pandas]"`): a row for each particle at each time.
+        """Convert to a pandas data frame (`pip install "physcore[pandas]"`), with a row for each particle at each time.
 
             table = recording["balls"].to_dataframe()
             table[table.particle == 0].plot("time", "y")
 
         Returns:
-            Columns: time [s], particle (its index), x, y and z [m], vx, vy and vz [m/s] and the other channels of
-            particles, as far as they were recorded; of a whole recording body too, its name or its index.
+            DataFrame: the columns are time [s], particle (its index), x, y and z [m], vx, vy and vz [m/s], and the
+                other
+            channels of particles, as far as they were recorded. For a whole recording there is also body, its name or
+            its index.
 
         Raises:
             PhyscoreError: pandas is not installed.
-            SceneError: there is nothing with particles, or the table would not fit into memory.
+            SceneError: there are no particles, or the table would not fit into memory.
         """
         return data_frame(self.times, self.channels)
 
     def plot(self, channel: str = "positions", axes: Axes | None = None) -> Axes:
-        """Draw a channel over time with Matplotlib (`pip install "physcore[plot]"`): the mean of each component, and
-        a band from the smallest to the largest value.
+        """Plot a channel over time with Matplotlib (`pip install "physcore[plot]"`).
+
+        The plot has the mean of each component, and a band from the smallest to the largest value.
 
         Args:
-            channel: what to draw, such as "positions" or "velocities".
-            axes: where to draw; a new figure by default.
+            channel: the channel, such as "positions" or "velocities".
+            axes: the axes to draw into; a new figure by default.
 
         Raises:
             PhyscoreError: Matplotlib is not installed.
@@ -157,7 +162,7 @@ class Trajectory:
         return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
 
     def __getattr__(self, name: str) -> FloatArray:
-        """A field of a further system over time, such as `recording[wave].displacement`."""
+        """A field of a system over time, such as `recording[wave].displacement`."""
         channels = self.__dict__.get("channels", {})
         if name not in channels:
             raise AttributeError(f"no field {name!r}: there are {', '.join(channels)}")
@@ -165,7 +170,7 @@ class Trajectory:
         return values
 
     def __getitem__(self, name: str) -> FloatArray:
-        """A field over time by its name, such as `recording[item]["u"]`."""
+        """A field over time by name, such as `recording[item]["u"]`."""
         if name not in self.channels:
             raise KeyError(f"no field {name!r}: there are {', '.join(self.channels)}")
         return self.channels[name]
@@ -179,18 +184,18 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording(Trajectory):
-    """Frames of a simulation at a fixed rate; `recording[body]` gives the part of one body.
+    """Recording of a simulation: frames at a fixed rate. `recording[body]` is the part of one body.
 
         recording = pc.simulate(scene, duration=0.2)  # a Recording
         recording["cloth"].positions  # (F, N, D)
         print(recording.energy)
         recording.film("cloth.png")
 
-    Save one with `save`, read it back with `physcore.load`, draw it with `physcore.film`.
+    `save` writes a recording, `physcore.load` loads it, and `physcore.film` draws it.
     """
 
     energy: EnergySeries
-    """The energy budget, of the last step at or before each frame: `energy.times`."""
+    """Energy budget at the last step at or before each frame: `energy.times`."""
     momentum: FloatArray
     """Total momentum at `energy.times` [kg·m/s], shape (F, D)."""
     angular_momentum: FloatArray
@@ -198,33 +203,33 @@ class Recording(Trajectory):
     fps: float
     """Frames per second of simulated time."""
     scene: Scene
-    """The scene that was simulated."""
+    """Simulated scene."""
     plan: Plan
-    """The plan by which it was simulated."""
+    """Plan of the simulation."""
     budgets: Mapping[str, AmountSeries]
-    """The budgets of what is conserved beside energy, by name, such as `budgets["u"]` for the amount of a species."""
+    """Budgets of other conserved quantities by name, such as `budgets["u"]` for the amount of a species."""
     provenance: Provenance
     """The steps that were taken, and the hash of the state at the end."""
     film: ClassVar[Callable[..., Any]]
-    """`recording.film("run.gif", …)` is `physcore.film(recording, "run.gif", …)`; the package gives it to this class,
-    because what draws films imports recordings."""
+    """Draw a film: `recording.film("run.gif", …)` is `physcore.film(recording, "run.gif", …)`."""
 
     def to_dataframe(self) -> DataFrame:
-        """As of `Trajectory`, of all bodies one after the other at each time."""
+        """Convert to a pandas data frame, as in `Trajectory`; at each time, the bodies follow one another."""
         names = [(index if body.name is None else body.name, len(body)) for index, body in enumerate(self.scene.bodies)]
         own = {name: values for name, values in self.channels.items() if name in (*CHANNELS, *FLUID_CHANNELS)}
         return data_frame(self.times, own if names else {}, names)
 
     def plot(self, channel: str = "energy", axes: Axes | None = None) -> Axes:
-        """Draw a quantity over time with Matplotlib (`pip install "physcore[plot]"`).
+        """Plot a quantity over time with Matplotlib (`pip install "physcore[plot]"`).
 
             axes = recording.plot()
             axes = recording.plot("velocities")
 
         Args:
-            channel: "energy", the budget; "momentum", "angular_momentum"; or a channel, such as "positions": the mean
-                of each component, and a band from the smallest to the largest value.
-            axes: where to draw; a new figure by default.
+            channel: "energy" (the budget), "momentum", "angular_momentum", or a channel such as "positions". A channel
+                has
+                the mean of each component, and a band from the smallest to the largest value.
+            axes: the axes to draw into; a new figure by default.
 
         Raises:
             PhyscoreError: Matplotlib is not installed.
@@ -240,7 +245,7 @@ class Recording(Trajectory):
         label = f"{name.replace('_', ' ')} [{TOTALS[name]}]"
         return over_time(self.energy.times, values[:, np.newaxis], components, label, axes)
 
-    def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # of a whole scene the part of an item
+    def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # the part of an item
         system = self.scene.system(item)
         if system is not None:
             own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
@@ -265,13 +270,13 @@ class Recording(Trajectory):
         )
 
     def _repr_html_(self) -> str | None:
-        """For notebooks: what `show_with` was given makes of it, which is a film."""
+        """HTML for notebooks: a small film, if a function for it was registered by `show_with`."""
         return None if _preview is None else _preview(self)
 
     def show(self) -> Shown:
-        """The whole film for a notebook, however large it is; by itself a notebook shows a small preview.
+        """Show the whole film in a notebook, at any size; by default a notebook shows a small preview.
 
-        Every frame in the size of `film`, in memory; for more than a few hundred frames write a file instead.
+        All frames, in the size of `film`, are in memory. For more than a few hundred frames, write a file instead.
 
         Raises:
             SceneError: there are no positions to draw.
@@ -282,17 +287,17 @@ class Recording(Trajectory):
 
     @property
     def period(self) -> float | None:
-        """The period of the motion [s]: after it all particles are again where they were, to 2 % of how far they go;
-        None where there is none within half of the recording.
+        """Period of the motion [s], after which all particles return to their positions; None without a period.
 
             swing = pc.simulate(scene, duration=recording.period or 1.0)
 
-        A film of one period loops without a jump.
+        The tolerance is 2 % of the extent of the motion. Periods up to half of the recording are found. A film of one
+        period loops without a jump.
         """
         return None if "positions" not in self.channels else period_of(self.times, self.positions, self.scene.periodic)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything to a NumPy archive, which `physcore.load` and `numpy.load` read.
+        """Save the recording as a NumPy archive, which `physcore.load` and `numpy.load` read.
 
         Raises:
             FileError: the file cannot be written, or the scene has a CustomForce.
@@ -318,7 +323,7 @@ class Recording(Trajectory):
         """Rebuild a recording from the content of its file.
 
         Raises:
-            FileError: an entry is missing or wrong; with its path.
+            FileError: an entry is missing or not valid; the message has its path.
         """
         scene = unpack_scene(content.get("scene"))
         sizes = Sizes(N=scene.particles, S=springs(scene), D=scene.dimension, A=_turns(scene))
@@ -329,7 +334,7 @@ class Recording(Trajectory):
         for name, lengths in {**system_shapes(scene), **gauge_shapes(scene)}.items():
             axes[name] = ("F", *(f"{name}, axis {axis}" for axis in range(len(lengths))))
             sizes.update(zip(axes[name][1:], lengths, strict=True))
-        # Particles that are no fluid's have no density.
+        # Particles of other bodies have the density NaN.
         rules = {name: sizes.array(*axes[name], finite=name not in FLUID_CHANNELS) for name in channels}
         terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
         amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
@@ -371,8 +376,8 @@ def collect(
     end: Callable[[], tuple[Plan, Provenance]],
     tick: Callable[[int], None],
 ) -> Recording:
-    """Gather the fields that have `shapes` from `count` frames; `tick` is told their number so far, `end` is asked
-    at the end.
+    """Collect the fields in `shapes` from `count` frames. `tick` is called with the number of frames so far, `end`
+    after the last one.
 
     Raises:
         SceneError: the recording would not fit into memory.
@@ -409,16 +414,16 @@ def collect(
 
 
 def refuse_if_too_large(frames: int, scene: Scene, needed: int, hint: str) -> None:
-    """Refuse to begin what needs more bytes than are free.
+    """Check that enough memory is free.
 
     Raises:
-        SceneError: it does.
+        SceneError: it is not.
     """
     memory.require(needed, f"{frames} frames of {contents(scene)}", "duration", hint)
 
 
 def contents(scene: Scene) -> str:
-    """How many particles, tracers and cells a scene has, in words."""
+    """The numbers of particles, tracers and cells of a scene, as text."""
     tracers = sum(len(system) for system in scene.systems if isinstance(system, PointSystem))
     cells = sum(system.grid.size for system in scene.systems if isinstance(system, GridSystem))
     counts = {"particles": scene.particles, "tracers": tracers, "cells": cells}
@@ -426,13 +431,13 @@ def contents(scene: Scene) -> str:
 
 
 def _turns(scene: Scene) -> int:
-    """How many components an angular momentum has."""
+    """The number of components of the angular momentum."""
     return scene.dimension * (scene.dimension - 1) // 2
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a notebook shows."""
+    """HTML content to be shown in a notebook."""
 
     html: str
 
@@ -445,8 +450,8 @@ _whole: Callable[[Recording], str] | None = None
 
 
 def show_with(preview: Callable[[Recording], str | None], whole: Callable[[Recording], str]) -> None:
-    """Let notebooks show recordings as the HTML that a function gives, or as text where it gives None; and whole ones
-    as that of another.
+    """Register the functions that give the HTML of recordings in notebooks: of a preview (None: text is shown), and of
+    the whole film.
     """
     global _preview, _whole
     _preview, _whole = preview, whole

@@ -1,4 +1,4 @@
-"""Scenes and numerics as trees of plain values, from the arguments of their classes, and back."""
+"""Serialization of scenes and numerics: trees of plain values, from the arguments of their classes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {
     "constraints": CONSTRAINTS,
 }
 _PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
-"""What stands within items."""
+"""Classes of objects within items."""
 _KINDS: dict[str, type[Any]] = {
     kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, Probe, *_RULES)
 }
@@ -53,10 +53,10 @@ _THING = record(kind=text, fields=anything)
 
 
 def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
-    """The scene that `Scene.packed` was asked of.
+    """The scene from the result of `Scene.packed`.
 
     Raises:
-        FileError: the tree is no scene's; with the path of the entry.
+        FileError: the tree is not that of a scene; the message has the path of the entry.
     """
     content = _SCENE(tree, path)
     bodies = [_unpack(entry, f"{path}.bodies[{index}]", _BODIES) for index, entry in enumerate(content["bodies"])]
@@ -74,7 +74,7 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
 
 
 def pack_numerics(numerics: Numerics) -> Tree:
-    """Numerical choices as a tree."""
+    """Numerical options as a tree."""
     own = {entry.name: pack(getattr(numerics, entry.name)) for entry in fields(numerics)}
     several = {path: pack(integrator) for path, integrator in own.pop("integrators").items()}
     methods = {path: pack(method) for path, method in own.pop("fluids").items()}
@@ -84,10 +84,10 @@ def pack_numerics(numerics: Numerics) -> Tree:
 
 
 def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
-    """The numerical choices that `pack_numerics` was given, as arguments of Simulation.
+    """The numerical options from the result of `pack_numerics`, as arguments of Simulation.
 
     Raises:
-        FileError: the tree has something else.
+        FileError: the tree is not that of numerical options.
     """
     known = {entry.name: anything for entry in fields(Numerics) if entry.name not in ("integrators", "fluids")}
     content = record({"fluids": anything}, **known)(tree, path)
@@ -97,14 +97,14 @@ def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
 
 
 def _unpack_choice(tree: Tree, path: str, kinds: tuple[type[Any], ...] | None) -> Any:
-    """A numerical choice; of what may be of some kinds, one or several by the paths of what they are for."""
+    """A numerical option: an object, or several by the paths of their items."""
     if kinds is not None and isinstance(tree, dict) and "kind" not in tree:
         return {key: _unpack(each, f"{path}[{key!r}]", kinds) for key, each in tree.items()}
     return _unpack_value(tree, path, kinds or _RULES)
 
 
 def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
-    """The thing of one of some kinds that `pack` was given."""
+    """An object of one of some classes, from the result of `pack`."""
     thing = _THING(tree, path)
     kind = _KINDS[word(*map(kind_of, kinds))(thing["kind"], f"{path}.kind")]
     fields_of = record(**dict.fromkeys(parameters(kind), anything))(thing["fields"], f"{path}.fields")
@@ -115,7 +115,7 @@ def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
 
 @contextmanager
 def _named(path: str) -> Iterator[None]:
-    """A value that a class refuses is an error in the file."""
+    """Convert errors of a class about its arguments to errors of the file."""
     try:
         yield
     except SceneError as error:
@@ -131,7 +131,7 @@ def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
 
 
 def _unpack_systems(trees: Sequence[Tree], path: str) -> list[Any]:
-    """Systems; one that names another after that, which stands for its index."""
+    """Systems; a system that names another, by its index, is created after that."""
     found: dict[int, Any] = {}
     waiting = dict(enumerate(trees))
     while waiting:
@@ -145,7 +145,7 @@ def _unpack_systems(trees: Sequence[Tree], path: str) -> list[Any]:
 
 
 def _with_named(tree: Tree, path: str, found: dict[int, Any]) -> Tree | None:
-    """The tree of a system with those that it names in the place of their indices; None if one is not found yet."""
+    """The tree of a system with the named systems in place of their indices; None if one of them does not exist yet."""
     thing = _THING(tree, path)
     values = table(anything)(thing["fields"], f"{path}.fields")
     for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):

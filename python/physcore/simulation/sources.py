@@ -1,4 +1,4 @@
-"""Sources of frames, for films and exports: a recording, or a simulation that runs meanwhile."""
+"""Sources of frames for films and exports: a recording, or a running simulation."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ from physcore.spelling import KeywordError
 
 @dataclass(frozen=True, eq=False)
 class SourceFrame:
-    """Positions, fields and energy at one time, as far as a source has them."""
+    """Fields and energy at one time, as far as a source has them."""
 
     time: float
-    """[s]"""
+    """Time [s]."""
     fields: Mapping[str, FloatArray]
-    """The fields by name, as far as they were recorded; positions [m] always."""
+    """Fields by name, as far as they were recorded; always with positions [m]."""
     energy: Energy | None = None
-    """The energy budget, where it is known."""
+    """Energy budget, or None."""
     dt: float | None = None
-    """The time step [s], likewise."""
+    """Time step [s], or None."""
 
     @property
     def positions(self) -> FloatArray:
-        """[m], shape (N, D)."""
+        """Positions [m], shape (N, D)."""
         return self.fields["positions"]
 
 
 class Source(Protocol):
-    """Something that can be looked at from the start as often as needed."""
+    """A source of frames, which can be iterated from the start repeatedly."""
 
     @property
     def scene(self) -> Scene:
@@ -55,15 +55,15 @@ class Source(Protocol):
 
     @property
     def times(self) -> FloatArray:
-        """When the frames are [s], shape (F,)."""
+        """The times of the frames [s], shape (F,)."""
 
     @property
     def count(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
 
     @property
     def integrator(self) -> str | None:
-        """The integrator's name, where it is known."""
+        """The integrator's name, or None."""
 
     @property
     def audited(self) -> bool:
@@ -71,14 +71,14 @@ class Source(Protocol):
 
     @property
     def simulated(self) -> bool:
-        """Whether its frames are simulated each time that they are looked at."""
+        """Whether each iteration over the frames runs the simulation again."""
 
     def has(self, field: str) -> bool:
-        """Whether frames have a field of that name."""
+        """Whether frames have a field of this name."""
 
     @property
     def provenance(self) -> ProvenanceRecord:
-        """The provenance of what is shown, as far as it is known."""
+        """The provenance of the frames, as far as it is known."""
 
     def frames(self) -> Iterator[SourceFrame]:
         """All frames from the start."""
@@ -94,7 +94,7 @@ class Recorded:
 
     @property
     def scene(self) -> Scene:
-        """The scene that was recorded."""
+        """The recorded scene."""
         return self.recording.scene
 
     @property
@@ -104,12 +104,12 @@ class Recorded:
 
     @property
     def times(self) -> FloatArray:
-        """When the frames are [s]."""
+        """The times of the frames [s]."""
         return self.recording.times
 
     @property
     def count(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
         return len(self.recording.times)
 
     @property
@@ -124,11 +124,11 @@ class Recorded:
 
     @property
     def audited(self) -> bool:
-        """Whether it is a whole recording, and not only positions."""
+        """Whether this is a whole recording, not only positions."""
         return hasattr(self.recording, "energy") and hasattr(self.recording, "plan")
 
     def has(self, field: str) -> bool:
-        """Whether it was recorded."""
+        """Whether a field was recorded."""
         return field in self.recording.channels
 
     def frames(self) -> Iterator[SourceFrame]:
@@ -144,10 +144,10 @@ class Recorded:
 
 
 class Running:
-    """A scene that is simulated from its start as often as it is looked at, one frame at a time, with the same bits."""
+    """A scene that is simulated from its start at each iteration, one frame at a time, with the same bits each time."""
 
     audited = True
-    """A simulation knows its energy."""
+    """True: frames of a simulation have energies."""
     simulated = True
 
     def __init__(self, scene: Scene, duration: float, fps: float, numerics: Options) -> None:
@@ -159,12 +159,12 @@ class Running:
 
     @property
     def count(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
         return frame_count(self.duration, self.fps)
 
     @property
     def times(self) -> FloatArray:
-        """When the frames are [s]."""
+        """The times of the frames [s]."""
         times: FloatArray = np.arange(self.count) / self.fps
         return times
 
@@ -174,14 +174,14 @@ class Running:
         return type(check(self.numerics, self.scene).integrator).__name__
 
     def has(self, field: str) -> bool:
-        """A simulation has all that there is."""
+        """Whether the scene has a field of this name."""
         return field in field_names(self.scene)
 
     def frames(self) -> Iterator[SourceFrame]:
         """Simulate from the start.
 
         Raises:
-            InternalError: the bits were not those of the last time.
+            InternalError: the bits differ from those of the previous simulation.
         """
         simulation, drift, first = Simulation(self.scene, **self.numerics), Drift(), None
         for frame in simulation.frames(self.duration, self.fps):
@@ -207,7 +207,7 @@ class Running:
 
     @property
     def provenance(self) -> ProvenanceRecord:
-        """Its provenance; it is run to its end if it was not."""
+        """The provenance; this runs the simulation to its end if necessary."""
         if self._provenance is None:
             for _ in self.frames():
                 pass
@@ -219,8 +219,8 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
     """One source for each panel.
 
     Raises:
-        SceneError: something is neither a recording nor a scene, an argument is out of range, or the rates differ.
-        TypeError: a keyword is no numerical choice.
+        SceneError: a value is neither a recording nor a scene, an argument is out of range, or the rates differ.
+        TypeError: a keyword is not a numerical option.
     """
     for name in numerics:
         if name not in Options.__annotations__:

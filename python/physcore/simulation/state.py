@@ -1,4 +1,4 @@
-"""The state of a scene at one time: its fields by name."""
+"""State of a scene at one time: its fields by name."""
 
 from __future__ import annotations
 
@@ -17,39 +17,39 @@ from physcore.simulation.energy import Amount, Energy
 
 @dataclass(frozen=True)
 class FieldInfo:
-    """A quantity that a system of the scene has: of each particle, or of each cell."""
+    """Description of a field: a quantity of each particle or of each cell."""
 
     name: str
-    """"positions"; of a system beside the particles after the name of its item."""
+    """Name, such as "positions"; for a system it begins with the path of the system."""
     unit: str
-    """Its SI unit."""
+    """SI unit."""
     shape: tuple[int, ...]
-    """The shape of its array."""
+    """Shape of the array."""
     rate: str | None
-    """The name of the field that is its rate of change, if there is one."""
+    """Name of the field that is its rate of change, or None."""
     state: bool
-    """Whether it is a part of the state, and does not follow from the others."""
+    """Whether the field is part of the state, as opposed to derived fields."""
 
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The fields of a scene, or of one body, at one time; the arrays are copies.
+    """Snapshot of the fields of a scene, or of one item, at one time. The arrays are copies.
 
         for snapshot in pc.Simulation(scene).frames(duration=0.1):  # a Frame is a Snapshot with its audit
             print(snapshot.time, snapshot["cloth"].positions)
 
-    `SimulationDiverged.last_good` is one, and every Frame.
+    `SimulationDiverged.last_good` is a Snapshot, and so is every Frame.
     """
 
     time: float
-    """[s]"""
+    """Time [s]."""
     fields: Mapping[str, FloatArray]
-    """The fields by name."""
+    """Fields by name."""
     scene: Scene | None = field(default=None, kw_only=True, repr=False)
-    """The scene, where this is the state of all of it."""
+    """Scene, if the snapshot is of the whole scene."""
 
     def __getitem__(self, key: ItemKey) -> Any:
-        """A field by its name, such as `simulation[item]["u"]`; or of a whole scene the part of an item, a Snapshot."""
+        """A field by its name, such as `simulation[item]["u"]`; for a whole scene also the Snapshot of an item."""
         if isinstance(key, str) and key in self.fields:
             return self.fields[key]
         if self.scene is None:
@@ -71,32 +71,34 @@ class Snapshot:
 
     @property
     def positions(self) -> FloatArray:
-        """[m], shape (N, D); within the periodic domain."""
+        """Positions [m], shape (N, D); within the periodic domain."""
         return self._field("positions")
 
     @property
     def velocities(self) -> FloatArray:
-        """[m/s], shape (N, D)."""
+        """Velocities [m/s], shape (N, D)."""
         return self._field("velocities")
 
     @property
     def densities(self) -> FloatArray:
-        """[kg/m³], shape (N,); not a number for particles that are not a fluid's."""
+        """Mass densities [kg/m³], shape (N,); NaN for particles that do not belong to a fluid."""
         return self._field("densities")
 
     @property
     def pressures(self) -> FloatArray:
-        """[Pa], shape (N,); not a number for particles that are not a fluid's."""
+        """Pressures [Pa], shape (N,); NaN for particles that do not belong to a fluid."""
         return self._field("pressures")
 
     @property
     def tensions(self) -> FloatArray:
-        """Of the springs of networks with rods [N], shape (S,), positive where they pull; in the order of `pairs`."""
+        """Tensions of the springs of networks with rods [N], shape (S,), in the order of `pairs`; positive is
+        attractive.
+        """
         return self._field("tensions")
 
     @property
     def broken(self) -> BoolArray:
-        """Which springs are broken, of networks that can tear, shape (S,); in the order of `pairs`."""
+        """Mask of the broken springs of networks that can tear, shape (S,), in the order of `pairs`."""
         return np.not_equal(self._field("broken"), 0.0)
 
     def _field(self, name: str) -> FloatArray:
@@ -105,7 +107,7 @@ class Snapshot:
         return self.fields[name]
 
     def __getattr__(self, name: str) -> FloatArray:
-        """A field of a further system, such as `simulation[wave].displacement`."""
+        """A field of a system, such as `simulation[wave].displacement`."""
         fields = self.__dict__.get("fields", {})
         if name not in fields:
             raise AttributeError(f"no field {name!r}: there are {', '.join(fields)}")
@@ -115,48 +117,48 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False)
 class Frame(Snapshot):
-    """A snapshot at a frame's time, with the audit of the last step at or before it.
+    """Snapshot at the time of a frame, with the budgets of the last step at or before it.
 
         for frame in pc.Simulation(scene).frames(duration=0.1):  # each is a Frame
             print(frame.time, frame.positions.mean(axis=0))
 
-    `Simulation.frames` gives one after the other.
+    `Simulation.frames` yields the frames in order.
     """
 
     dt: float
-    """The time step in use [s]."""
+    """Present time step [s]."""
     energy: Energy
-    """The energy budget; `energy.time` is the time of its step."""
+    """Energy budget; `energy.time` is the time of its step."""
     momentum: FloatArray
     """Total momentum [kg·m/s], shape (D,)."""
     angular_momentum: FloatArray
     """Total angular momentum about the origin [kg·m²/s], shape (D (D − 1)/2,): a number in 2D, three in 3D."""
     budgets: Mapping[str, Amount] = field(default_factory=dict)
-    """The budgets of what else is conserved, by name."""
+    """Budgets of other conserved quantities, by name."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part(Snapshot):
-    """The present state of one item of a running simulation, which can be changed between two steps.
+    """Present state of one item of a simulation, which can be modified between two steps.
 
         simulation = pc.Simulation(scene)
         simulation["cloth"].set(velocities=(0.0, 1.0))  # of a Part
 
-    `simulation[item]` gives it.
+    `simulation[item]` returns it.
     """
 
     replace: Callable[[Mapping[str, Any]], None]
-    """Replaces fields by name."""
+    """Function that replaces fields by name."""
 
     def set(self, **values: Any) -> None:
-        """Replace fields of this item; the change of energy counts as work. What this part shows stays as it was.
+        """Replace fields of this item. The change of energy counts as work. This Part itself remains unchanged.
 
             simulation[wave].set(displacement=lambda x, y: np.exp(-(x**2) - y**2))
 
         Args:
-            values: by the names of fields: numbers, arrays of their shapes, and on grids functions of the coordinates.
+            values: new values by field: numbers, arrays of the field's shape, or on grids functions of the coordinates.
 
         Raises:
-            SceneError: there is no such field, or it follows from others; or the values are none of its shape.
+            SceneError: there is no such field, the field is derived from others, or the values do not have its shape.
         """
         self.replace(values)

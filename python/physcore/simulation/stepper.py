@@ -1,4 +1,4 @@
-"""The stepper of a simulation: the number and the size of its steps."""
+"""Stepper of a simulation: controls the number and the size of its steps."""
 
 from __future__ import annotations
 
@@ -40,29 +40,34 @@ from physcore.simulation.energy import WRONG_DRIFT
 from physcore.simulation.provenance import Segment, segments_from
 
 CHECK_INTERVAL = 256
-"""Steps between two looks at the limit of stability with dt="auto": at fixed multiples of this number, so that the bits
-do not depend on how the steps were asked for."""
+"""Number of steps between two checks of the limit of stability with dt="auto". Checks are at multiples of this number,
+so that the bits do not depend on how the steps are requested.
+"""
 
 FLUID_CHECK_INTERVAL = 8
-"""The same where there is a fluid: at a tenth of the speed of sound and half of the limit, nobody comes farther in so
-many steps than its neighbor was."""
+"""Number of steps between two checks of the limit with a fluid. At a tenth of the speed of sound and half of the limit,
+no particle moves farther than a spacing in this time.
+"""
 
 RECOVERED = 1.25
-"""By which factor the limit must have risen for the time step to follow it."""
+"""Factor by which the limit must rise before the time step follows it."""
 
 SLOWEST = 64
-"""The largest ratio of the time step at the start to one that follows the limit: a spring pressed to nothing has no
-direction, and no time step resolves it."""
+"""Largest ratio of the initial time step to a later one. A spring compressed to zero length has no direction, and no
+time step resolves it.
+"""
 
 FAST_SHARE = 1e-3
-"""Share of a fluid's particles that may exceed the Mach number without a warning: spray does, however fast sound is."""
+"""Fraction of a fluid's particles that may exceed the Mach number without a warning, as spray does at any speed of
+sound.
+"""
 
 TIME_TOLERANCE = 1e-6
-"""Times closer together than this fraction of a step are equal."""
+"""Tolerance of times, as a fraction of a step."""
 
 
 class Captured(TypedDict):
-    """The state of a stepper, for checkpoints."""
+    """State of a stepper in a checkpoint."""
 
     substepped: int
     limits: list[dict[str, Any]]
@@ -74,7 +79,7 @@ _UNWARNED = ContextVar("unwarned", default=False)
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """For simulations and runs whose time step the package itself chooses, to measure what becomes of it."""
+    """Suppress warnings, for runs whose time step the package itself chooses in order to measure the result."""
     token = _UNWARNED.set(True)
     try:
         yield
@@ -83,12 +88,12 @@ def unwarned() -> Iterator[None]:
 
 
 class Stepper:
-    """Steps a world with a time step that is given, or chosen from the limit of stability.
+    """Stepper of a world, with a given time step or one chosen from the limit of stability.
 
-    The limit is that of the springs as they stand. The certified one, which is lower and which no time step exceeds,
-    holds wherever they turn, while none is shorter than half its rest length. With dt="auto" it is
-    looked at again and again: a time step that is no longer certified is replaced by a smaller one, and comes back when
-    the reason has gone.
+    The limit is that of the springs in their present directions. The certified limit is lower, and valid for all
+    directions, as long as no spring is shorter than half its rest length. No automatic time step exceeds it. With
+    dt="auto" the certified limit is checked periodically. A time step above it is replaced by a smaller one, and is
+    restored when the limit rises again.
     """
 
     def __init__(self, world: World, scene: Scene, numerics: Numerics) -> None:
@@ -97,7 +102,7 @@ class Stepper:
         self._numerics = numerics
         self._adaptive = numerics.adaptive
         self._limits: tuple[Limit, Limit] | None = None
-        """With dt="auto" the limit at the start, and the one that the time step keeps to."""
+        """The initial limit, and the limit that the present time step obeys; None unless dt="auto"."""
         self._varies = engine.limit_varies(world)
         self._interval = FLUID_CHECK_INTERVAL if scene.fluids else CHECK_INTERVAL
         self._stepping = threading.Lock()
@@ -107,7 +112,7 @@ class Stepper:
         self._segments: list[Segment] = []
 
     def begin(self) -> None:
-        """Look at the limits before the first step; one of a stepper that was captured goes on with `restore`.
+        """Find the limits before the first step. A stepper from a checkpoint uses `restore` instead.
 
         Raises:
             SceneError: no time step is certain to be stable.
@@ -117,28 +122,28 @@ class Stepper:
             return
         if self._adaptive is None:
             self._limits = (engine.limit(self._world),) * 2
-        self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
+        self._largest(FRAMES_PER_SECOND)  # Raises for a scene without any stable step.
 
     @property
     def fixed(self) -> float | None:
-        """The time step that was given [s], or None."""
+        """The given time step [s], or None."""
         return None if isinstance(self._numerics.dt, StepRule) else self._numerics.dt
 
     @property
     def limit(self) -> Limit:
-        """The limit that the time step keeps to; of the present state where it follows that, or was given."""
+        """The limit of the time step; of the present state if the step follows the motion or was given."""
         if self._adaptive is not None:
             return engine.present_limit(self._world)
         return self._limits[1] if self._limits else engine.limit(self._world)
 
     @property
     def substepped(self) -> int:
-        """How many steps failed and were taken again in parts."""
+        """The number of steps that failed and were repeated in parts."""
         return self._substepped if self._adaptive is None else self._world.adaptation()[1]
 
     @property
     def dt(self) -> float:
-        """The time step in use [s]: of the last step, and before the first one that of the next."""
+        """The time step [s] of the last step; before the first step, that of the next one."""
         return self.fixed or self._world.dt or self._largest(FRAMES_PER_SECOND)
 
     @property
@@ -186,7 +191,7 @@ class Stepper:
         return None
 
     def notes(self) -> list[str]:
-        """Notes of the plan about steps that are not all equal."""
+        """Notes of the plan about steps of different sizes."""
         if self._adaptive is None:
             return []
         by = (
@@ -218,7 +223,7 @@ class Stepper:
         self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
 
     def _advance_by(self, steps: int, dt: float) -> None:
-        """Take all of some steps."""
+        """Advance by `steps` steps."""
         while True:
             steps -= self._advance(steps, dt)
             if steps == 0:
@@ -226,7 +231,7 @@ class Stepper:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Between two batches of steps the world would let another thread in, and neither would end where it should."""
+        """Lock against other threads, which could otherwise advance the world between two batches of steps."""
         if not self._stepping.acquire(blocking=False):
             raise PhyscoreError(
                 "this simulation is running, in another thread or around this call: wait until that has ended"
@@ -237,7 +242,9 @@ class Stepper:
             self._stepping.release()
 
     def _advance(self, steps: int, dt: float) -> int:
-        """Take steps, and give how many: up to the first that had to be taken in parts, and that one."""
+        """Advance by up to `steps` steps, and return their number. The first step that must be repeated in parts is the
+        last one.
+        """
         start, before = self._world.time, self._world.steps
         try:
             flow = self._world.step(steps, dt)
@@ -257,7 +264,7 @@ class Stepper:
         return steps
 
     def _note(self, new: Segment) -> None:
-        """Add steps to the history; like the engine's clock, a segment ends only where the size of the step changes."""
+        """Add steps to the history. As with the engine's clock, a segment ends only if the step size changes."""
         if new.steps == 0:
             return
         last = self._segments[-1] if self._segments else None
@@ -267,10 +274,10 @@ class Stepper:
             self._segments.append(new)
 
     def _substep(self, error: SimulationDiverged, dt: float) -> None:
-        """Take a step that failed again in parts.
+        """Repeat a failed step in parts.
 
         Raises:
-            SimulationDiverged: it fails in the smallest parts as well.
+            SimulationDiverged: the smallest parts fail too.
         """
         message = (
             f"a step failed ({error.cause}) and is taken again in parts; take a smaller dt where this happens often"
@@ -289,7 +296,7 @@ class Stepper:
             raise failed
 
     def _complete(self, error: SimulationDiverged) -> None:
-        """Put the last good state into a divergence, and the body of its particle, if that has a name."""
+        """Add the last good state to an error, and the name of the particle's body if it has one."""
         if error.element.startswith("particle "):
             start = 0
             for body in self._scene.bodies:
@@ -300,7 +307,7 @@ class Stepper:
         error.last_good = engine.shown(engine.snapshot(self._world, self._scene), self._scene)
 
     def warn_if_long(self, duration: float) -> None:
-        """Say once that a duration [s] takes more steps than anybody is likely to mean."""
+        """Warn once if a duration [s] takes more steps than are probably intended."""
         given = self.fixed is not None
         if self._long_warned or duration <= MOST_STEPS * self.dt or _UNWARNED.get():
             return
@@ -310,7 +317,7 @@ class Stepper:
             warn(message, SceneWarning)
 
     def warn_of_drift(self, drift: float) -> None:
-        """Say that the energy balance of a whole run does not hold, where its time step was not given."""
+        """Warn of a large drift of the energy balance over a whole run, if the time step was not given."""
         if self.fixed is not None or drift <= WRONG_DRIFT or _UNWARNED.get():
             return
         warn(
@@ -339,7 +346,7 @@ class Stepper:
         return self._interval - self._world.steps % self._interval if self._varies else sys.maxsize
 
     def _check_limit(self) -> bool:
-        """Look at the limit if it is time to; say whether the time step has to change."""
+        """Check the limit if due, and return whether the time step has to change."""
         if not self._varies or self._world.steps == 0 or self._world.steps % self._interval != 0:
             return False
         assert self._limits
@@ -349,7 +356,7 @@ class Stepper:
             kept = first
         elif self._world.dt > certified or (kept != first and certified >= RECOVERED * kept.certified):
             present = engine.limit(self._world)
-            # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
+            # Without an initial limit, as for grains that do not touch yet, there is no lower bound of the time step.
             least = first.dt / SLOWEST if math.isfinite(first.dt) else 0.0
             kept = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
         else:
@@ -360,7 +367,7 @@ class Stepper:
     def _warn_if_unstable(self, dt: float) -> None:
         if _UNWARNED.get():
             return
-        # The certified limit is the smaller one, and found in a fraction of the time.
+        # The certified limit is smaller and much faster to compute.
         if dt <= engine.certified(self._world):
             return
         limit = engine.limit(self._world)
@@ -385,13 +392,13 @@ class Stepper:
         warn(message, StabilityWarning)
 
     def capture(self) -> Captured:
-        """The state of the stepper beside that of the world: limits, segments and counts."""
+        """The state of the stepper, in addition to that of the world: limits, segments and counts."""
         segments = [asdict(segment) for segment in self._segments]
         limits = [vars(limit) for limit in self._limits or ()]
         return {"substepped": self._substepped, "limits": limits, "segments": segments}
 
     def restore(self, state: Captured) -> None:
-        """Go on as the stepper that was captured."""
+        """Restore the state from `capture`."""
         self._substepped = state["substepped"]
         self._segments = list(segments_from(state["segments"]))
         if state["limits"]:
@@ -400,7 +407,7 @@ class Stepper:
 
 
 def _how_much_larger(limit: Limit) -> str:
-    """How far the true limit of stability may be above the one that is certain."""
+    """The ratio of the possible limit of stability to the certain one, as text."""
     if limit.stability == 0.0 or math.isinf(limit.endured):
         return "larger"
     return f"up to {limit.endured / limit.stability:.3g} times as large"

@@ -1,4 +1,4 @@
-"""Recordings as pandas data frames: a row for each particle at each time."""
+"""Conversion of recordings to pandas data frames, with a row for each particle at each time."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 COLUMNS = {"positions": "{axis}", "velocities": "v{axis}"}
-"""The names of the columns of a vector; those of others begin with the name of the field."""
+"""Column names of vectors; for other vectors they begin with the name of the field."""
 AXES = "xyz"
 
 
 def data_frame(
     times: FloatArray, channels: Mapping[str, FloatArray], owners: Sequence[tuple[object, int]] = ()
 ) -> DataFrame:
-    """The fields of particles over time.
+    """A data frame of the fields of particles over time.
 
     Args:
-        times: [s], shape (F,).
-        channels: fields by name, of shape (F, N) or (F, N, D); others are left out.
-        owners: the name and the number of particles of each body, for a column of their names.
+        times: times [s], shape (F,).
+        channels: fields by name, of shape (F, N) or (F, N, D); other fields are omitted.
+        owners: the name and the number of particles of each body, for a column of names.
 
     Raises:
         PhyscoreError: pandas is not installed.
-        SceneError: there is nothing with particles, or the table would not fit into memory.
+        SceneError: there are no particles, or the table would not fit into memory.
     """
     try:
         import pandas

@@ -1,1 +1,1 @@
-"""Files: their names and formats, the archive of checkpoints and recordings, and the rules for what is in them."""
+"""Files: names and formats, the archive of checkpoints and recordings, and the rules for its content."""

@@ -1,7 +1,7 @@
-"""Files: one container for checkpoints and recordings.
+"""Archive format of checkpoints and recordings.
 
-A file is a NumPy archive (NPZ: `numpy.load` opens it) whose zip comment holds a magic word, the version of the format
-and a checksum of everything before it. Arrays are members of their own; all else is in the member `header.json`.
+A file is a NumPy archive (NPZ, readable by `numpy.load`). Its zip comment has a magic word, the version of the format
+and a checksum of all preceding bytes. Arrays are separate members; all other data are in the member `header.json`.
 Nothing is ever pickled. A file appears under its name only when it is complete.
 """
 
@@ -21,7 +21,7 @@ from physcore.checks import file_path, shown
 from physcore.errors import FileError
 from physcore.storage.files import replacing
 
-# hashlib and zipfile are imported where they are used: together they take as long as the rest of physcore.
+# hashlib and zipfile are imported on use: their import takes as long as that of the rest of physcore.
 if TYPE_CHECKING:
     import zipfile
 
@@ -32,20 +32,20 @@ _DIGEST_SIZE = 32
 _TRAILER_SIZE = len(_MAGIC) + 1 + 4 + 1 + 2 * _DIGEST_SIZE  # "physcore 0001 <hex>"
 _BLOCK = 1 << 20
 _AXES = 8
-"""Of an array at most."""
+"""Largest number of axes of an array."""
 _NPY_HEADER = re.compile(
     rb"\x93NUMPY\x01\x00..\{'descr': '(?P<dtype><[fiu][48]|\|[bui]1)', 'fortran_order': (?P<fortran>True|False), "
     rb"'shape': \((?P<shape>[0-9, ]{0,200})\), \} *\n",
     re.DOTALL,
 )
-"""The header that NumPy writes before an array of numbers, in version 1.0 of its format."""
+"""Header that NumPy writes before an array of numbers, in version 1.0 of its format."""
 
 Tree = Any
-"""None, bool, int, float, str, bytes or an array, or lists and dicts (with string keys) of these."""
+"""Value of a tree: None, bool, int, float, str, bytes, an array, or lists and dicts (with string keys) of these."""
 
 
 def write(path: str | os.PathLike[str], kind: str, tree: dict[str, Tree]) -> None:
-    """Write a tree of values under `path`, replacing what is there in one move.
+    """Write a tree of values to `path`; an existing file is replaced atomically.
 
     Raises:
         FileError: the file cannot be written.
@@ -71,8 +71,8 @@ def read(path: str | os.PathLike[str]) -> tuple[str, dict[str, Tree]]:
     """The kind and the tree of values of a file.
 
     Raises:
-        SceneError: it is no path.
-        FileError: the file is missing, damaged, of another version, or no file of physcore.
+        SceneError: the value is not a path.
+        FileError: the file is missing, damaged, of another version, or not a file of physcore.
     """
     named = file_path(path)
     try:
@@ -86,7 +86,7 @@ def read(path: str | os.PathLike[str]) -> tuple[str, dict[str, Tree]]:
 
 
 def digest(tree: Tree) -> str:
-    """A hash of a tree of values: BLAKE2 over its JSON and its arrays, the same on every machine."""
+    """Hash of a tree of values: BLAKE2 over its JSON and its arrays, the same on every machine."""
     import hashlib
 
     arrays: dict[str, np.ndarray] = {}
@@ -102,7 +102,7 @@ def _trailer(digest: str) -> bytes:
 
 
 def _digest(file: IO[bytes], size: int) -> str:
-    """BLAKE2 over the first `size` bytes."""
+    """BLAKE2 hash of the first `size` bytes."""
     import hashlib
 
     result = hashlib.blake2b(digest_size=_DIGEST_SIZE)
@@ -135,10 +135,10 @@ def _verify(file: IO[bytes]) -> None:
 
 
 def _read_archive(file: IO[bytes]) -> tuple[str, dict[str, Tree]]:
-    """The kind and the tree in an archive whose checksum is right, which says nothing about who wrote it.
+    """The kind and the tree of an archive with a correct checksum. The content is not trusted.
 
     Raises:
-        FileError: it is not as `write` leaves it.
+        FileError: the archive differs from the form that `write` produces.
     """
     import zipfile
 
@@ -157,10 +157,10 @@ def _read_archive(file: IO[bytes]) -> tuple[str, dict[str, Tree]]:
 
 
 def _verify_members(archive: zipfile.ZipFile, size: int) -> None:
-    """What is in the archive takes no more room than the archive, so that reading it cannot either.
+    """Check that the members are not larger than the archive, so that reading them takes limited memory.
 
     Raises:
-        FileError: a member is compressed or encrypted, which `write` never does, or is there twice.
+        FileError: a member is compressed or encrypted, which `write` never does, or occurs twice.
     """
     import zipfile
 
@@ -173,7 +173,7 @@ def _verify_members(archive: zipfile.ZipFile, size: int) -> None:
 
 
 def _pack(value: Tree, path: str, arrays: dict[str, np.ndarray]) -> Tree:
-    """The same tree for JSON, with arrays and bytes moved out under their path."""
+    """A tree for JSON, with arrays and bytes moved to `arrays` under their paths."""
     inner = f"{path}/" if path else ""
     match value:
         case dict():
@@ -192,7 +192,7 @@ def _pack(value: Tree, path: str, arrays: dict[str, np.ndarray]) -> Tree:
 
 
 def _unpack(value: Tree, archive: zipfile.ZipFile) -> Tree:
-    """The tree that `_pack` was given; tuples come back as lists."""
+    """The tree from the result of `_pack`; tuples become lists."""
     match value:
         case {"$array": name}:
             return _array(archive, name)
@@ -206,10 +206,10 @@ def _unpack(value: Tree, archive: zipfile.ZipFile) -> Tree:
 
 
 def _array(archive: zipfile.ZipFile, name: object) -> np.ndarray:
-    """An array that `write` has put into an archive.
+    """An array from an archive.
 
     Raises:
-        FileError: it is not there, or its content is not what its header says.
+        FileError: the array is missing, or its content does not match its header.
     """
     if not isinstance(name, str) or f"{name}.npy" not in archive.NameToInfo:
         raise FileError(f"is damaged: it has no array {shown(name)}")

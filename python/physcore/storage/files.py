@@ -1,7 +1,7 @@
-"""Files that appear under their name when they are whole, and never stand there half written.
+"""Atomic writing of files: a file appears under its name only when it is complete.
 
-What is written stands beside the target under a temporary name, which is locked for as long as the writer lives. Who
-writes the same target next removes what it finds there and can lock: its writer was killed.
+Data are written to a temporary file beside the target, which is locked while the writer lives. The next writer of the
+same target removes temporary files that are not locked, because their writers were killed.
 """
 
 from __future__ import annotations
@@ -19,21 +19,22 @@ from physcore.errors import FileError
 
 try:
     import fcntl
-except ImportError:  # Windows: nothing is locked there, and so nothing is swept.
+except ImportError:  # Windows: files are neither locked nor swept.
     fcntl = None  # type: ignore[assignment]
 
 DIGITS = 8
-"""Of the random number in a temporary name."""
+"""Number of digits of the random part of a temporary name."""
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
-    """A file to write and read that takes the place of `path` when the block ends well, and vanishes when it does not.
+    """Context manager of a file for writing and reading. The file replaces `path` after success, and is deleted
+    otherwise.
 
-    A link is followed, so that it stays a link; what is no file, such as a device, is not replaced.
+    A link is followed and remains a link. Only regular files are replaced, but not devices, for example.
 
     Raises:
-        SceneError: it is no path.
+        SceneError: the value is not a path.
         FileError: the file cannot be written.
     """
     named = file_path(path)
@@ -53,10 +54,10 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
 
 def require_writable(path: str | os.PathLike[str]) -> Path:
-    """Find out whether a file can be written before the work begins, by creating what `replacing` would create.
+    """Check that a file can be written, before the work begins, by creating a temporary file as `replacing` does.
 
     Raises:
-        SceneError: it is no path.
+        SceneError: the value is not a path.
         FileError: the file cannot be written.
     """
     named = file_path(path)
@@ -72,12 +73,12 @@ def require_writable(path: str | os.PathLike[str]) -> Path:
 
 
 def unwritable(path: Path, error: OSError) -> FileError:
-    """The error for what the system says of a file that is written."""
+    """The FileError for an OSError while a file is written."""
     return FileError(f"{path}: cannot be written: {error.strerror or error}")
 
 
 def temporary_name(name: str) -> str:
-    """The name of a file or a folder until it is whole."""
+    """The temporary name of a file or a folder."""
     import secrets
 
     return f".{name}.{secrets.token_hex(DIGITS // 2)}.tmp"
@@ -85,10 +86,10 @@ def temporary_name(name: str) -> str:
 
 @contextmanager
 def held(path: Path, *, create: bool = False) -> Iterator[bool]:
-    """Keep `sweep` away from a file or a folder, until the block ends or the process does; say whether it is there.
+    """Context manager that protects a file or a folder from `sweep`. Its value tells whether the file still exists.
 
     Raises:
-        OSError: it cannot be opened, or is to be created and is there.
+        OSError: the file cannot be opened, or with `create` exists already.
     """
     if fcntl is None:
         if create:
@@ -97,15 +98,15 @@ def held(path: Path, *, create: bool = False) -> Iterator[bool]:
         return
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL if create else os.O_RDONLY, 0o666)
     try:
-        with suppress(OSError):  # A file system without locks, where nobody can sweep either.
+        with suppress(OSError):  # A file system without locks, where `sweep` does nothing either.
             fcntl.flock(descriptor, fcntl.LOCK_SH)
-        yield os.fstat(descriptor).st_nlink > 0  # Somebody may have swept it before it was locked.
+        yield os.fstat(descriptor).st_nlink > 0  # Another process may have swept it before it was locked.
     finally:
         os.close(descriptor)
 
 
 def sweep(folder: Path, name: str) -> None:
-    """Remove the temporary files and folders of a name that killed writers have left: those that nobody has locked."""
+    """Remove the temporary files and folders of a name that killed writers have left, which are not locked."""
     if fcntl is None:
         return
     with suppress(OSError):
@@ -114,13 +115,15 @@ def sweep(folder: Path, name: str) -> None:
             if _is_temporary(left.name, f".{name}."):
                 with suppress(OSError), _unused(left.path):
                     for entry in entries:
-                        if left.name in entry.name:  # It, and what was written on the way to it.
+                        if left.name in entry.name:  # The entry, and temporary files named after it.
                             _remove(entry)
 
 
 @contextmanager
 def _created(target: Path) -> Iterator[Path]:
-    """A new, empty temporary file beside a target, which is locked; removed at the end, if it is still there."""
+    """Context manager of a new, empty, locked temporary file beside a target. The file is deleted at the end if it
+    still exists.
+    """
     while True:
         temporary = target.with_name(temporary_name(target.name))
         try:
@@ -134,10 +137,10 @@ def _created(target: Path) -> Iterator[Path]:
 
 @contextmanager
 def _unused(path: str) -> Iterator[None]:
-    """A lock for nobody else.
+    """Context manager of an exclusive lock.
 
     Raises:
-        OSError: somebody has locked it.
+        OSError: another process has locked the file.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
@@ -155,16 +158,16 @@ def _remove(entry: os.DirEntry[str]) -> None:
 
 
 def _is_temporary(name: str, prefix: str) -> bool:
-    """Whether it is a temporary name of some target: .name.0123abcd.tmp."""
+    """Whether a name is a temporary name of a target, such as .name.0123abcd.tmp."""
     digits = name.removeprefix(prefix).removesuffix(".tmp")
     return name == f"{prefix}{digits}.tmp" and len(digits) == DIGITS and set(digits) <= set("0123456789abcdef")
 
 
 def _target(path: Path) -> Path:
-    """The file that is replaced when one is written.
+    """The file that is replaced by a write to `path`.
 
     Raises:
-        OSError: it cannot be replaced.
+        OSError: the file cannot be replaced.
     """
     target = Path(os.path.realpath(path))
     if target.is_symlink():

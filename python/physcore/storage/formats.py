@@ -1,4 +1,4 @@
-"""Formats of files, chosen by how a name ends; what can be known to fail is checked before the work begins."""
+"""File formats, selected by the suffix of a name; foreseeable errors are raised before the work begins."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from physcore.storage.files import require_writable
 
 
 class Format:
-    """A format of files."""
+    """Base class of file formats."""
 
     suffixes: ClassVar[tuple[str, ...]]
-    """How the names of its files end."""
+    """Suffixes of the file names."""
 
     @classmethod
     def missing(cls) -> str | None:
-        """The package that has to be installed first, as a sentence; None if none."""
+        """A sentence on the package that must be installed first; None if none is missing."""
         return None
 
 
@@ -27,10 +27,10 @@ Kind = TypeVar("Kind", bound=Format)
 
 
 def format_of(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> type[Kind]:
-    """The one of some formats that a path asks for.
+    """The format selected by the suffix of a path.
 
     Raises:
-        SceneError: the name has none of their endings.
+        SceneError: the suffix is unknown.
     """
     named = file_path(path)
     suffix = named.suffix.lower()
@@ -42,12 +42,12 @@ def format_of(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> ty
 
 
 def writable(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> Kind:
-    """The format that writes to a path.
+    """An instance of the format selected by the suffix of a path, after a check that it can write.
 
     Raises:
-        SceneError: the name has none of the known endings.
+        SceneError: the suffix is unknown.
         FileError: the file cannot be written.
-        PhyscoreError: what the format needs is not installed.
+        PhyscoreError: a package that the format needs is not installed.
     """
     kind = format_of(path, formats)
     missing = kind.missing()

@@ -1,7 +1,7 @@
-"""The declared shape of what a file holds, checked once, where it is read.
+"""Schemas of the content of files, which is validated once, when it is read.
 
-A rule takes a value and its path within the file, and gives it as it is used, or raises a FileError that names it.
-Rules are put together as the content is: `record(times=array("F"), fps=real(above=0.0))`.
+A rule takes a value and its path within the file. It returns the value in the form used, or raises a FileError with the
+path. Rules are combined like the content: `record(times=array("F"), fps=real(above=0.0))`.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ Rule: TypeAlias = Callable[[Any, str], Any]
 
 
 class Sizes(dict[str, int]):
-    """Lengths of axes by name: the first array that has one says it, all others must have the same."""
+    """Lengths of axes by name. The first array with an axis determines its length, which all others must have."""
 
     def array(self, *axes: str, finite: bool = False) -> Rule:
-        """An array of float64 numbers whose axes have these names; `finite` says whether they have to be."""
+        """An array of float64 numbers whose axes have these names. With `finite`, all entries must be finite."""
 
         def check(value: Any, path: str) -> Any:
             if not isinstance(value, np.ndarray) or value.dtype != np.float64 or value.ndim != len(axes):
@@ -41,7 +41,7 @@ class Sizes(dict[str, int]):
 
 
 def record(optional: Mapping[str, Rule] | None = None, /, **rules: Rule) -> Rule:
-    """A mapping with just these names, and perhaps some of those that are optional."""
+    """A mapping with exactly these names, and possibly some of the optional ones."""
     every = {**rules, **(optional or {})}
 
     def check(value: Any, path: str) -> dict[str, Any]:
@@ -75,7 +75,7 @@ def several(rule: Rule, *, lengths: tuple[int, ...] | None = None) -> Rule:
 
 
 def maybe(rule: Rule) -> Rule:
-    """Nothing, or what a rule says."""
+    """None, or a value that obeys a rule."""
     return lambda value, path: None if value is None else rule(value, path)
 
 
@@ -85,7 +85,7 @@ def either(first: type, one: Rule, other: Rule) -> Rule:
 
 
 def text(value: Any, path: str) -> str:
-    """A text."""
+    """A string."""
     if not isinstance(value, str):
         raise _wrong(path, "a text", shown(value))
     return value
@@ -103,7 +103,7 @@ def word(*known: str) -> Rule:
 
 
 def whole(*, least: int = 0, most: int = MOST) -> Rule:
-    """A whole number."""
+    """An integer."""
 
     def check(value: Any, path: str) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
@@ -114,7 +114,7 @@ def whole(*, least: int = 0, most: int = MOST) -> Rule:
 
 
 def real(*, least: float = -math.inf, above: float = -math.inf, finite: bool = True) -> Rule:
-    """A number; `finite` says whether it has to be, and not a number it never is."""
+    """A number, never NaN; with `finite`, it must be finite."""
 
     def check(value: Any, path: str) -> float:
         right = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= math.inf
@@ -129,20 +129,20 @@ def real(*, least: float = -math.inf, above: float = -math.inf, finite: bool = T
 
 
 def flag(value: Any, path: str) -> bool:
-    """True or False."""
+    """A Boolean value."""
     if not isinstance(value, bool):
         raise _wrong(path, "true or false", shown(value))
     return value
 
 
 def anything(value: Any, path: str) -> Any:
-    """No rule: it is checked elsewhere."""
+    """Any value, without validation; it is validated elsewhere."""
     del path
     return value
 
 
 def of(kind: type, **special: Rule) -> Rule:
-    """The fields of a dataclass or a TypedDict, each as its type says.
+    """The fields of a dataclass or a TypedDict, with rules derived from their types.
 
     Args:
         kind: the class.

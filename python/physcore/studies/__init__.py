@@ -1,1 +1,1 @@
-"""Questions that take many runs: accuracy, limits of stability, and error against time."""
+"""Studies that take many runs: accuracy, limits of stability, and error against time."""

@@ -1,4 +1,4 @@
-"""From a target to a recording: with given numerics, or with those that keep an error within what was asked for."""
+"""Simulation with given numerics, or with numerics chosen for a requested accuracy."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ from physcore.studies.tradeoff.refinement import Target
 from physcore.studies.tradeoff.selection import Candidate, Selection, select
 
 COPIES = 6
-"""Arrays of all positions that are in memory at once: of three runs, of one that is made and recorded, and of what they
-differ by."""
+"""Peak memory in arrays of all positions: of three runs, of one that is computed and recorded, and of their
+differences.
+"""
 
 
 @spelled
@@ -39,35 +40,37 @@ def simulate(
     energy_drift: float | None = None,
     **numerics: Unpack[Options],
 ) -> Recording:
-    """Simulate a scene from its start and record it.
+    """Simulate a scene from its start, and record it.
 
         recording = pc.simulate(scene, duration=0.5, fps=30)
         recording.positions.shape  # (16, 20, 2)
 
-    With `accuracy` or `energy_drift` integrator and time step are chosen: short probes price every integrator, the
-    cheapest goes on with a few runs of the whole duration, whose steps are found from the order that is measured, and
-    the first run that is proven to meet the target is returned. A run is proven by others with other steps: where the
-    errors of three follow the order of the method, by twice the error that this gives; else, and wherever particles can
-    hit something, by no more than order one. What was achieved is printed, and is a note of the recording's plan.
+    With `accuracy` or `energy_drift`, the integrator and the time step are chosen automatically. Short test runs
+    measure the cost of every integrator. The cheapest one then makes a few runs of the whole duration, with steps from
+    its measured order. The first run proven to meet the target is returned. The proof compares runs with different
+    steps. If the errors of three runs follow the order of the method, the bound is twice the extrapolated error.
+    Otherwise, and whenever particles can hit something, only order one is assumed. The achieved accuracy is printed,
+    and is a note of the recording's plan.
 
     Args:
-        scene: what to simulate.
-        duration: [s].
+        scene: the scene.
+        duration: the simulated duration [s].
         fps: frames per second of simulated time.
-        channels: what to keep of each frame: "positions" and "velocities", of a Fluid also "densities" and "pressures",
-            "wall_forces" and "probe_pressures", of further systems their fields after their names, "pond.displacement";
-            None: all but densities and pressures.
-        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
-        accuracy: how far any particle may be from where it should be, at any frame [m]; without particles, how far any
-            value of the first field of the first system may be off, in its unit.
-        energy_drift: how far the energy balance may drift, as `Recording.energy.drift` counts it.
-        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, as in Simulation; dt is
-            not to be given with `accuracy` or `energy_drift`, and an integrator that is given, or one for each item, is
-            the only one that is tried.
+        channels: the recorded fields: "positions" and "velocities"; with a Fluid also "densities", "pressures",
+            "wall_forces" and "probe_pressures"; fields of systems with their names, such as "pond.displacement". None:
+            all except densities and pressures.
+        progress: whether to show a progress bar; None: on a terminal, after one second.
+        accuracy: largest error of any particle's position at any frame [m]. Without particles, the largest error of the
+            first field of the first system, in its unit.
+        energy_drift: largest drift of the energy balance, as in `Recording.energy.drift`.
+        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, as in Simulation. dt
+            must
+            not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for each item, no other is
+            tried.
 
     Raises:
         SceneError, SimulationDiverged: as for Simulation.
-        AccuracyError: no method keeps the accuracy or the drift; with the best that was reached.
+        AccuracyError: no method reaches the accuracy or the drift; the error has the best values reached.
     """
     if progress is not None:
         flag(progress, "progress")
@@ -95,11 +98,11 @@ def simulate(
 def _search(
     scene: Scene, target: Target, duration: float, fps: float, channels: tuple[str, ...], options: Options
 ) -> Selection:
-    """The run that is proven to meet a target.
+    """The run that is proven to meet a target, and the other results of the selection.
 
     Raises:
-        SceneError: no method can compute the scene, or it has none that was given.
-        AccuracyError: none meets the target.
+        SceneError: no method supports the scene, or the given one does not.
+        AccuracyError: no method meets the target.
     """
     numerics = check(options, scene)
     given = options.get("integrator", "auto")
@@ -124,7 +127,7 @@ def _search(
     some = [kind() for kind in suited(scene) if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
     found = methods(experiment, some, numerics.precision)
     if any(isinstance(force, SoftSpheres) for force in scene.forces):
-        # Their force begins with a kink, which leaves order two to all methods.
+        # The contact force has a kink at first touch, which limits all methods to order two.
         found = [replace(method, order=min(method.order, 2)) for method in found]
     selection = select(
         [
@@ -159,7 +162,7 @@ def _search(
 
 
 def _advice(numerics: Options, scene: Scene) -> str:
-    """What to change where nothing does what was asked for."""
+    """Advice if no method meets the target."""
     advice = []
     if check(numerics, scene).precision == "f32":
         advice.append('take precision="f64"')
@@ -170,7 +173,7 @@ def _advice(numerics: Options, scene: Scene) -> str:
 
 
 def _proof(selection: Selection) -> str:
-    """What is known of the run that is returned."""
+    """A sentence on the proven error of the returned run."""
     name, dt = (
         type(selection.trial.choice.integrator).__name__,
         selection.candidate.experiment.dt(selection.trial.choice),

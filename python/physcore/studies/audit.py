@@ -1,4 +1,4 @@
-"""The audit of a recording as text: where the energy went, and what was conserved."""
+"""Audit of a recording as text: the energy budget and the conserved quantities."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from physcore.simulation.recording import Recording, contents
 
 
 def audit(recording: Recording) -> str:
-    """The energy budget at the start and at the end, its drift, and the momenta, as a table."""
+    """A table of the energy budget at the start and at the end, its drift, and the momenta."""
     plan = recording.plan
     lines = [
         f"{contents(recording.scene)}, {plan.integrator}, {plan.precision}, dt = {plan.dt:.3g} s, "

@@ -1,4 +1,4 @@
-"""A short measurement of the speed of this machine; `make bench` in a checkout compares it with NumPy and Numba."""
+"""Short measurement of this machine's speed; `make bench` in a checkout compares it with NumPy and Numba."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from physcore.simulation.simulation import Simulation
 PRECISIONS: tuple[Precision, ...] = ("f64", "f32")
 REPETITIONS = 5
 SECONDS = 0.3
-"""How long one repetition takes, about."""
+"""Approximate duration of one repetition [s]."""
 
 
 def main() -> None:
-    """Measure two scenes in both precisions, with the audit and the divergence check on, and print the medians."""
+    """Measure two scenes in both precisions, with the audit and the divergence check enabled, and print the medians."""
     dust = Particles(np.random.default_rng(1).uniform(size=(1_000_000, 3)))
     falling = Scene(dust, Gravity((0.0, 0.0, -9.81)), Drag(linear=0.1))
     fabric = cloth((316, 316), spacing=0.01, stiffness=100.0, damping=0.01, mass=1e-3, pinned="top")
@@ -40,7 +40,7 @@ def main() -> None:
 
 
 def _seconds_per_step(simulation: Simulation) -> float:
-    """The median over several repetitions, after a first one that warms up and finds how many steps make one."""
+    """The median over several repetitions, after a warm-up that determines the number of steps per repetition."""
     steps, taken = 1, 0.0
     while taken < SECONDS / 4:
         steps *= 2

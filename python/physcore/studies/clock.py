@@ -1,4 +1,4 @@
-"""The clock that studies plan and measure by."""
+"""Clock of the studies, for planning and measuring."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ import time
 
 
 def seconds() -> float:
-    """The time since some moment [s]."""
+    """The time since an arbitrary start [s]."""
     return time.perf_counter()

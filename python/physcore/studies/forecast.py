@@ -7,10 +7,10 @@ import math
 import warnings
 from dataclasses import dataclass
 
-from physcore.studies import clock
 from physcore.errors import SimulationDiverged
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.stepper import unwarned
+from physcore.studies import clock
 
 TRIAL = 0.05
 """How long the steps are timed at least [s]: some thousand calls of the clock."""

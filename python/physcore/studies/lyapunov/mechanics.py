@@ -94,8 +94,9 @@ class Mechanics:
         return np.concatenate([(apart / self._pilot.extent).ravel(), (faster / self._pilot.speed).ravel()])
 
     def _constraints(self) -> FloatArray:
-        """What rods forbid offsets at the start, a row of length 1 or 0 for each equation (2 M, P): r·δr = 0 and r·δv + v·δr = 0, with
-        the separation r of the ends of a rod and its rate v.
+        """Equations of the rods for offsets at the start (2 M, P): r·δr = 0 and r·δv + v·δr = 0.
+
+        Here r is the separation of the ends of a rod and v its rate. Rows have the length 1, or 0 where both vanish.
         """
         places, speeds = self._run.positions, self._run.velocities
         rods = [

@@ -5,7 +5,6 @@ from __future__ import annotations
 from physcore.studies import clock
 
 
-
 class Budget:
     """How many seconds are left of a number of them."""
 

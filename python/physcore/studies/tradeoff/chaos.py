@@ -59,7 +59,11 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
     parts = [(0, max(speed, scales[0])), (1, scales[1])] if experiment.observer is None else [(1, scales[1])]
     distances = [
         math.sqrt(
-            sum(_mean_square(state[part], twin[part], experiment, part) / (scale * scale) for part, scale in parts if scale)
+            sum(
+                _mean_square(state[part], twin[part], experiment, part) / (scale * scale)
+                for part, scale in parts
+                if scale
+            )
         )
         for state, twin in zip(states, _states(experiment, other, choice), strict=True)
     ]

@@ -10,7 +10,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.studies import clock
 from physcore.arithmetic import lengths
 from physcore.checks import FloatArray, array
 from physcore.errors import SceneError, SimulationDiverged
@@ -22,6 +21,7 @@ from physcore.simulation.energy import Energy, EnergySeries
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.stepper import unwarned
+from physcore.studies import clock
 from physcore.studies.state import place, primary
 
 SAMPLES = 32

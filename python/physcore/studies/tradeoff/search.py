@@ -10,10 +10,10 @@ from typing import Literal
 
 import numpy as np
 
-from physcore.studies import clock
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
+from physcore.studies import clock
 from physcore.studies.tradeoff import reference, restarts
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos, twin
