@@ -84,6 +84,7 @@ lint: $(VENV)/tools.stamp ## check format, style, types and licenses, Rust and P
 	$(BIN)/mypy
 	$(BIN)/stubtest physcore._core --mypy-config-file pyproject.toml
 	$(BIN)/python scripts/check-licenses
+	scripts/check-words
 
 format: $(VENV)/tools.stamp ## format the code, Rust and Python
 	cargo fmt --all

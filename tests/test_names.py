@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.spelling import spelled
+from physcore.spelling import SYNONYMS, spelled
 
 BALL = pc.Particles([[0.0, 1.0], [0.5, 1.0]], velocities=[[0.3, 0.0], [0.0, 0.1]], name="ball")
 STONE = pc.Particles([[1.0, 2.0]], name="stone")
@@ -201,3 +201,24 @@ def test_messages_call_bodies_by_their_names():
     assert caught.value.particle in (2, 3)
     assert f"of particle {caught.value.particle} ({caught.value.particle - 2} of 'spring') has" in str(caught.value)
     assert caught.value.element == f"particle {caught.value.particle}"
+
+
+@pytest.mark.parametrize(
+    ("ask", "meant"),
+    [
+        (lambda: pc.simulate(pc.Scene(BALL), 0.1, integrator="RK4"), "RungeKutta4"),
+        (lambda: pc.simulate(pc.Scene(BALL), 0.1, integrator="leapfrog"), "VelocityVerlet"),
+        (lambda: pc.Spring, "SpringNetwork"),
+        (lambda: pc.heat_equation, "ReactionDiffusion"),
+    ],
+)
+def test_a_word_of_other_packages_is_understood(ask, meant):
+    with pytest.raises((pc.SceneError, AttributeError), match=f"did you mean '{meant}'"):
+        ask()
+
+
+def test_synonyms_lead_to_names_and_hide_none():
+    assert set(SYNONYMS) <= set(pc.__all__)
+    words = [word for words in SYNONYMS.values() for word in words]
+    assert len(words) == len(set(words))
+    assert not {word.casefold() for word in words} & {name.casefold() for name in pc.__all__}

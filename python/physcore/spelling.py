@@ -11,6 +11,46 @@ from typing import Any, ParamSpec, TypeVar
 P = ParamSpec("P")
 R = TypeVar("R")
 
+SYNONYMS = {
+    "RungeKutta4": ("rk4", "runge kutta", "classical runge kutta"),
+    "VelocityVerlet": ("verlet", "leapfrog", "stormer verlet", "kick drift kick", "kdk"),
+    "ExplicitEuler": ("euler", "forward euler"),
+    "SemiImplicitEuler": ("symplectic euler", "euler cromer"),
+    "BackwardEuler": ("implicit euler",),
+    "ImplicitMidpoint": ("midpoint", "crank nicolson for particles"),
+    "DormandPrince5": ("rk45", "dopri5", "ode45"),
+    "BogackiShampine3": ("rk23", "ode23"),
+    "GaussRadau15": ("ias15", "radau"),
+    "BlanesMoan4": ("forest ruth", "yoshida", "yoshida4"),
+    "XPBD": ("pbd", "position based dynamics"),
+    "RATTLE": ("shake",),
+    "SplitStep": ("strang", "split operator", "split step fourier"),
+    "SpringNetwork": ("spring", "springs", "mass spring", "truss", "rods"),
+    "Particles": ("particle", "point mass", "points", "balls"),
+    "cloth": ("sheet", "fabric"),
+    "rope": ("string", "chain", "hair"),
+    "soft_body": ("jelly", "softbody"),
+    "Fluid": ("water", "liquid"),
+    "WeaklyCompressible": ("sph", "wcsph", "fluid method"),
+    "Gravitation": ("nbody", "newtonian gravity", "self gravity"),
+    "SoftSpheres": ("repulsion", "collisions", "dem", "hertz", "granular"),
+    "LennardJones": ("lj", "atoms", "van der waals"),
+    "Drag": ("friction", "air resistance", "damping force"),
+    "CustomForce": ("force field", "user force", "python force"),
+    "Floor": ("ground",),
+    "Plane": ("wall", "half space"),
+    "Periodic": ("periodic box", "pbc", "domain"),
+    "SelfContact": ("self collision", "contact", "cloth collision"),
+    "ElectromagneticField": ("magnetic field", "electric field", "lorentz force"),
+    "Schrodinger": ("schroedinger", "quantum", "wave function"),
+    "ReactionDiffusion": ("diffusion", "heat", "heat equation"),
+    "simulate": ("run", "solve", "integrate"),
+    "film": ("animate", "render", "save gif", "movie", "video"),
+}
+"""Words that people try, by the name that they mean here."""
+
+_MEANT = {re.sub(r"[^a-z0-9]", "", word): name for name, words in SYNONYMS.items() for word in words}
+
 _UNEXPECTED = re.compile(r"unexpected keyword argument '(\w+)'")
 
 
@@ -24,12 +64,15 @@ class KeywordError(TypeError):
 
 
 def did_you_mean(value: object, known: Iterable[str]) -> str:
-    """The end of a message that suggests the most similar known word; empty if there is none."""
+    """The end of a message that suggests a synonym, or the most similar known word; empty if there is neither."""
     if not isinstance(value, str):
         return ""
     from difflib import get_close_matches
 
     spelled = {each.casefold(): each for each in known}
+    meant = _MEANT.get(re.sub(r"[^a-z0-9]", "", value.casefold()), "")
+    if meant.casefold() in spelled:
+        return f"; did you mean {spelled[meant.casefold()]!r}?"
     close = get_close_matches(value.casefold(), spelled, 1)
     return f"; did you mean {spelled[close[0]]!r}?" if close else ""
 

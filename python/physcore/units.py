@@ -1,11 +1,12 @@
-"""Units and constants in SI: a length of 5 AU is 5 * pc.units.AU.
+"""Units and physical constants in SI: a length of 5 AU is 5 * pc.units.AU.
 
     earth = pc.Particles([[pc.units.AU, 0.0]], mass=pc.units.earth_mass)
     year = pc.units.year  # [s]
 
 Sources: E. Tiesinga et al., CODATA recommended values of the fundamental physical constants: 2018, Rev. Mod. Phys. 93,
-025010 (2021), where no other is named; those that define the SI are exact. Resolutions of the IAU: the astronomical
-unit (2012 B2), and nominal values of the Sun, of the Earth and of Jupiter (2015 B3), whose masses are GM over G.
+025010 (2021), unless another source is given. The constants that define the SI are exact. Resolutions of the IAU: the
+astronomical unit (2012 B2), and nominal values of the Sun, the Earth and Jupiter (2015 B3). Masses are the nominal GM
+over G.
 """
 
 from __future__ import annotations
@@ -22,13 +23,13 @@ year: Final = 365.25 * day
 """Julian year [s] (IAU)."""
 
 speed_of_light: Final = 299792458.0
-"""c [m/s], exact."""
+"""Speed of light c [m/s], exact."""
 gravitational_constant: Final = 6.67430e-11
-"""G [m³/(kg·s²)]."""
+"""Gravitational constant G [m³/(kg·s²)]."""
 coulomb_constant: Final = 8.9875517923e9
-"""k = 1/(4π ε₀) [N·m²/C²], by ε₀ = 8.8541878128e-12 F/m."""
+"""Coulomb constant k = 1/(4π ε₀) [N·m²/C²], with ε₀ = 8.8541878128e-12 F/m."""
 boltzmann_constant: Final = 1.380649e-23
-"""k_B [J/K], exact."""
+"""Boltzmann constant k_B [J/K], exact."""
 
 AU: Final = 149597870700.0
 """Astronomical unit [m], exact (IAU 2012 B2)."""
@@ -38,20 +39,20 @@ parsec: Final = 3.0856775814913673e16
 """Parsec [m], 648000/π AU (IAU 2015 B2)."""
 
 solar_mass: Final = 1.3271244e20 / gravitational_constant
-"""Mass of the Sun [kg], by its nominal GM (IAU 2015 B3)."""
+"""Mass of the Sun [kg], from its nominal GM (IAU 2015 B3)."""
 earth_mass: Final = 3.986004e14 / gravitational_constant
-"""Mass of the Earth [kg], by its nominal GM (IAU 2015 B3)."""
+"""Mass of the Earth [kg], from its nominal GM (IAU 2015 B3)."""
 jupiter_mass: Final = 1.2668653e17 / gravitational_constant
-"""Mass of Jupiter [kg], by its nominal GM (IAU 2015 B3)."""
+"""Mass of Jupiter [kg], from its nominal GM (IAU 2015 B3)."""
 solar_radius: Final = 6.957e8
 """Nominal radius of the Sun [m] (IAU 2015 B3)."""
 earth_radius: Final = 6.3781e6
 """Nominal equatorial radius of the Earth [m] (IAU 2015 B3)."""
 
 elementary_charge: Final = 1.602176634e-19
-"""e [C], exact; the charge of a proton."""
+"""Elementary charge e [C], exact; the charge of a proton."""
 electron_charge: Final = -elementary_charge
-"""Charge of the electron [C], below zero."""
+"""Charge of the electron [C], negative."""
 electron_volt: Final = 1.602176634e-19
 """Electronvolt [J], exact."""
 electron_mass: Final = 9.1093837015e-31

@@ -1,4 +1,4 @@
-"""Boundaries, one file each."""
+"""Boundaries, one module each."""
 
 from __future__ import annotations
 

@@ -99,5 +99,5 @@ def _check_surface(body: object, path: str, thickness: float) -> None:
     if thickness >= shortest:
         raise SceneError(
             f"SelfContact.thickness: must be below the length of the shortest edge, {shortest:g} m, got {thickness:g}; "
-            "neighbors would touch from the start: take a finer thickness or a coarser mesh"
+            "neighbors would touch from the start: choose a smaller thickness or a coarser mesh"
         )

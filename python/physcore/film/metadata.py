@@ -60,7 +60,7 @@ def provenance(path: str | os.PathLike[str]) -> list[ProvenanceRecord]:
     try:
         text = target.read_text("utf-8") if target.suffix == SIDECAR else format_of(target, WRITERS).provenance(target)
         if text is None:
-            raise ValueError("says nothing of how it came about")
+            raise ValueError("holds no provenance")
         panels: list[ProvenanceRecord] = list(several(table(anything))(json.loads(text), "provenance"))
         return panels
     except SceneError:

@@ -33,8 +33,15 @@ PLANETS = {
 }
 """Orbital elements at J2000 and masses of the planets.
 
-The columns are: mass of the Sun over that of the planet; semi-major axis [AU]; eccentricity; inclination; mean
-longitude; longitude of the perihelion; longitude of the ascending node. All angles are in degrees.
+The columns are:
+
+- mass of the Sun over that of the planet;
+- semi-major axis [AU];
+- eccentricity;
+- inclination [degrees];
+- mean longitude [degrees];
+- longitude of the perihelion [degrees];
+- longitude of the ascending node [degrees].
 
 Source: E. M. Standish, "Keplerian elements for approximate positions of the major planets", JPL; masses: IAU 2009.
 """

@@ -21,8 +21,8 @@ UNITS = {
     **{"time": "s", "position": "m", "velocity": "m s-1", "density": "kg m-3", "pressure": "Pa"},
     **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J"},
 }
-"""Units, stored in `parameters/units`. H5MD's units module would store them at each element, but MDAnalysis opens no
-file with an unknown unit of length, and meters are unknown to it.
+"""Units, stored in `parameters/units`. H5MD's units module would store them at each element. But MDAnalysis opens no
+file with a unit of length that it does not know, such as meters.
 """
 ENERGIES = ("kinetic", "potential", "internal", "total", "dissipated", "work")
 """Parts of the energy budget; each is an observable."""

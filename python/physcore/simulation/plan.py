@@ -55,7 +55,7 @@ class Plan:
     left_out: tuple[str, ...]
     """Stages that this scene does not need."""
     notes: tuple[str, ...]
-    """Advice."""
+    """Notes with advice."""
     force_error: float = 0.0
     """Relative rms error of the accelerations by a tree, measured at the start on up to 1000 particles against the
     exact sum; 0.0 with exact sums.

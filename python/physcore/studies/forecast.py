@@ -1,4 +1,4 @@
-"""How long a run will take, from a few steps that a copy of it takes."""
+"""Forecast of the duration of a run, from a few steps of a copy."""
 
 from __future__ import annotations
 
@@ -13,33 +13,35 @@ from physcore.simulation.stepper import unwarned
 from physcore.studies import clock
 
 TRIAL = 0.05
-"""How long the steps are timed at least [s]: some thousand calls of the clock."""
+"""Least duration of the timed steps [s]: some thousand calls of the clock."""
 PART, LONGEST = 0.01, 10.0
-"""Of a long run a hundredth is timed, ten seconds [s] at most, so that the time of neighbor lists counts too."""
+"""For long runs, fraction of the simulated duration that is timed, and its limit [s], so that rebuilds of neighbor
+lists are included.
+"""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """The steps of a run and their time; `str` says them in words."""
+    """Forecast of a run: its steps and their time; `str` gives it as text."""
 
     steps: int
     dt: float
-    """[s]"""
+    """Time step [s]."""
     seconds: float
-    """Of all steps, on this machine as busy as it is; 0 where the first ones diverge."""
+    """Time of all steps at the present load of the machine [s]; 0 if the first steps diverge."""
 
     def __str__(self) -> str:
         return f"{self.steps} steps of {self.dt:.2g} s, about {words(self.seconds)}"
 
 
 def forecast(simulation: Simulation, duration: float) -> Forecast:
-    """The steps and the time [s] of a run of a duration [s], in steps of the present length."""
+    """The forecast of a run of a duration [s], with steps of the present size."""
     steps = math.ceil(duration / simulation.dt)
     trial, count, taken = copy.copy(simulation), 1, 0.0
     with unwarned(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            trial.run(trial.dt)  # The first step builds lists of neighbors.
+            trial.run(trial.dt)  # The first step builds the neighbor lists.
             begun, before = clock.seconds(), trial.steps
             while taken < TRIAL or taken < min(PART * steps * taken / (trial.steps - before), LONGEST):
                 begun, before = clock.seconds(), trial.steps
@@ -51,14 +53,14 @@ def forecast(simulation: Simulation, duration: float) -> Forecast:
 
 
 def rehearsed(simulation: Simulation, duration: float) -> float:
-    """How many times as long a run takes as was forecast, which is taken."""
+    """Run a simulation, and return the ratio of its time to the forecast."""
     ahead, begun = forecast(simulation, duration), clock.seconds()
     simulation.run(duration)
     return (clock.seconds() - begun) / ahead.seconds if ahead.seconds > 0.0 else 1.0
 
 
 def words(seconds: float) -> str:
-    """A time as people write it."""
+    """A time in a suitable unit, as text."""
     for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
         if seconds >= 2.0 * length:
             return f"{seconds / length:.0f} {unit}"

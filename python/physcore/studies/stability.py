@@ -1,4 +1,4 @@
-"""The largest stable time step: by theory, and by trying."""
+"""Largest stable time step, by theory and by experiment."""
 
 from __future__ import annotations
 
@@ -21,41 +21,42 @@ from physcore.spelling import spelled
 from physcore.studies.state import nudge, place
 
 STEPS = 2000
-"""Steps of a trial: a thousandth above the limit, an undamped oscillation grows by a factor of 1.09 in each of them."""
+"""Number of steps of a trial. At 0.1 % above the limit, an undamped oscillation grows by a factor of 1.09 per step."""
 NUDGE = 1e-9
-"""How fast every particle is sent off, as a fraction of the scene's extent in one step at the limit, so that whatever
-can grow is there to grow."""
+"""Perturbation of all velocities, as a fraction of the scene's extent per step at the limit, so that every unstable
+mode is excited.
+"""
 MAX_ENERGY_GROWTH = 1e3
-"""How many times its largest energy a run must gain to count as unstable."""
+"""Ratio to its largest initial energy at which a run counts as unstable."""
 RESOLUTION = 1e-3
-"""How well the limit is found, as a fraction of itself."""
+"""Relative resolution of the limit."""
 FARTHEST = 64.0
-"""How many times the limit of theory is tried at most."""
+"""Largest ratio of a trial step to the theoretical limit."""
 STRIDE = 1.1
-"""How the search goes up: in strides that do not step over an edge into an island of stability beyond it."""
+"""Factor between trial steps in the upward search, small enough not to skip an unstable range."""
 
 
 @dataclass(frozen=True)
 class MeasuredLimit:
-    """The largest time step that real runs withstood, beside that of theory.
+    """Measured limit of stability: the largest stable time step in trial runs, and the theoretical limit.
 
         limit = pc.stability_limit(scene, "PEFRL", measured=True)  # a MeasuredLimit
         print(limit.measured, limit.theory)
 
-    `stability_limit` gives it with `measured=True`.
+    `stability_limit` returns it with `measured=True`.
     """
 
     integrator: Integrator
     measured: float
-    """The largest step that held for 2000 steps [s]; inf where nothing limits it, 0 where theory promises none."""
+    """Largest step that was stable for 2000 steps [s]; inf without a limit, 0 if the theoretical limit is 0."""
     theory: float
-    """What `stability_limit` gives without measuring [s]."""
+    """Theoretical limit, as returned by `stability_limit` without measuring [s]."""
     term: str
-    """The term that binds it."""
+    """Term of the scene that determines the limit."""
 
     @property
     def margin(self) -> float:
-        """How much larger the measured limit is than that of theory, as a fraction; 0 where both are 0 or inf."""
+        """Relative excess of the measured limit over the theoretical one; 0 if both are 0 or inf."""
         return self.measured / self.theory - 1.0 if 0.0 < self.theory < math.inf else 0.0
 
     def __str__(self) -> str:
@@ -86,25 +87,28 @@ def stability_limit(
 def stability_limit(
     scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: bool = False
 ) -> float | MeasuredLimit:
-    """The largest time step [s] at which a scene is stable, as it stands at the start; inf: any; 0.0: none is certain.
+    """Find the largest stable time step of a scene [s], in its initial state.
 
         pc.stability_limit(scene, "RungeKutta4")  # [s]
 
-    Particles under linear drag and harmonic central forces alone are oscillators, and this is their exact limit.
+    The result is inf if every step is stable, and 0.0 if no step is certain to be stable. For particles with only
+    linear drag and harmonic central forces, which are oscillators, the limit is exact.
 
-    For springs it is the largest eigenvalue of M⁻¹K in their present directions, by sixteen products of Lanczos'
-    method and 2 % above it; in 1000 random networks 0.962 to 1.001 of the true limit. Springs that turn may lower it,
-    at most to the certified bound that holds in any direction while none is shorter than half its rest length. A step
-    below half of this limit is almost always below that bound as well. Where damping differs from mode to mode, it is
-    the limit of the worst oscillation that the largest stiffness and damping allow together, which may be far below the
-    true one. The functions of a `CustomForce` are called to find how stiff they are, as its description says.
+    For springs the limit follows from the largest eigenvalue of M⁻¹K in their present directions. The eigenvalue comes
+    from sixteen products of Lanczos' method, plus 2 %. In 1000 random networks the result was 0.962 to 1.001 of the
+    true limit. Rotating springs can lower the limit, at most to the certified bound. This bound is valid in all
+    directions, as long as no spring is shorter than half its rest length. A step below half of the limit is almost
+    always below the certified bound too. If damping differs between modes, the result is the limit for an oscillation
+    with both the largest stiffness and the largest damping. This may be far below the true limit. The functions of a
+    `CustomForce` are called to find their stiffness, as described there.
 
     Args:
-        scene: what to simulate.
-        integrator: how, or its name.
-        fluids: how fluids are computed, as in Simulation.
-        measured: whether to look for the limit by bisection of real runs too, of 2000 steps from the scene's start with
-            every particle nudged a little; a `MeasuredLimit` then gives both, to a thousandth.
+        scene: the scene.
+        integrator: the integrator or its name.
+        fluids: the method of fluids, as in Simulation.
+        measured: whether to measure the limit too, by bisection. Trial runs have 2000 steps from the scene's start,
+            with
+            every particle slightly perturbed. The result is a `MeasuredLimit` with both limits, to 0.1 %.
 
     Raises:
         SceneError: an argument is not valid, or a particle starts outside a boundary.
@@ -121,7 +125,7 @@ def stability_limit(
 
 
 def _bisect(scene: Scene, numerics: Numerics, theory: float) -> float:
-    """The largest dt that holds, between one that does and one that does not."""
+    """The largest stable dt, by bisection between a stable and an unstable step."""
     holds, fails = theory, math.inf
     while not _stable(scene, numerics, holds, theory):
         holds, fails = 0.5 * holds, holds
@@ -144,13 +148,13 @@ def _bisect(scene: Scene, numerics: Numerics, theory: float) -> float:
 
 
 def _stable(scene: Scene, numerics: Numerics, dt: float, theory: float) -> bool:
-    """Whether a run holds for 2000 steps."""
+    """Whether a run of 2000 steps is stable."""
     with unwarned():
         run = Simulation(
             scene, numerics.integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH, fluids=numerics.fluids or "auto"
         )
     places = place(run)
-    # Of particles how far they are apart, of a field how far its values are.
+    # For particles the range of positions, for a field the range of its values.
     extent = float(np.ptp(places, axis=0 if scene.bodies else None).max()) or 1.0
     nudge(run, NUDGE * extent / theory, seed=0)
     try:

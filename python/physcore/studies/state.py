@@ -1,4 +1,6 @@
-"""The state of a run as studies compare, nudge and restore it: of the particles, or of the first system without any."""
+"""State of a run, which studies compare, perturb and restore: of the particles, or of the first system if there are
+none.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,11 @@ from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
 
 State = Mapping[str | None, Mapping[str, FloatArray]]
-"""The fields of each system by name, by its path; None for those of the particles."""
+"""Fields of each system by name, by path of the system; the key None is for the particles."""
 
 
 def primary(scene: Scene) -> str:
-    """The channel that is compared: the positions of particles, or else the first field of the first system."""
+    """The compared channel: the positions of particles, or otherwise the first field of the first system."""
     if scene.bodies:
         return "positions"
     system = scene.systems[0]
@@ -24,19 +26,19 @@ def primary(scene: Scene) -> str:
 
 
 def unit(scene: Scene) -> str:
-    """The unit of that."""
+    """The unit of the compared channel."""
     return "m" if scene.bodies else next(iter(scene.systems[0].units.values()), "1")
 
 
 def size(scene: Scene) -> int:
-    """How many numbers that has."""
+    """The number of values in the compared channel."""
     if scene.bodies:
         return scene.particles * scene.dimension
     return int(np.prod(next(iter(scene.systems[0].shapes().values()))))
 
 
 def place(simulation: Simulation) -> FloatArray:
-    """What is compared, at present."""
+    """The present values of the compared channel."""
     scene = simulation.scene
     if scene.bodies:
         return simulation.positions
@@ -44,8 +46,8 @@ def place(simulation: Simulation) -> FloatArray:
 
 
 def motion(simulation: Simulation) -> FloatArray:
-    """How it changes: the velocities of particles, or the second field of the first system; the first where it is the
-    only one, as in an equation of first order.
+    """The rate of change of the compared channel: velocities of particles, or otherwise the second field of the first
+    system. For an equation of first order with a single field, this field itself.
     """
     scene = simulation.scene
     if scene.bodies:
@@ -54,7 +56,7 @@ def motion(simulation: Simulation) -> FloatArray:
 
 
 def state(simulation: Simulation) -> State:
-    """Everything that a run can be set to."""
+    """All fields that a run can be set to."""
     scene = simulation.scene
     found: dict[str | None, Mapping[str, FloatArray]] = {
         scene.system(system): {
@@ -78,7 +80,7 @@ def restore(simulation: Simulation, wanted: State) -> None:
 
 
 def nudge(simulation: Simulation, size: float, seed: int) -> None:
-    """Add one normal deviate of `size` to each number of what changes, where nothing is fixed."""
+    """Perturb the free velocities or rates by normal deviates of standard deviation `size`."""
     scene, rng = simulation.scene, np.random.default_rng(seed)
     if scene.bodies:
         velocities = simulation.velocities
@@ -91,6 +93,6 @@ def nudge(simulation: Simulation, size: float, seed: int) -> None:
 
 
 def _changing(scene: Scene) -> str:
-    """The second field of the state of the first system; the first where it is the only one."""
+    """The second field of the state of the first system, or the only one."""
     system = scene.systems[0]
     return [name for name in system.shapes() if name not in system.derived][:2][-1]

@@ -1,4 +1,4 @@
-"""Systems beside matter, one file each: states with laws of motion of their own."""
+"""Systems other than bodies, one module each: states with their own laws of motion."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from physcore.systems.tracers import Tracers
 from physcore.systems.wave import Wave
 
 SYSTEMS: tuple[type[System], ...] = (Wave, ReactionDiffusion, Schrodinger, Tracers, PointVortices)
-"""Every system beside matter; what is registered here can be saved, and is tested."""
+"""All classes of systems. Those registered here can be saved and are tested."""
 
 __all__ = ["SYSTEMS", "System"]

@@ -1,4 +1,4 @@
-"""Flows: the velocity fields that `Tracers` move with."""
+"""Flows: velocity fields for `Tracers`."""
 
 from __future__ import annotations
 
@@ -12,15 +12,13 @@ from physcore.checks import DIMENSIONS, FloatArray, number, shown
 from physcore.errors import SceneError
 
 
+# To add a flow: a class here, a line in `FLOWS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class VelocityField:
-    """A velocity v(x, t) [m/s] at every point.
-
-    To add one: a class here, a line in `FLOWS`, and its counterpart in Rust.
-    """
+    """Base class of flows: a velocity field v(x, t) [m/s]."""
 
     dimensions: ClassVar[tuple[int, ...]] = (3,)
-    """In how many dimensions it is there."""
+    """Supported numbers of dimensions."""
 
     def __post_init__(self) -> None:
         for entry in fields(self):
@@ -30,13 +28,14 @@ class VelocityField:
 
 @dataclass(frozen=True)
 class Lorenz(VelocityField):
-    """Lorenz' flow: convection in a box with three modes, and the butterfly of chaos.
+    """Lorenz system: three modes of convection, with a butterfly-shaped chaotic attractor.
 
         dust = pc.Tracers(rng.normal(size=(1000, 3)) + (0, 0, 25), pc.Lorenz())
 
         x' = σ (y − x),  y' = x (ρ − z) − y,  z' = x y − β z
 
-    With the defaults its Lyapunov exponents are 0.9056, 0 and −14.572 (Sprott 2003); volumes shrink at σ + 1 + β.
+    With the defaults the Lyapunov exponents are 0.9056, 0 and −14.572 (Sprott 2003). Volumes shrink at the rate σ + 1 +
+    β.
 
     Args:
         sigma: σ [1/s].
@@ -56,14 +55,14 @@ class Lorenz(VelocityField):
 
 @dataclass(frozen=True)
 class Rossler(VelocityField):
-    """Rössler's flow: a band that is stretched and folded.
+    """Rössler system: a chaotic attractor in the form of a band that is stretched and folded.
 
         dust = pc.Tracers(rng.normal(size=(1000, 3)), pc.Rossler())
 
         x' = −y − z,  y' = x + a y,  z' = b + z (x − c)
 
     Args:
-        a, b, c: its parameters; the defaults are Rössler's.
+        a, b, c: parameters; the defaults are Rössler's.
 
     Raises:
         SceneError: a number is not finite.
@@ -78,7 +77,7 @@ class Rossler(VelocityField):
 
 @dataclass(frozen=True)
 class Aizawa(VelocityField):
-    """Aizawa's flow: a ball of shells, with a tube along its axis.
+    """Aizawa system: a chaotic attractor in the form of a sphere of shells with a tube along its axis.
 
         dust = pc.Tracers(0.1 * rng.normal(size=(1000, 3)), pc.Aizawa())
 
@@ -87,7 +86,7 @@ class Aizawa(VelocityField):
         z' = c + a z − z³/3 − (x² + y²)(1 + e z) + f z x³
 
     Args:
-        a, b, c, d, e, f: its parameters.
+        a, b, c, d, e, f: parameters.
 
     Raises:
         SceneError: a number is not finite.
@@ -105,19 +104,20 @@ class Aizawa(VelocityField):
 
 @dataclass(frozen=True)
 class Thomas(VelocityField):
-    """Thomas' flow: three equal feedback loops, cyclically symmetric; without damping a walk through all of space.
+    """Thomas system: three equal feedback loops with cyclic symmetry; without damping, a chaotic walk through all
+    space.
 
         dust = pc.Tracers(rng.normal(size=(1000, 3)), pc.Thomas())
 
         x' = sin y − b x,  y' = sin z − b y,  z' = sin x − b z
 
-    It is chaotic below b = 0.208186; volumes shrink at 3 b.
+    The flow is chaotic below b = 0.208186. Volumes shrink at the rate 3 b.
 
     Args:
         b: the damping [1/s].
 
     Raises:
-        SceneError: it is not finite.
+        SceneError: the damping is not finite.
 
     Source: R. Thomas, Int. J. Bifurcation Chaos 9, 1889 (1999).
     """
@@ -127,19 +127,19 @@ class Thomas(VelocityField):
 
 @dataclass(frozen=True)
 class Halvorsen(VelocityField):
-    """Halvorsen's flow: three wings in cyclic symmetry.
+    """Halvorsen system: a chaotic attractor with three wings in cyclic symmetry.
 
         dust = pc.Tracers(rng.normal(size=(1000, 3)), pc.Halvorsen())
 
         x' = −a x − 4 y − 4 z − y²,  y' = −a y − 4 z − 4 x − z²,  z' = −a z − 4 x − 4 y − x²
 
-    Far from the attractor tracers run to infinity in a finite time. Volumes shrink at 3 a.
+    Far from the attractor, tracers go to infinity in a finite time. Volumes shrink at the rate 3 a.
 
     Args:
         a: the damping [1/s].
 
     Raises:
-        SceneError: it is not finite.
+        SceneError: the damping is not finite.
 
     Source: J. C. Sprott, "Chaos and Time-Series Analysis", 2003, appendix A.
     """
@@ -149,20 +149,20 @@ class Halvorsen(VelocityField):
 
 @dataclass(frozen=True)
 class Flow(VelocityField):
-    """A flow of your own, as a NumPy function of all points at once, in 2D or 3D.
+    """User-defined flow in 2D or 3D, given by a NumPy function of all points at once.
 
         stirring = pc.Flow(lambda time, x: np.column_stack([np.sin(x[:, 1] + time), np.sin(x[:, 0])]))
         dye = pc.Tracers(rng.uniform(size=(5000, 2)), stirring)
 
-    The function is called once per stage of each step, on one thread, with the time [s] and the positions [m] of all
-    tracers, shape (N, D), which may be changed; it gives their velocities [m/s], of the same shape. The velocity of
-    one tracer must not depend on others.
+    The function is called once per stage of each step, on one thread. Its arguments are the time [s] and the positions
+    [m] of all tracers, shape (N, D), which it may modify. It returns their velocities [m/s], of the same shape. The
+    velocity of a tracer must not depend on other tracers.
 
     Args:
-        function: gives the velocities.
+        function: function that returns the velocities.
 
     Raises:
-        SceneError: it is no function.
+        SceneError: the value is not a function.
     """
 
     function: Callable[[float, FloatArray], ArrayLike]
@@ -174,4 +174,4 @@ class Flow(VelocityField):
 
 
 FLOWS: tuple[type[VelocityField], ...] = (Lorenz, Rossler, Aizawa, Thomas, Halvorsen, Flow)
-"""All flows beside those of systems of the scene."""
+"""All flows, except systems of a scene."""

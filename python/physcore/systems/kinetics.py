@@ -1,4 +1,4 @@
-"""Kinetics: the rates of the reactions of a `ReactionDiffusion`."""
+"""Kinetics: the reaction rates of a `ReactionDiffusion` system."""
 
 from __future__ import annotations
 
@@ -19,26 +19,24 @@ PEARSON: Mapping[Pearson, tuple[float, float]] = {
     "epsilon": (0.018, 0.055),  # rings and spots that divide and die
     "zeta": (0.022, 0.061),  # spots that divide and crowd each other out
     "eta": (0.034, 0.063),  # worms and spots
-    "theta": (0.030, 0.057),  # a maze of stripes that grows from its ends
+    "theta": (0.030, 0.057),  # a labyrinth of stripes that grows from its ends
     "iota": (0.046, 0.0594),  # a lattice of holes
-    "kappa": (0.050, 0.063),  # a maze that fills the plane
+    "kappa": (0.050, 0.063),  # a labyrinth that fills the plane
     "lambda": (0.026, 0.061),  # spots that divide until they fill the plane: mitosis
     "mu": (0.046, 0.065),  # worms that grow at both ends and do not branch
 }
-"""Feed and kill rates of each class of patterns, for D_u = 2e-5, D_v = 1e-5 m²/s."""
+"""Feed and kill rates of each class of patterns, for D_u = 2e-5 and D_v = 1e-5 m²/s."""
 
 
+# To add kinetics: a class here, a line in `KINETICS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class Kinetics:
-    """The rates of reactions between species; those of the species "u" and "v" are built in.
-
-    To add some: a class here, a line in `KINETICS`, and its counterpart in Rust.
-    """
+    """Base class of reaction kinetics; the built-in ones have the species "u" and "v"."""
 
     signed: ClassVar[bool] = False
-    """Whether values are as often below zero as above."""
+    """Whether values have both signs."""
     shown: ClassVar[str] = "u"
-    """The species that films show where nothing is said, and that is compared between runs."""
+    """Default species of films, which is also compared between runs."""
 
     def __post_init__(self) -> None:
         for entry in fields(self):
@@ -47,13 +45,13 @@ class Kinetics:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of its species."""
+        """The names of the species."""
         return ("u", "v")
 
 
 @dataclass(frozen=True)
 class GrayScott(Kinetics):
-    """Gray and Scott's reaction u + 2 v → 3 v in a stirred tank that is fed with u: spots, stripes, mazes and chaos.
+    """Gray–Scott reaction u + 2 v → 3 v in a stirred tank fed with u: spots, stripes, labyrinths and chaos.
 
         kinetics = pc.GrayScott(feed=0.035, kill=0.0625)
 
@@ -80,14 +78,14 @@ class GrayScott(Kinetics):
 
     @classmethod
     def pearson(cls, pattern: Pearson) -> Self:
-        """Rates at which one of Pearson's classes of patterns appears, "alpha" to "mu".
+        """The Gray–Scott kinetics of one of Pearson's classes of patterns, "alpha" to "mu".
 
             spots = pc.ReactionDiffusion(grid, pc.GrayScott.pearson("lambda"), {"u": 2e-5, "v": 1e-5}, …)
 
-        They hold for D_u = 2e-5 and D_v = 1e-5 m²/s; with both multiplied by a number, lengths grow as its square
-        root. "alpha", "beta" and "gamma" are chaotic; "epsilon" and "zeta" are spots that divide and die; "lambda" are
-        spots that divide until they fill the plane; "delta" and "eta" have spots and stripes, "theta", "kappa" and "mu"
-        stripes, "iota" holes.
+        The rates are for D_u = 2e-5 and D_v = 1e-5 m²/s. If both are multiplied by a factor, lengths grow as its square
+        root. "alpha", "beta" and "gamma" are chaotic. "epsilon" and "zeta" are spots that divide and die. "lambda" are
+        spots that divide until they fill the plane. "delta" and "eta" have spots and stripes, "theta", "kappa" and "mu"
+        stripes, and "iota" holes.
 
         Raises:
             SceneError: there is no such class.
@@ -99,20 +97,20 @@ class GrayScott(Kinetics):
 
 @dataclass(frozen=True)
 class FitzHughNagumo(Kinetics):
-    """FitzHugh and Nagumo's excitable medium: pulses on nerves, spiral waves.
+    """FitzHugh–Nagumo excitable medium: nerve pulses and spiral waves.
 
         kinetics = pc.FitzHughNagumo(epsilon=0.08, beta=0.7, gamma=0.8)
 
         R_u = u − u³/3 − v + I
         R_v = ε (u + β − γ v)
 
-    u is the membrane potential, v the recovery. With the defaults the rest at u = −1.1994, v = −0.6243 is stable and
-    excitable; for currents from 0.33 to 1.42 it oscillates.
+    u is the membrane potential, and v is the recovery variable. With the defaults the rest state u = −1.1994, v =
+    −0.6243 is stable and excitable. For currents from 0.33 to 1.42 the medium oscillates.
 
     Args:
         epsilon: ε, the ratio of the rates of recovery and of excitation.
-        beta, gamma: β and γ.
-        current: I, the stimulus.
+        beta, gamma: parameters β and γ.
+        current: stimulus current I.
 
     Raises:
         SceneError: a number is not finite.
@@ -129,18 +127,18 @@ class FitzHughNagumo(Kinetics):
 
 @dataclass(frozen=True)
 class Brusselator(Kinetics):
-    """The Brusselator of Prigogine and Lefever: oscillations, and patterns where v diffuses faster than u.
+    """Brusselator of Prigogine and Lefever: oscillations, and patterns if v diffuses faster than u.
 
         kinetics = pc.Brusselator(a=2.0, b=4.0)
 
         R_u = a − (b + 1) u + u² v
         R_v = b u − u² v
 
-    The even state is u = a, v = b/a. It oscillates for b > 1 + a², and becomes a pattern for
-    b > (1 + a √(D_u/D_v))² below that.
+    The uniform state is u = a, v = b/a. It oscillates for b > 1 + a². Below that it forms a pattern if b > (1 + a
+    √(D_u/D_v))².
 
     Args:
-        a, b: amounts fed.
+        a, b: feed parameters.
 
     Raises:
         SceneError: a number is not finite.
@@ -154,17 +152,17 @@ class Brusselator(Kinetics):
 
 @dataclass(frozen=True)
 class Schnakenberg(Kinetics):
-    """Schnakenberg's reaction: spots and stripes where v diffuses faster than u.
+    """Schnakenberg reaction: spots and stripes if v diffuses faster than u.
 
         kinetics = pc.Schnakenberg(a=0.1, b=0.9)
 
         R_u = a − u + u² v
         R_v = b − u² v
 
-    The even state is u = a + b, v = b/(a + b)².
+    The uniform state is u = a + b, v = b/(a + b)².
 
     Args:
-        a, b: amounts fed.
+        a, b: feed rates.
 
     Raises:
         SceneError: a number is not finite.
@@ -178,21 +176,21 @@ class Schnakenberg(Kinetics):
 
 @dataclass(frozen=True)
 class Reaction(Kinetics):
-    """A reaction of your own between any species, as a NumPy function of all cells.
+    """User-defined reaction between any species, given by a NumPy function of all cells.
 
         logistic = pc.Reaction(("n",), lambda n: (n * (1 - n),))
         kinetics = pc.Reaction(("u", "v"), lambda u, v: (-u * v * v + F * (1 - u), u * v * v - (F + k) * v))
 
-    The function is called once per stage of each step, on one thread, with the values of each species in all cells, as
-    arrays of the grid's shape that may be changed. It gives the rates of all species in their order, one array of that
-    shape for each. What it does to one cell must not depend on others.
+    The function is called once per stage of each step, on one thread. Its arguments are the values of each species in
+    all cells, as arrays of the grid's shape, which it may modify. It returns the rates of all species in order, one
+    array of this shape for each. The rates in a cell must not depend on other cells.
 
     Args:
-        species: their names, each a Python identifier.
-        function: gives the rates [1/s].
+        species: names of the species, each a Python identifier.
+        function: function that returns the rates [1/s].
 
     Raises:
-        SceneError: a name is none, or named twice.
+        SceneError: a name is not an identifier, or occurs twice.
     """
 
     species: tuple[str, ...]
@@ -211,9 +209,9 @@ class Reaction(Kinetics):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of its species."""
+        """The names of the species."""
         return self.species
 
 
 KINETICS: tuple[type[Kinetics], ...] = (GrayScott, FitzHughNagumo, Brusselator, Schnakenberg, Reaction)
-"""All kinetics."""
+"""All classes of kinetics."""

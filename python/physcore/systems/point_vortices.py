@@ -1,4 +1,4 @@
-"""Point vortices in the plane."""
+"""Point vortices in 2D."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from physcore.scene.points import PointSystem, points
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class PointVortices(PointSystem):
-    """Point vortices, which move each other, and a flow for `Tracers`.
+    """Point vortices in 2D, which move in each other's velocity fields; also a flow for `Tracers`.
 
         pair = pc.PointVortices([[0.0, 0.0], [1.0, 0.0]], circulations=[2.0, 1.0])
         dye = pc.Tracers(rng.uniform(-2, 2, (500, 2)), pair)
@@ -20,32 +20,34 @@ class PointVortices(PointSystem):
         recording[pair].positions  # (F, 2, 2)
         recording.budgets["hamiltonian"].drift  # (F,)
 
-        v(x) = Σ Γⱼ/(2π) e_z × (x − xⱼ)/(|x − xⱼ|² + δ²)
+    The velocity field is
 
-    each vortex with the velocity that the others have at its center. Tracers in their flow are advanced in the same
-    stages of each step. The Hamiltonian H = −Σ Γᵢ Γⱼ ln(|xᵢ − xⱼ|² + δ²)/(4π) over all pairs [m⁴/s²] is conserved, and
-    so are Σ Γ x, Σ Γ y and Σ Γ (x² + y²); the drift of its budget shows how well.
+        v(x) = Σ Γⱼ/(2π) e_z × (x − xⱼ)/(|x − xⱼ|² + δ²).
+
+    Each vortex moves with the velocity field of the others at its center. Tracers in their flow are advanced in the
+    same stages of each step. Conserved are Σ Γ x, Σ Γ y, Σ Γ (x² + y²), and the Hamiltonian H = −Σ Γᵢ Γⱼ ln(|xᵢ − xⱼ|²
+    + δ²)/(4π) over all pairs [m⁴/s²]. The drift of its budget measures the accuracy.
 
     Args:
-        centers: where they are at the start [m], shape (N, 2).
-        circulations: Γ of each [m²/s], broadcast to (N,); positive ones turn counterclockwise.
-        core: δ ≥ 0 [m], within which the velocity is smooth; 0: that of points.
-        name: a name by which results can be asked for.
+        centers: initial positions [m], shape (N, 2).
+        circulations: circulation Γ of each vortex [m²/s], broadcast to (N,); positive is counterclockwise.
+        core: core radius δ ≥ 0 [m], within which the velocity is smooth; 0: ideal point vortices.
+        name: name of the system, also a key into results.
 
     Raises:
-        SceneError: a shape does not fit, a value is not finite or out of range, or two vortices without a core are in
-            the same place.
+        SceneError: a shape does not fit, a value is not finite or out of range, or two vortices without a core
+            coincide.
 
     Sources: G. Kirchhoff, "Vorlesungen über mathematische Physik", 1876, lecture 20; P. G. Saffman, "Vortex Dynamics",
-    1992, chapter 7; of the core: R. Krasny, J. Comput. Phys. 65, 292 (1986).
+    1992, chapter 7; for the core, R. Krasny, J. Comput. Phys. 65, 292 (1986).
     """
 
     centers: FloatArray
-    """Where they are at the start [m], shape (N, 2)."""
+    """Initial positions [m], shape (N, 2)."""
     circulations: FloatArray
-    """Γ of each [m²/s], shape (N,)."""
+    """Circulation Γ of each vortex [m²/s], shape (N,)."""
     core: float
-    """δ [m]."""
+    """Core radius δ [m]."""
 
     def __init__(self, centers: ArrayLike, circulations: ArrayLike, core: float = 0.0, name: str | None = None) -> None:
         places = points(centers, "PointVortices.centers", (2,))
@@ -59,5 +61,5 @@ class PointVortices(PointSystem):
 
     @property
     def start(self) -> FloatArray:
-        """The positions at the start [m], shape (N, 2)."""
+        """The initial positions [m], shape (N, 2)."""
         return self.centers

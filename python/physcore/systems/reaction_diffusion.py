@@ -1,4 +1,4 @@
-"""Reaction and diffusion of species on a grid."""
+"""Reaction–diffusion systems on a grid."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from physcore.systems.kinetics import KINETICS, Kinetics
 
 Edge = Literal["free", "fixed"]
 Edges: TypeAlias = Edge | Mapping[str, Edge] | Sequence[str]
-"""What is at the edges: a word for all, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
+"""Edge conditions: a word for all edges, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
 EDGES: tuple[Edge, ...] = ("free", "fixed")
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class ReactionDiffusion(GridSystem):
-    """Species that react and diffuse: u_t = D_u ∇²u + R_u(u, v, …), and likewise for each.
+    """Reaction–diffusion system: u_t = D_u ∇²u + R_u(u, v, …), and likewise for each species.
 
         grid = pc.Grid((128, 128), spacing=0.01)
         dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), diffusion={"u": 2e-5, "v": 1e-5},
@@ -29,20 +29,21 @@ class ReactionDiffusion(GridSystem):
         recording[dish]["v"]  # (F, 128, 128)
         recording.budgets["v"].supplied  # (F,)
 
-    The Laplacian has two neighbors along each axis. Amounts, Σ u hᴰ, have budgets by species: `supplied` and `removed`
-    are the integrals of what reactions gain and lose, cell by cell, and of what passes through fixed edges; together
-    they account for the amount up to rounding.
+    The Laplacian uses two neighbors along each axis. The amount of each species, Σ u hᴰ, has a budget. Its `supplied`
+    and `removed` are the time integrals of the gains and losses by reactions, cell by cell, and of the flux through
+    fixed edges. They account for the amount up to rounding.
 
     Args:
-        grid: 1D, 2D or 3D.
-        reaction: the kinetics: `GrayScott`, `FitzHughNagumo`, `Brusselator`, `Schnakenberg`, or your own `Reaction`.
-        diffusion: the diffusivity D ≥ 0 of each species [m²/s], by its name.
-        initial: the value of each species at the start, a field: a number, an array of shape `grid.cells` or a function
-            of the coordinates of cells' centers.
-        edges: "free": nothing passes the outer faces; "fixed": values are zero on them. A word for all edges, or a
-            mapping of axes or sides, `{"x": "fixed", "y-": "free"}`; those not named are free. Periodic axes, as the
-            grid says, have none.
-        name: a name by which results can be asked for.
+        grid: a grid in 1D, 2D or 3D.
+        reaction: the kinetics: `GrayScott`, `FitzHughNagumo`, `Brusselator`, `Schnakenberg`, or a `Reaction`.
+        diffusion: diffusivity D ≥ 0 of each species [m²/s], by name.
+        initial: initial value of each species, a field: a number, an array of shape `grid.cells` or a function of the
+            coordinates of the cell centers.
+        edges: "free": no flux through the outer faces; "fixed": values are zero on them. A word for all edges, or a
+            mapping of axes or sides, `{"x": "fixed", "y-": "free"}`; other sides are free. Periodic axes of the grid
+                have
+            no edges.
+        name: name of the system, also a key into results.
 
     Raises:
         SceneError: a species is missing or unknown; a diffusivity is below zero; a field has the wrong shape; or an
@@ -57,11 +58,11 @@ class ReactionDiffusion(GridSystem):
     parts: ClassVar[tuple[type, ...]] = (Grid, *KINETICS)
 
     reaction: Kinetics
-    """The kinetics."""
+    """Kinetics of the reaction."""
     diffusion: Mapping[str, float]
-    """D of each species [m²/s]."""
+    """Diffusivity D of each species [m²/s]."""
     initial: Mapping[str, float | FloatArray]
-    """The value of each species at the start, a number or of shape `grid.cells`."""
+    """Initial value of each species, a number or of shape `grid.cells`."""
 
     def __init__(
         self,
@@ -97,14 +98,14 @@ class ReactionDiffusion(GridSystem):
 
     @property
     def units(self) -> Mapping[str, str]:
-        """The species, first the one that is shown; values have no unit."""
+        """The species with their unit, 1; the default species of films is first."""
         names = self.reaction.names
         first = self.reaction.shown if self.reaction.shown in names else names[0]
         return dict.fromkeys((first, *names), "1")
 
     @property
     def signed(self) -> bool:
-        """Whether the kinetics have values below zero as often as above."""
+        """Whether values have both signs."""
         return self.reaction.signed
 
     def __repr__(self) -> str:
@@ -114,7 +115,7 @@ class ReactionDiffusion(GridSystem):
 
 
 def _by_species(value: object, reaction: Kinetics, path: str) -> dict[str, object]:
-    """A value for each species, in their order."""
+    """The value for each species, in their order."""
     names = reaction.names
     if not isinstance(value, Mapping):
         raise SceneError(f"{path}: must be a mapping of the species {', '.join(map(repr, names))}, got {shown(value)}")

@@ -20,29 +20,29 @@ from physcore.systems.wave import EDGES, Edges
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
 Complex: TypeAlias = ArrayLike | Callable[..., ArrayLike]
-"""A complex field: an array of the grid's shape, or a function of the coordinates."""
+"""Complex field: an array of the grid's shape, or a function of the coordinates."""
 
 
 @spelled
 def wave_packet(
     grid: Grid, center: ArrayLike, momentum: ArrayLike, width: ArrayLike, hbar: float = 1.0
 ) -> ComplexArray:
-    """A Gaussian wave packet exp(−(x − c)²/4σ² + ip(x − c)/ħ), an array of shape `grid.cells` with Σ|ψ|² hᴰ = 1.
+    """Gaussian wave packet exp(−(x − c)²/4σ² + ip(x − c)/ħ), an array of shape `grid.cells` with Σ|ψ|² hᴰ = 1.
 
         grid = pc.Grid((512,), spacing=0.1)
         packet = pc.wave_packet(grid, center=15.0, momentum=2.0, width=1.5)
 
-    On a periodic axis it is that of the nearest image of its center. Its phase is 0 at the center.
+    Along a periodic axis, the nearest image of the center is used. The phase is 0 at the center.
 
     Args:
-        grid: 1D, 2D or 3D.
-        center: c [m], one number for each axis; a number stands for all.
-        momentum: p [kg·m/s], likewise.
-        width: σ [m], the standard deviation of |ψ|², likewise, above zero.
-        hbar: ħ [J·s].
+        grid: a grid in 1D, 2D or 3D.
+        center: center c [m], one number for each axis, or one for all.
+        momentum: mean momentum p [kg·m/s], likewise.
+        width: standard deviation σ of |ψ|² [m], likewise, above zero.
+        hbar: reduced Planck constant ħ [J·s].
 
     Raises:
-        SceneError: a value is out of range or of the wrong shape; or the packet is nowhere on the grid.
+        SceneError: a value is out of range or of the wrong shape, or the packet is zero on the whole grid.
     """
     if not isinstance(grid, Grid):
         raise SceneError(f"wave_packet.grid: must be a Grid, got {shown(grid)}")
@@ -52,7 +52,7 @@ def wave_packet(
     require(widths > 0.0, widths, "wave_packet.width", "> 0")
     unit = number(hbar, "wave_packet.hbar", above=0.0)
     envelope, phase = np.zeros(grid.cells), np.zeros(grid.cells)
-    with np.errstate(over="ignore", invalid="ignore"):  # of a very narrow packet nothing is left beside its center
+    with np.errstate(over="ignore", invalid="ignore"):  # a very narrow packet underflows beside its center
         for axis, x in enumerate(grid.coordinates):
             away = x - places[axis]
             if grid.periodic[axis]:
@@ -73,7 +73,7 @@ def wave_packet(
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Schrodinger(GridSystem):
-    """A wave function: iħ ∂ψ/∂t = (−ħ²/2m ∇² + V + g|ψ|²) ψ.
+    """Wave function with the equation iħ ∂ψ/∂t = (−ħ²/2m ∇² + V + g|ψ|²) ψ.
 
         line = pc.Grid((512,), spacing=0.1)
         packet = pc.wave_packet(line, center=15.0, momentum=2.0, width=1.5)
@@ -81,27 +81,28 @@ class Schrodinger(GridSystem):
         recording = pc.simulate(pc.Scene(electron), duration=10.0)
         recording[electron].wave_function  # complex, (F, 512); also .density and .phase
 
-    Budgets: the probability Σ|ψ|² hᴰ to be in the grid, and the energy ⟨H⟩: that of modes with SplitStep, by
-    differences with CrankNicolson and Staggered. What has crossed an absorbing edge is `removed_by["edges"]` of the
-    probability, negative where it comes back. Energy has no place, so that ⟨H⟩ counts what is in a layer until it is
-    absorbed there, and is dissipated by "edges" then.
+    There are budgets of the probability Σ|ψ|² hᴰ in the grid, and of the energy ⟨H⟩. The energy is that of modes with
+    SplitStep, and of finite differences with CrankNicolson and Staggered. The flux across an absorbing edge is
+    `removed_by["edges"]` of the probability; an inward flux counts as negative. Energy is not localized. ⟨H⟩ therefore
+    includes the absorbing layer, in which it is dissipated by "edges".
 
     Args:
-        grid: 1D, 2D or 3D.
-        wave_function: ψ at the start [1/√mᴰ], an array of complex numbers of shape `grid.cells` or a function of the
-            coordinates. It is not normalized. Real and imaginary parts along a last axis will do too.
-        potential: V [J], a field of real numbers.
-        mass: m [kg], above zero.
-        hbar: ħ [J·s], above zero.
-        interaction: g [J·mᴰ]: the Gross–Pitaevskii equation.
+        grid: a grid in 1D, 2D or 3D.
+        wave_function: initial ψ [1/√mᴰ], an array of complex numbers of shape `grid.cells` or a function of the
+            coordinates. Real and imaginary parts along a last axis are valid too. ψ is not normalized.
+        potential: potential energy V [J], a field of real numbers.
+        mass: particle mass m [kg], above zero.
+        hbar: reduced Planck constant ħ [J·s], above zero.
+        interaction: interaction strength g [J·mᴰ] of the Gross–Pitaevskii equation.
         edges: "fixed": ψ is zero on the outer face of the outer cells; "free": no flux through it; "absorbing": waves
-            leave, into a layer outside of the grid, by default three wavelengths wide. A word for all edges, or a
-            mapping of axes or sides; those not named are fixed. Periodic axes, as the grid says, have none.
-        name: a name by which results can be asked for.
-        absorbing: the layer of absorbing edges; an `Absorbing` in `edges` says the same.
+            leave into a layer outside of the grid, by default three wavelengths wide. A word for all edges, or a
+                mapping
+            of axes or sides; other sides are fixed. Periodic axes of the grid have no edges.
+        name: name of the system, also a key into results.
+        absorbing: the layer of absorbing edges, as an alternative to `Absorbing` in `edges`.
 
     Raises:
-        SceneError: a field has the wrong shape or values out of range; ψ is zero everywhere; or an edge is not valid.
+        SceneError: a field has the wrong shape or values out of range, ψ is zero everywhere, or an edge is not valid.
 
     Source: L. Pitaevskii, S. Stringari, "Bose–Einstein Condensation", 2003, chapter 5.
     """
@@ -113,17 +114,17 @@ class Schrodinger(GridSystem):
     parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing)
 
     wave_function: FloatArray
-    """ψ at the start [1/√mᴰ], real and imaginary parts along a last axis."""
+    """Initial ψ [1/√mᴰ], real and imaginary parts along a last axis."""
     potential: float | FloatArray
-    """V [J], a number or of shape `grid.cells`."""
+    """Potential energy V [J], a number or of shape `grid.cells`."""
     mass: float
-    """m [kg]."""
+    """Particle mass m [kg]."""
     hbar: float
-    """ħ [J·s]."""
+    """Reduced Planck constant ħ [J·s]."""
     interaction: float
-    """g [J·mᴰ]."""
+    """Interaction strength g [J·mᴰ]."""
     edges: tuple[str, ...]
-    """"fixed", "free", "absorbing" or "periodic" at each side, in the order x−, x+, y−, y+, z−, z+."""
+    """Edge condition of each side, "fixed", "free", "absorbing" or "periodic", in the order x−, x+, y−, y+, z−, z+."""
     absorbing: Absorbing
     """The layer of absorbing edges."""
 
@@ -160,11 +161,11 @@ class Schrodinger(GridSystem):
         )
 
     def shapes(self) -> dict[str, tuple[int, ...]]:
-        """The shapes of its fields by name, as the engine has them."""
+        """The shapes of the fields by name, as in the engine."""
         return {"density": self.grid.cells, "wave_function": (*self.grid.cells, 2)}
 
     def values(self, field: str, value: object, path: str) -> FloatArray:
-        """A new wave function: an array or a function of the coordinates."""
+        """A new wave function, from an array or a function of the coordinates."""
         return _pairs(value, self.grid, path) if field == "wave_function" else super().values(field, value, path)
 
     def shown(self, fields: dict[str, FloatArray]) -> dict[str, Any]:
@@ -180,7 +181,7 @@ class Schrodinger(GridSystem):
 
 
 def _per_axis(value: ArrayLike, grid: Grid, path: str) -> FloatArray:
-    """One number for each axis, of one for all or one each."""
+    """One number for each axis, from one number for all axes or one for each."""
     numbers = array(value, path)
     if numbers.shape not in ((), (grid.dimension,)):
         raise SceneError(f"{path}: must be a number, or {grid.dimension} for this grid, got the shape {numbers.shape}")

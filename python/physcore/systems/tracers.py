@@ -1,4 +1,4 @@
-"""Massless points that move with a flow."""
+"""Tracers: massless points in a flow."""
 
 from __future__ import annotations
 
@@ -16,32 +16,33 @@ from physcore.systems.point_vortices import PointVortices
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Tracers(PointSystem):
-    """Massless points that move with a velocity field, x' = v(x, t), and do not feel each other.
+    """Tracers: massless points without interaction in a velocity field, x' = v(x, t).
 
         dust = pc.Tracers(rng.normal(size=(1000, 3)) + (0, 0, 25), pc.Lorenz())
         recording = pc.simulate(pc.Scene(dust), duration=2.0)
         recording[dust].positions  # (F, 1000, 3)
 
-    Integrators of first-order equations drive them, RungeKutta4() by default. dt="auto" is 0.05/max|∇v| at the tracers
-    at the start, half of a limit of accuracy, of which AdaptiveStep() takes half all along; |∇v| is the root of the
-    summed squares of all derivatives. Films show few tracers with their paths, and very many as a density.
+    Tracers use integrators of first-order equations, by default RungeKutta4(). With dt="auto" the time step is
+    0.05/max|∇v| at the initial tracers, half of the limit of accuracy. AdaptiveStep() takes half of the present limit.
+    |∇v| is the Frobenius norm, the root of the summed squares of all derivatives. Films show few tracers with trails,
+    and many as a density.
 
     Args:
-        positions: where they are at the start [m], shape (N, D) with D = 2 or 3.
+        positions: initial positions [m], shape (N, D) with D = 2 or 3.
         flow: the velocity field: `Lorenz`, `Rossler`, `Aizawa`, `Thomas` or `Halvorsen` in 3D, `PointVortices` of the
-            scene in 2D, or your own `Flow`.
-        name: a name by which results can be asked for.
+            scene in 2D, or a `Flow`.
+        name: name of the system, also a key into results.
 
     Raises:
         SceneError: a shape does not fit, a number is not finite, or the flow has another dimension.
-        SimulationDiverged: during a run, a tracer has run to infinity.
+        SimulationDiverged: during a run, a tracer went to infinity.
     """
 
     parts: ClassVar[tuple[type, ...]] = FLOWS
     naming: ClassVar[tuple[str, ...]] = ("flow",)
 
     positions: FloatArray
-    """Where they are at the start [m], shape (N, D)."""
+    """Initial positions [m], shape (N, D)."""
     flow: VelocityField | PointVortices
     """The velocity field."""
 
@@ -60,5 +61,5 @@ class Tracers(PointSystem):
 
     @property
     def start(self) -> FloatArray:
-        """The positions at the start [m], shape (N, D)."""
+        """The initial positions [m], shape (N, D)."""
         return self.positions

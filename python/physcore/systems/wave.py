@@ -1,4 +1,4 @@
-"""The wave equation on a grid."""
+"""Wave equation on a grid."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ from physcore.scene.grid import AXES, Absorbing, Field, Grid, GridSystem
 
 Edge = Literal["fixed", "free", "absorbing"]
 Edges: TypeAlias = Edge | Absorbing | Mapping[str, Edge | Absorbing] | Sequence[str]
-"""What is at the edges: a word for all, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
+"""Edge conditions: a word for all edges, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
 EDGES: tuple[Edge, ...] = ("fixed", "free", "absorbing")
 ORDERS = (2, 4)
-"""The orders of the differences in space."""
+"""Orders of the spatial differences."""
 
 
 @dataclass(frozen=True)
 class Ricker:
-    """A pulse, the second derivative of a Gaussian: (1 − 2 π² f² τ²) exp(−π² f² τ²) with τ = t − 1.5/f.
+    """Ricker pulse, the second derivative of a Gaussian: (1 − 2 π² f² τ²) exp(−π² f² τ²) with τ = t − 1.5/f.
 
         grid = pc.Grid((100, 60), spacing=0.1)
         drop = pc.Source((5.0, 3.0), amplitude=1.0, signal=pc.Ricker(2.0))
         pond = pc.Wave(grid, speed=1.0, sources=[drop])
 
-    Its largest value is 1, at t = 1.5/f, and its spectrum is largest at f. At t = 0 it is 1e-8 of that.
+    The largest value is 1, at t = 1.5/f. The spectrum has its maximum at f. At t = 0 the value is 1e-8.
 
     Args:
-        frequency: f [Hz], above zero.
+        frequency: peak frequency f [Hz], above zero.
 
     Source: N. Ricker, Geophysics 18, 10 (1953).
 
@@ -61,7 +61,7 @@ class Ricker:
         object.__setattr__(self, "frequency", number(self.frequency, "Ricker.frequency", above=0.0))
 
     def __call__(self, time: ArrayLike) -> FloatArray:
-        """The values at some times [s]."""
+        """The values at times [s]."""
         square = np.square(np.pi * self.frequency * (np.asarray(time, dtype=float) - 1.5 / self.frequency))
         pulse: FloatArray = (1.0 - 2.0 * square) * exp(-square)
         return pulse
@@ -69,7 +69,7 @@ class Ricker:
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Source:
-    """A source of waves: s = amplitude · sin(2 π f t + phase) from `start` to `stop`, and nothing before and after.
+    """Source of waves: s = amplitude · sin(2 π f t + phase) from `start` to `stop`, and zero before and after.
 
         grid = pc.Grid((100, 60), spacing=0.1)
         lamp = pc.Source((8.0, 3.0), amplitude=0.5, frequency=0.6)
@@ -77,34 +77,33 @@ class Source:
         pond = pc.Wave(grid, speed=1.0, sources=[lamp, slit])
 
     Args:
-        where: a point [m], D numbers within the grid: the integral of s over space is then the amplitude, spread
-            multilinearly over the nearest centers, so that what it radiates does not depend on the spacing. Or cells of
-            the grid, as a mask of its shape: s is then the same in each of them; an array of numbers weights it.
-        amplitude: [m/s²] in each cell of a mask; at a point [m/s²·mᴰ].
-        frequency: f [Hz], at least zero; not needed with a signal.
-        phase: [rad].
-        start, stop: the first time at which it acts, and the first at which it no longer does [s].
-        signal: a function s(t) of the time [s], which takes the place of the sine: `pc.Ricker(f)`, or one that gives a
-            number.
+        where: a point [m], D numbers within the grid. The amplitude is then the integral of s over space, distributed
+            multilinearly over the nearest cell centers, so that the radiation does not depend on the spacing. Or a mask
+            of the grid's shape, with equal s in all its cells; or an array of weights.
+        amplitude: amplitude [m/s²] in each cell of a mask; at a point [m/s²·mᴰ].
+        frequency: frequency f [Hz], at least zero; not needed with a signal.
+        phase: phase [rad].
+        start, stop: times at which the source begins and ends to act [s].
+        signal: function s(t) of the time [s] that replaces the sine and returns a number, such as `pc.Ricker(f)`.
 
     Raises:
         SceneError: a value is out of range or of the wrong kind, or neither frequency nor signal is given.
     """
 
     where: tuple[float, ...] | BoolArray | FloatArray
-    """A point [m], or the weights of cells."""
+    """Point [m], or the weights of cells."""
     amplitude: float
-    """[m/s²], or [m/s²·mᴰ] at a point."""
+    """Amplitude [m/s²], or [m/s²·mᴰ] at a point."""
     frequency: float
-    """[Hz]; 0 with a signal."""
+    """Frequency [Hz]; 0 with a signal."""
     phase: float
-    """[rad]"""
+    """Phase [rad]."""
     start: float
-    """[s]"""
+    """Start time [s]."""
     stop: float
-    """[s]; may be infinite."""
+    """End time [s]; may be infinite."""
     signal: Ricker | Callable[[float], float] | None
-    """What takes the place of the sine."""
+    """Function that replaces the sine, or None."""
 
     def __init__(
         self,
@@ -142,10 +141,11 @@ class Source:
         return f"Source({where}, {self.amplitude:g}, {what})"
 
     def check(self, grid: Grid, path: str) -> None:
-        """Look at the grid that it acts on.
+        """Check that the source fits a grid.
 
         Raises:
-            SceneError: it is outside of it, or a mask has another shape; or its signal gives no number.
+            SceneError: the source is outside of the grid, a mask has another shape, or the signal does not return a
+                number.
         """
         if isinstance(self.where, tuple):
             if len(self.where) != grid.dimension:
@@ -163,7 +163,7 @@ class Source:
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Wave(GridSystem):
-    """Waves on a string, a membrane or in space: ρ u_tt = ∇·(ρ c² ∇u) − ρ γ u_t + ρ s.
+    """Wave equation on a string, on a membrane or in space: ρ u_tt = ∇·(ρ c² ∇u) − ρ γ u_t + ρ s.
 
         grid = pc.Grid((200, 120), spacing=0.05)
         pond = pc.Wave(grid, speed=1.0, displacement=lambda x, y: np.exp(-((x - 3) ** 2 + (y - 3) ** 2) / 0.1),
@@ -171,54 +171,54 @@ class Wave(GridSystem):
         recording = pc.simulate(pc.Scene(pond), duration=10.0)
         recording[pond].displacement  # (F, 200, 120)
 
-    Fields are numbers, arrays of shape `grid.cells` or functions of the coordinates of cells' centers. Differences are
-    central; on a face between two cells c² is their harmonic mean, so that u and ρ c² ∂u/∂n are continuous where c
-    jumps. The energy is the discrete one whose force is minus its gradient; in 2D it is that of a membrane whose mass
-    per area is ρ, in 1D that of a string with ρ per length.
+    Fields are numbers, arrays of shape `grid.cells` or functions of the coordinates of the cell centers. Differences
+    are central. On a face between two cells, c² is their harmonic mean, so that u and ρ c² ∂u/∂n are continuous at
+    jumps of c. The discrete energy is the one whose negative gradient is the force. In 2D it is that of a membrane with
+    the mass per area ρ, in 1D that of a string with the mass per length ρ.
 
     Args:
-        grid: 1D, 2D or 3D.
-        speed: c [m/s], a field ≥ 0.
-        displacement: u at the start [m], a field.
-        rate: u_t at the start [m/s], a field.
-        density: ρ [kg/mᴰ], a number above zero; only energies depend on it.
-        damping: γ [1/s], a field ≥ 0.
+        grid: a grid in 1D, 2D or 3D.
+        speed: wave speed c [m/s], a field ≥ 0.
+        displacement: initial u [m], a field.
+        rate: initial u_t [m/s], a field.
+        density: density ρ [kg/mᴰ], a number above zero; only energies depend on it.
+        damping: damping rate γ [1/s], a field ≥ 0.
         edges: "fixed": u is zero on the outer face of the outer cells; "free": no flux through it; "absorbing": waves
-            leave, into a layer outside of the grid. A word for all edges, or a mapping of axes or sides,
-            `{"x": "free", "y-": "absorbing"}`; those not named are fixed. Periodic axes, as the grid says, have none.
-        walls: a mask of cells that are cut out, with u zero on their faces; or a function that gives one.
+            leave into a layer outside of the grid. A word for all edges, or a mapping of axes or sides,
+            `{"x": "free", "y-": "absorbing"}`; other sides are fixed. Periodic axes of the grid have no edges.
+        walls: a mask of excluded cells, with u zero on their faces; or a function that returns one.
         sources: a Source, or several.
-        order: of the differences in space, 2 or 4; beside absorbing edges 2.
-        name: a name by which results can be asked for.
-        absorbing: the layer of absorbing edges; an `Absorbing` in `edges` says the same.
+        order: order of the spatial differences, 2 or 4; only 2 with absorbing edges.
+        name: name of the system, also a key into results.
+        absorbing: the layer of absorbing edges, as an alternative to `Absorbing` in `edges`.
 
     Raises:
-        SceneError: a field has the wrong shape or values out of range; an edge or a source is not valid.
+        SceneError: a field has the wrong shape or values out of range, or an edge or a source is not valid.
 
-    Source: R. Courant, K. Friedrichs, H. Lewy, Math. Ann. 100, 32 (1928); for variable c G. C. Cohen, "Higher-Order
+    Source: R. Courant, K. Friedrichs, H. Lewy, Math. Ann. 100, 32 (1928); for variable c, G. C. Cohen, "Higher-Order
     Numerical Methods for Transient Wave Equations", 2002, chapter 4.
     """
 
     parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing, Source, Ricker)
 
     speed: float | FloatArray
-    """c [m/s], a number or of shape `grid.cells`."""
+    """Wave speed c [m/s], a number or of shape `grid.cells`."""
     displacement: float | FloatArray
-    """u at the start [m], likewise."""
+    """Initial u [m], likewise."""
     rate: float | FloatArray
-    """u_t at the start [m/s], likewise."""
+    """Initial u_t [m/s], likewise."""
     density: float
-    """ρ [kg/mᴰ]."""
+    """Density ρ [kg/mᴰ]."""
     damping: float | FloatArray
-    """γ [1/s], a number or of shape `grid.cells`."""
+    """Damping rate γ [1/s], a number or of shape `grid.cells`."""
     edges: tuple[str, ...]
-    """"fixed", "free", "absorbing" or "periodic" at each side, in the order x−, x+, y−, y+, z−, z+."""
+    """Edge condition of each side, "fixed", "free", "absorbing" or "periodic", in the order x−, x+, y−, y+, z−, z+."""
     walls: BoolArray | None
-    """Which cells are cut out, of shape `grid.cells`; None: none."""
+    """Mask of the excluded cells, of shape `grid.cells`; None: none."""
     sources: tuple[Source, ...]
     """The sources."""
     order: int
-    """The order of the differences in space."""
+    """Order of the spatial differences."""
     absorbing: Absorbing
     """The layer of absorbing edges."""
 
@@ -267,7 +267,7 @@ class Wave(GridSystem):
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Displacement and rate."""
+        """The units of displacement and rate."""
         return {"displacement": "m", "rate": "m/s"}
 
     @property
@@ -281,14 +281,14 @@ class Wave(GridSystem):
 
 
 def _at_least_zero(grid: Grid, value: Field, path: str) -> float | FloatArray:
-    """A field without values below zero."""
+    """A field without negative values."""
     field = grid.uniform_or_field(value, path)
     require(np.asarray(field) >= 0.0, np.asarray(field), path, "≥ 0")
     return field
 
 
 def _sources(given: object, grid: Grid) -> tuple[Source, ...]:
-    """Sources that act on a grid."""
+    """Validated sources on a grid."""
     sources = [given] if isinstance(given, Source) else items(given, "Wave.sources", "sources")
     for index, source in enumerate(sources):
         if not isinstance(source, Source):
@@ -298,7 +298,7 @@ def _sources(given: object, grid: Grid) -> tuple[Source, ...]:
 
 
 def _where(value: ArrayLike) -> tuple[float, ...] | BoolArray | FloatArray:
-    """A point, or the weights of cells. Up to three numbers in a row are a point."""
+    """A point, or the weights of cells. Up to three numbers in one dimension are a point."""
     given = regular(value, "Source.where")
     if given.dtype.kind == "b":
         if given.ndim not in (1, 2, 3):

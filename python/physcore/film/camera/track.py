@@ -23,7 +23,7 @@ OPEN = ("target", "extent")
 TAIL = 4.0
 """Cutoff of the Gaussian that smooths a path [standard deviations]."""
 NARROW = 0.1
-"""Standard deviation below which a Gaussian, e⁻⁵⁰ at the next frame, smooths nothing [frames]."""
+"""Standard deviation below which a Gaussian, e⁻⁵⁰ at the next frame, has no effect [frames]."""
 
 
 @dataclass(frozen=True)

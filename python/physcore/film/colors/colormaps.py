@@ -19,7 +19,7 @@ from physcore.checks import FloatArray, shown
 from physcore.errors import SceneError
 
 ColormapName: TypeAlias = Literal["viridis", "inferno", "plasma", "magma", "cividis", "water", "ember"] | str
-"""Name of one of physcore's own maps, or of any map of Matplotlib if that is installed. "coolwarm" and "RdBu_r" are
+"""Name of one of physcore's own maps, or of a map of Matplotlib if that is installed. "coolwarm" and "RdBu_r" are
 diverging maps, "twilight" is cyclic.
 """
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import number
-from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
+from physcore.numerics.integrators.implicit import Implicit
 
 
 @dataclass(frozen=True)
-class BackwardEuler(Integrator):
+class BackwardEuler(Implicit):
     """Backward Euler, order 1, implicit: for stiff systems that come to rest.
 
         pc.simulate(pc.Scene(cloth, pc.Gravity()), 5.0, integrator=pc.BackwardEuler(), dt=1 / 60)
@@ -40,11 +38,3 @@ class BackwardEuler(Integrator):
     """
 
     order: ClassVar[int] = 1
-    symplectic: ClassVar[bool] = False
-    stiff: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
-
-    tolerance: float = 1e-10
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "tolerance", number(self.tolerance, "BackwardEuler.tolerance", above=0.0))

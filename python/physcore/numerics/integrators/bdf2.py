@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import number
-from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
+from physcore.numerics.integrators.implicit import Implicit
 
 
 @dataclass(frozen=True)
-class BDF2(Integrator):
+class BDF2(Implicit):
     """Backward differentiation formula of order 2, implicit: for stiff systems, with less damping than BackwardEuler.
 
         pc.simulate(pc.Scene(cloth, pc.Gravity()), 5.0, integrator=pc.BDF2(), dt=1 / 60)
@@ -22,12 +20,7 @@ class BDF2(Integrator):
     of backward Euler. Unresolved oscillations vanish at once, and slow ones lose little energy. This numerical damping
     is an error of the method, not dissipation. It appears as a drift of the energy balance.
 
-    Each step is solved by Newton's method with line search and conjugate gradients. A step without a solution raises
-    SimulationDiverged, or is divided with on_divergence="substep". An unbalanced step is never accepted. The method is
-    stable at any step and any stiffness. It supports springs with damping, Gravity, Drag, CentralForce, LennardJones,
-    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries. Other forces, whose derivatives
-    are unknown, are refused by name. A discontinuous force, as at the contact of damped spheres, may have no solution
-    at long steps.
+    Steps are solved as those of BackwardEuler are, and the same forces are supported.
 
     Args:
         tolerance: largest residual force relative to the largest force in the step, above 0.
@@ -40,11 +33,3 @@ class BDF2(Integrator):
     """
 
     order: ClassVar[int] = 2
-    symplectic: ClassVar[bool] = False
-    stiff: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
-
-    tolerance: float = 1e-10
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "tolerance", number(self.tolerance, "BDF2.tolerance", above=0.0))

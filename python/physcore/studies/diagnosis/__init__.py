@@ -1,6 +1,6 @@
-"""Diagnosis: what goes wrong in a run, by its symptom, with the figure that shows it and the change that cures it.
+"""Diagnosis of runs: common problems, each with its symptom, a measured value and a remedy.
 
-A symptom is a file with one function, which gives a `Finding` for each case of it, and a line in `SYMPTOMS`.
+Each symptom is a module with one function, which yields a `Finding` for each case, and has a line in `SYMPTOMS`.
 """
 
 from __future__ import annotations
@@ -24,29 +24,29 @@ from physcore.studies.diagnosis.sluggish import sluggish
 __all__ = ["SYMPTOMS", "Diagnosis", "Finding", "diagnose"]
 
 SYMPTOMS = (explodes, sluggish, penetrates, jitters, clumps, slow, large)
-"""What is looked for, in the order in which it is told."""
+"""All symptoms, in the order of the report."""
 
 
 @spelled
 def diagnose(run: Recording | Simulation, duration: float | None = None) -> Diagnosis:
-    """What goes wrong in a run: each finding has its symptom, its cause, a cure, and the figure that shows it.
+    """Diagnose a run: each finding has a symptom, a cause, a remedy and a measured value.
 
         for finding in pc.diagnose(recording):
             print(finding.symptom, finding.measured, finding.cure)
 
-    A recording tells most: what it shows, beside what its scene says. Of a simulation the scene and the present state
-    are looked at, before the run. It is not changed.
+    A Recording gives the most complete diagnosis. For a Simulation, which is not changed, only the scene and the
+    present state are examined.
 
     Args:
         run: a Recording, or a Simulation.
-        duration: how long a simulation is meant to run [s], for the number of its steps and the time that they take,
-            for which a copy of it takes a few; None: nothing is said of these.
+        duration: the planned duration of a simulation [s]. Then the number of steps is included, and their processing
+            time, estimated from a few steps of a copy. None: neither is included.
 
     Returns:
-        The findings, none where all is well; `print` shows them in words.
+        Diagnosis: the findings, empty if there are no problems; `print` shows them as text.
 
     Raises:
-        SceneError: it is neither, or the duration is not above 0.
+        SceneError: the run is neither, or the duration is not above 0.
     """
     if not isinstance(run, (Recording, Simulation)):
         hint = "; write pc.diagnose(pc.Simulation(scene))" if isinstance(run, Scene) else ""

@@ -1,4 +1,4 @@
-"""What is known of a run that is diagnosed."""
+"""Subject of a diagnosis: a recording or a simulation."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from physcore.simulation.simulation import Simulation
 
 @dataclass(frozen=True)
 class Case:
-    """A run, recorded or still ahead."""
+    """Subject of a diagnosis: a recorded run, or one that is still ahead."""
 
     run: Recording | Simulation
     duration: float | None
-    """How long a simulation is meant to run [s]."""
+    """Planned duration of a simulation [s]."""
 
     @property
     def recording(self) -> Recording | None:
-        """The run where it was recorded."""
+        """The recording; None for a simulation."""
         return self.run if isinstance(self.run, Recording) else None
 
     @property
     def simulation(self) -> Simulation | None:
-        """The run where it is ahead."""
+        """The simulation; None for a recording."""
         return self.run if isinstance(self.run, Simulation) else None
 
     @property
@@ -47,7 +47,7 @@ class Case:
 
     @property
     def positions(self) -> FloatArray | None:
-        """Positions [m], shape (F, N, D), one frame of a simulation; None where they were not recorded."""
+        """Positions [m], shape (F, N, D), one frame for a simulation; None if they were not recorded."""
         return self._channel("positions")
 
     @property

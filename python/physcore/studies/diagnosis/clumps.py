@@ -1,4 +1,4 @@
-"""Clumps, and scatters: the particles of a fluid are not at the spacing that was given."""
+"""Symptoms "clumps" and "scatters": the particles of a fluid do not have the given spacing."""
 
 from __future__ import annotations
 
@@ -12,15 +12,18 @@ from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
 
 LARGEST_RATIO = 1.15
-"""Spacing over that of the lattice, or the inverse, above which it was not meant: the density of the particles is then
-off by a third in 2D and by a half in 3D, while that of the fluid is to change by a percent. Particles that are shaken
-by a tenth of their spacing, or fill a ball, stay below."""
+"""Largest ratio of the given spacing to that of the particles, or its inverse.
+
+At this ratio the density of the particles is off by a third in 2D and by a half in 3D. The density of the fluid, in
+contrast, varies by a percent. Particles shifted randomly by a tenth of their spacing, or filling a ball, are below this
+ratio.
+"""
 SAMPLE = 500
-"""Particles whose neighbors are looked at; the median of so many is known to some percent of their scatter."""
+"""Number of particles whose neighbors are examined. The error of their median is a few percent of the scatter."""
 
 
 def clumps(case: Case) -> Iterator[Finding]:
-    """How far apart the particles of each fluid start."""
+    """Compare the spacing of the particles of each fluid with the given one."""
     for index, body in enumerate(case.scene.bodies):
         if not isinstance(body, Fluid) or len(body) <= 2 * body.dimension:
             continue
@@ -40,14 +43,14 @@ def clumps(case: Case) -> Iterator[Finding]:
 
 
 def lattice_spacing(positions: FloatArray) -> float:
-    """How far apart neighbors are [m]: the median over particles of the mean distance of their 2 D nearest ones, as
-    many as a particle has in a square or a cubic lattice.
+    """Median over the particles of the mean distance of their 2 D nearest neighbors [m], as in a square or cubic
+    lattice.
     """
     count = 2 * positions.shape[1]
     some = np.linspace(0, len(positions) - 1, min(len(positions), SAMPLE)).astype(np.int64)
     means = np.empty(len(some))
     for row, particle in enumerate(some):
         squared = ((positions - positions[particle]) ** 2).sum(axis=1)
-        nearest = np.partition(squared, count)[: count + 1]  # itself, at 0, among them
+        nearest = np.partition(squared, count)[: count + 1]  # including itself at distance 0
         means[row] = np.sqrt(nearest).sum() / count
     return float(np.median(means))

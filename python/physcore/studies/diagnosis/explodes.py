@@ -1,4 +1,4 @@
-"""Explodes: the energy balance does not hold, or is not going to."""
+"""Symptom "explodes": the energy balance drifts, or will drift."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from physcore.studies.diagnosis.finding import Finding
 
 
 def explodes(case: Case) -> Iterator[Finding]:
-    """Energy from nowhere: by the drift of a recording, or a time step above the limit of stability."""
+    """Check the energy balance of a recording, or the time step of a simulation against the limit of stability."""
     plan = case.plan
     if case.recording is None:
         if plan.limit_kind == "stability" and plan.margin > 1.0:
@@ -34,7 +34,7 @@ def explodes(case: Case) -> Iterator[Finding]:
 
 
 def worst_drift(recording: Recording) -> float:
-    """The largest drift of the energy balance, with its sign."""
+    """The drift of largest magnitude of the energy balance, with its sign."""
     drift = recording.energy.drift
     if not np.isfinite(drift).all():
         return math.inf
@@ -42,11 +42,11 @@ def worst_drift(recording: Recording) -> float:
 
 
 def is_loss(case: Case, drift: float) -> bool:
-    """Whether the energy is what a method takes that is not symplectic: a loss, and no blow-up."""
+    """Whether a drift is the energy loss of a method that is not symplectic, as opposed to divergence."""
     return drift < 0.0 and not case.integrator.symplectic
 
 
 def _cure(case: Case, drift: float) -> str:
-    """A time step whose drift is good, as far as the order of the method tells: drift ∝ dt^order."""
+    """A remedy with a time step whose drift is good, from drift ∝ dt^order."""
     smaller = case.plan.dt * (GOOD_DRIFT / min(drift, 1.0)) ** (1.0 / max(case.plan.order, 1))
     return f"take a smaller time step, dt={smaller:.2g}, or pc.AutoStep(safety=0.1)"

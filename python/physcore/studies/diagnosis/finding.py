@@ -8,35 +8,34 @@ from html import escape
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that goes wrong in a run.
+    """Finding: a problem in a run.
 
         worn = pc.simulate(scene, duration=1.0, integrator="BackwardEuler", dt=0.1)
         for finding in pc.diagnose(worn):  # each is a Finding
             print(finding)
 
-    `diagnose` gives a sequence of them.
+    `diagnose` returns a sequence of findings.
     """
 
     symptom: str
-    """What it looks like: "explodes", "sluggish", "penetrates", "jitters", "clumps", "scatters", "slow" or
-    "large"."""
+    """Symptom: "explodes", "sluggish", "penetrates", "jitters", "clumps", "scatters", "slow" or "large"."""
     cause: str
-    """Why, with the figure that shows it."""
+    """Cause, with the measured value."""
     cure: str
-    """What to change."""
+    """Remedy."""
     measured: float
-    """The figure."""
+    """Measured value."""
 
     def __str__(self) -> str:
         return f"{self.symptom}: {self.cause}\n  cure: {self.cure}"
 
 
 class Diagnosis(tuple[Finding, ...]):
-    """All findings of a run, in words where it is printed.
+    """Diagnosis: all findings of a run; `print` shows them as text.
 
         print(pc.diagnose(recording))  # a Diagnosis
 
-    `diagnose` gives it; it is a tuple, which is empty where all is well.
+    `diagnose` returns it. A Diagnosis is a tuple, which is empty if there are no problems.
     """
 
     __slots__ = ()

@@ -1,4 +1,4 @@
-"""Jitters: a network that trembles faster than a film shows, where it should have come to rest."""
+"""Symptom "jitters": a network oscillates faster than the frame rate resolves, where it should be at rest."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
 
 REVERSED = 0.35
-"""Share of the kinetic energy whose velocity reverses from frame to frame, above which motion is not resolved: an
-oscillation of n frames has sin²(π/n), which is this for five of them; velocities without memory have a half."""
+"""Largest fraction of the kinetic energy whose velocity reverses between frames. An oscillation with a period of n
+frames has sin²(π/n), which is this value for five frames. Uncorrelated velocities have a half.
+"""
 VISIBLE = 2e-3
-"""Jumps from frame to frame, over the extent of the body, that are seen: a pixel where it is 500 wide."""
+"""Smallest visible jump between frames, relative to the extent of the body: one pixel for an extent of 500 pixels."""
 FEWEST_FRAMES = 10
-"""Frames below which nothing is said."""
+"""Least number of frames for a finding."""
 FEWEST_SPRINGS = 16
-"""Springs below which a network is an oscillator whose motion is meant, and no cloth."""
+"""Least number of springs for a finding. Smaller networks are oscillators whose motion is intended."""
 
 
 def jitters(case: Case) -> Iterator[Finding]:
-    """Velocities that turn around from frame to frame, in the last third of a recording."""
+    """Find velocities that reverse from frame to frame, in the last third of a recording."""
     if case.recording is None or case.positions is None or case.velocities is None:
         return
     late = slice(2 * len(case.recording) // 3, None)
@@ -34,7 +35,7 @@ def jitters(case: Case) -> Iterator[Finding]:
         part = case.scene.slice(index)
         positions, velocities = case.positions[late, part], case.velocities[late, part]
         mass = body.mass[np.newaxis, :, np.newaxis]
-        # Without the motion of the whole: what falls or flies turns around together.
+        # Relative to the center of mass, whose velocity may reverse too.
         inner = velocities - (mass * velocities).sum(axis=1, keepdims=True) / body.mass.sum()
         energy = float((mass * (inner[1:] ** 2 + inner[:-1] ** 2)).sum())
         share = float((mass * np.diff(inner, axis=0) ** 2).sum()) / (2.0 * energy) if energy > 0.0 else 0.0
@@ -49,7 +50,7 @@ def jitters(case: Case) -> Iterator[Finding]:
 
 
 def _cure(body: SpringNetwork) -> str:
-    """More damping, as a share of what is critical: at a ratio of 0.05 an oscillation is gone after ten swings."""
+    """A remedy by more damping: at a damping ratio of 0.05, an oscillation has decayed after ten periods."""
     stiff = np.isfinite(body.stiffness) & (body.stiffness > 0.0)
     critical = (
         2.0 * np.sqrt(float(np.median(body.stiffness[stiff])) * float(np.median(body.mass)) / 2.0)

@@ -1,4 +1,4 @@
-"""Large: the GIF of a recording would be larger than where it is shown takes."""
+"""Symptom "large": the GIF of a recording would exceed common size limits."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
 
 LARGEST_FILM = 10e6
-"""[bytes]: what GitHub and Discord take as an image."""
+"""Largest size of an image on GitHub and Discord [bytes]."""
 SAMPLES = 6
-"""Places in the film that are looked at."""
+"""Number of places in the film that are sampled."""
 
 
 def large(case: Case) -> Iterator[Finding]:
-    """The size of the default film, estimated from a few frames."""
+    """Estimate the size of the default film from a few frames."""
     if case.recording is None or "positions" not in case.recording.channels:
         return
     size = film_bytes(case.recording)
@@ -33,9 +33,10 @@ def large(case: Case) -> Iterator[Finding]:
 
 
 def film_bytes(recording: Recording) -> int:
-    """The most bytes that the GIF of a recording takes by default: that of some frames, and what one frame adds to that
-    before it, which is what pairs of frames take beyond the first ones of the pairs. Near colors, which films above
-    3 MB have, save a fifth of it to a half.
+    """Upper estimate of the size of a recording's default GIF [bytes].
+
+    The estimate is the size of a single frame plus that of the changes between frames, from samples of frames and of
+    pairs of frames. Approximated colors, which films above 3 MB have, reduce it by a fifth to a half.
     """
     count = len(recording)
     if count <= 4 * SAMPLES:
@@ -47,7 +48,7 @@ def film_bytes(recording: Recording) -> int:
 
 
 def _gif(recording: Recording, frames: IntArray) -> int:
-    """The bytes of the GIF of some frames."""
+    """The size of the GIF of some frames [bytes]."""
     from physcore.film.filming import gif_bytes
 
     some = replace(

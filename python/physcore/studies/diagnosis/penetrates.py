@@ -1,4 +1,4 @@
-"""Penetrates: bodies with radii are inside each other, or a ball is inside a mesh."""
+"""Symptom "penetrates": bodies with radii overlap, or a ball is inside a mesh."""
 
 from __future__ import annotations
 
@@ -19,29 +19,31 @@ from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
 
 DEEPEST = 0.25
-"""Overlap over the smaller radius above which it is seen: 2 pixels of a ball that is 16 pixels large. Contacts of soft
-spheres are meant to overlap by a hundredth or so."""
+"""Largest overlap, relative to the smaller radius: 2 pixels on a ball of 16 pixels. Contacts of soft spheres overlap by
+about a hundredth.
+"""
 PAIRS = 300_000
-"""Particles of all frames together that are looked at, so that it takes a second or so."""
+"""Number of particles examined in all frames together, which takes about a second."""
 FEWEST_FRAMES, MOST_FRAMES = 4, 60
 LARGE = 4.0
-"""Radii above so many medians are looked at one by one, at most `MOST_LARGE` of them: cells as large as a planet would
-have all dust in one."""
+"""Ratio to the median above which radii are examined one by one, up to `MOST_LARGE` of them. Cells as large as a planet
+would contain all dust in a single cell.
+"""
 MOST_LARGE = 64
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """Two particles that are inside each other."""
+    """Two overlapping particles."""
 
     depth: float
-    """Overlap over the smaller radius."""
+    """Overlap relative to the smaller radius."""
     one: int
     other: int
 
 
 def penetrates(case: Case) -> Iterator[Finding]:
-    """The largest overlap of any frame: of particles with radii, and of meshes with balls."""
+    """Find the largest overlap in any frame, of particles with radii and of meshes with balls."""
     positions = case.positions
     if positions is None or not np.isfinite(positions).all():
         return
@@ -53,14 +55,14 @@ def penetrates(case: Case) -> Iterator[Finding]:
 
 
 def _frames(positions: FloatArray, recorded: bool) -> IntArray:
-    """The frames to look at."""
+    """The indices of the frames to examine."""
     count, particles = positions.shape[:2]
     most = int(np.clip(PAIRS // max(particles, 1), FEWEST_FRAMES, MOST_FRAMES)) if recorded else 1
     return np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
 
 
 def _of_particles(scene: Scene, worst: Overlap) -> Finding:
-    """What to say of an overlap."""
+    """The finding for an overlap of particles."""
     one, other = (_owner(scene, particle) for particle in (worst.one, worst.other))
     names = f"{scene.path(one)} and {scene.path(other)}" if one != other else f"particles of {scene.path(one)}"
     figure = f"overlap by {worst.depth:.2g} of the smaller radius"
@@ -70,7 +72,7 @@ def _of_particles(scene: Scene, worst: Overlap) -> Finding:
         cause = f"{names} {figure}, and no force keeps them apart"
         return Finding("penetrates", cause, "add pc.SoftSpheres(stiffness, damping) to the scene", worst.depth)
     cause = f"{names} {figure}: SoftSpheres of {acting[0].stiffness:g} N/m are too soft for what presses them together"
-    # Energy goes with δ² k of a linear contact: a tenth of the overlap needs a hundred times the stiffness.
+    # The energy of a linear contact is ∝ k δ²: a tenth of the overlap needs a hundred times the stiffness.
     enough = acting[0].stiffness * (worst.depth / (0.4 * DEEPEST)) ** 2
     return Finding("penetrates", cause, f"take a stiffness of about {enough:.2g}", worst.depth)
 
@@ -82,7 +84,7 @@ def _owner(scene: Scene, particle: int) -> int:
 
 
 def _largest_overlap(scene: Scene, frames: FloatArray, start: FloatArray) -> Overlap | None:
-    """The deepest of all pairs that were not placed within each other on purpose, and have room to part."""
+    """The deepest overlap of all pairs that were not placed so intentionally and are free to separate."""
     radius = np.concatenate([body.radius for body in scene.bodies])
     if (radius > 0.0).sum() < 2:
         return None
@@ -116,9 +118,12 @@ def _touching(positions: FloatArray, radius: FloatArray) -> Iterator[tuple[IntAr
 
 
 class _Excused:
-    """Which pairs may overlap: fixed ones; those that springs connect; those that other forces keep at a distance of
-    their own; within a body those that were placed so, and all of it where that has no contacts and is a network,
-    or a swarm some of which were placed so; and those of networks without contacts that were placed within each other.
+    """Pairs that are allowed to overlap.
+
+    Allowed are pairs of fixed particles, pairs connected by a spring, and pairs of bodies with LennardJones or
+    CustomForce. Pairs within a body are allowed if they overlap at the start. All pairs of a body without contacts are
+    allowed if it is a network, or if some of its particles overlap at the start. The same is true of two networks
+    without contacts that overlap at the start.
     """
 
     def __init__(self, scene: Scene, radius: FloatArray, owner: IntArray, start: FloatArray) -> None:
@@ -144,7 +149,7 @@ class _Excused:
         self._kept = kept | (free & ~_together(scene, (SoftSpheres,)))
 
     def __call__(self, one: IntArray, other: IntArray) -> BoolArray:
-        """Whether each pair may."""
+        """A mask of the allowed pairs."""
         first, second = self._owner[one], self._owner[other]
         apart = np.linalg.norm(self._start[one] - self._start[other], axis=1)
         placed = (first == second) & (apart < self._radius[one] + self._radius[other])
@@ -154,7 +159,7 @@ class _Excused:
 
 
 def _together(scene: Scene, kinds: tuple[type[Force], ...]) -> BoolArray:
-    """Between which bodies a force of some kinds acts, shape (B, B)."""
+    """Mask of the pairs of bodies between which a force of some classes acts, shape (B, B)."""
     targets = [
         [scene.index(body) for body in scene.targets(force)] for force in scene.forces if isinstance(force, kinds)
     ]
@@ -165,7 +170,7 @@ def _together(scene: Scene, kinds: tuple[type[Force], ...]) -> BoolArray:
 
 
 def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
-    """Springs and faces of networks whose middle is inside a sphere or a ball: their corners are kept outside."""
+    """Find springs and faces of networks whose middle is inside a sphere or a ball while their corners are outside."""
     for index, body in enumerate(scene.bodies):
         if not isinstance(body, SpringNetwork) or not len(body.faces):
             continue
@@ -186,7 +191,7 @@ def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
 
 
 def _balls(scene: Scene, mesh: Body, frames: FloatArray) -> Iterator[tuple[str, FloatArray, FloatArray]]:
-    """What a mesh may be too coarse for: its name, its centers in each frame (F, B, D), and radii (B,) [m]."""
+    """The balls that a mesh may be too coarse for: name, centers in each frame (F, B, D), and radii (B,) [m]."""
     for place, boundary in enumerate(scene.boundaries):
         if isinstance(boundary, Sphere) and not boundary.inside and mesh in scene.targets(boundary):
             center = np.broadcast_to(np.array(boundary.center), (len(frames), 1, scene.dimension))
@@ -198,6 +203,6 @@ def _balls(scene: Scene, mesh: Body, frames: FloatArray) -> Iterator[tuple[str, 
 
 
 def _depth(points: FloatArray, centers: FloatArray, radii: FloatArray) -> float:
-    """How deep the deepest point is inside a ball, over the ball's radius; below 0 where all are outside."""
+    """The largest depth of points inside a ball, relative to its radius; negative if all points are outside."""
     distances = np.linalg.norm(points[:, np.newaxis] - centers, axis=2)
     return float((1.0 - distances / radii).max())

@@ -1,4 +1,4 @@
-"""Slow: a run that takes more steps, or more time, than anyone means to wait for."""
+"""Symptom "slow": a run takes more steps or more time than is probably intended."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from physcore.studies.diagnosis.finding import Finding
 from physcore.studies.forecast import forecast, words
 
 LONGEST = 600.0
-"""The longest time that a run may take without a word [s]: ten minutes, that of all demos together."""
+"""Longest duration of a run without a finding [s]: ten minutes, as all demos together."""
 
 
 def slow(case: Case) -> Iterator[Finding]:
-    """The number of steps that are ahead; their time is estimated from a few that a copy takes."""
+    """Check the number of steps ahead, and their time, estimated from a few steps of a copy."""
     if case.simulation is None or case.duration is None:
         return
     simulation = case.simulation

@@ -1,4 +1,4 @@
-"""Sluggish: what should swing creeps, because of its damping or of the method's."""
+"""Symptom "sluggish": oscillations are overdamped, by the springs or by the method."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from physcore.studies.diagnosis.explodes import is_loss, worst_drift
 from physcore.studies.diagnosis.finding import Finding
 
 OVERDAMPED = 3.0
-"""Damping ratio ζ above which springs creep to where they belong: they get there at the rate ω (ζ − √(ζ² − 1)), which
-is 0.17 ω at 3, a sixth of that at critical damping."""
+"""Damping ratio ζ above which springs relax slowly. Their rate ω (ζ − √(ζ² − 1)) is 0.17 ω at 3, a sixth of the rate at
+critical damping.
+"""
 
 
 def sluggish(case: Case) -> Iterator[Finding]:
-    """Damping ratios of springs, and the energy that a method takes."""
+    """Check the damping ratios of springs, and the numerical damping of the method."""
     for index, body in enumerate(case.scene.bodies):
         if isinstance(body, SpringNetwork) and len(body.pairs):
             ratio = float(np.median(_damping_ratios(body)))
@@ -41,7 +42,7 @@ def sluggish(case: Case) -> Iterator[Finding]:
 
 
 def _damping_ratios(body: SpringNetwork) -> FloatArray:
-    """ζ = c/(2√(k m)) of each spring by itself, m the reduced mass of its ends; 0 of those that cannot move."""
+    """Damping ratios ζ = c/(2√(k m)) of single springs, m the reduced mass of their ends; 0 for immobile springs."""
     inverse = np.where(body.fixed, 0.0, 1.0 / body.mass)[body.pairs].sum(axis=1)
     springs = (inverse > 0.0) & (body.damping > 0.0) & (body.stiffness > 0.0) & np.isfinite(body.stiffness)
     ratios = np.zeros(len(body.pairs))

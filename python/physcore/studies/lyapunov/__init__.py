@@ -1,7 +1,11 @@
-"""Lyapunov exponents: how fast neighboring paths part.
+"""Lyapunov exponents: the rates at which neighboring trajectories separate.
 
-`measuring` averages the growth of the offsets between a path and its neighbors, which are orthonormalized in
-`neighbors`; `flows` takes neighbors of tracers along, `mechanics` those of all bodies of a scene.
+The submodules are as follows:
+
+- `measuring`: the growth of the offsets between a trajectory and its neighbors, averaged;
+- `neighbors`: the orthonormalization of the offsets;
+- `flows`: the neighbors of tracers;
+- `mechanics`: the neighbors of all bodies of a scene.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Lyapunov exponents, and what follows from them."""
+"""Lyapunov exponents and derived quantities."""
 
 from __future__ import annotations
 
@@ -11,36 +11,38 @@ from physcore.checks import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Lyapunov:
-    """Lyapunov exponents, the largest first.
+    """Lyapunov exponents, in descending order.
 
         cloud = pc.Tracers(rng.normal(size=(20, 3)) + (0, 0, 25), pc.Lorenz())
         spectrum = pc.lyapunov(cloud, duration=5.0, transient=1.0, dt=0.01)  # a Lyapunov
         spectrum.exponents, spectrum.dimension
 
-    `lyapunov` measures it.
+    `lyapunov` returns it.
     """
 
     exponents: FloatArray
-    """Mean rates of growth λ along directions of the tangent space [1/s], shape (K,)."""
+    """Exponents λ: mean growth rates along directions of the tangent space [1/s], shape (K,)."""
     errors: FloatArray
-    """Their standard errors [1/s], shape (K,): from the scatter among paths; of a single path from that among tenths of
-    the duration, not a number where these are shorter than an interval."""
+    """Standard errors of the exponents [1/s], shape (K,), from the scatter over trajectories. For a single trajectory,
+    from the scatter over tenths of the duration; NaN if these are shorter than an interval.
+    """
     each: FloatArray
-    """The exponents along each path [1/s], shape (N, K)."""
+    """Exponents along each trajectory [1/s], shape (N, K)."""
     duration: float
-    """The time over which they were averaged [s]."""
+    """Averaging time [s]."""
     directions: int
-    """How many exponents there are: the dimension of the tangent space."""
+    """Total number of exponents: the dimension of the tangent space."""
 
     @property
     def sum(self) -> float:
-        """Σ λ, of all exponents the mean rate at which volumes grow [1/s]."""
+        """Sum Σ λ of the exponents; with all of them, the mean rate of volume growth [1/s]."""
         return float(self.exponents.sum())
 
     @property
     def dimension(self) -> float:
-        """The dimension of the attractor by Kaplan and Yorke: j + (λ₁ + … + λⱼ)/|λⱼ₊₁|, with the largest j at which
-        that sum is not below zero; not a number where exponents that it takes were not measured.
+        """Kaplan–Yorke dimension of the attractor, j + (λ₁ + … + λⱼ)/|λⱼ₊₁|, with the largest j for a nonnegative sum.
+
+        The value is NaN if an exponent in the formula was not measured.
         """
         sums = np.cumsum(self.exponents)
         j = int((sums >= 0.0).sum())

@@ -1,4 +1,4 @@
-"""Tracers in a flow, each with neighbors in the same run."""
+"""Tracers in a flow, with their neighbors in one run."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from physcore.systems.tracers import Tracers
 
 
 class Flow:
-    """All tracers, each with D neighbors after it.
+    """All tracers, each followed by its D neighbors.
 
     Args:
-        tracers: from where they begin.
-        before: how long they move before averaging [s].
-        average: how long that lasts [s].
-        interval: between two orthonormalizations [s]; None: 2/max|∇v|.
+        tracers: the tracers at their initial positions.
+        before: the time before averaging [s].
+        average: the averaging time [s].
+        interval: the time between two orthonormalizations [s]; None: 2/max|∇v|.
         numerics: as in Simulation.
     """
 
@@ -32,7 +32,7 @@ class Flow:
         self._cloud = Tracers(np.repeat(tracers.positions, dimension + 1, axis=0), tracers.flow)
         scene = Scene(self._cloud, tracers.flow) if isinstance(tracers.flow, PointVortices) else Scene(self._cloud)
         self._run = Simulation(scene, **numerics)
-        # 2/|∇v|, by the limit of accuracy, which is 0.1/|∇v|; the step where nothing limits it.
+        # 2/|∇v|, from the limit of accuracy 0.1/|∇v|; without a limit, the time step.
         limit = self._run.plan.dt_limit
         self._interval = interval or (20.0 * limit if np.isfinite(limit) else self._run.dt)
         self.intervals = steps_to(before, self._interval, 1e-9), max(1, steps_to(average, self._interval, 1e-9))
@@ -40,11 +40,11 @@ class Flow:
 
     @property
     def time(self) -> float:
-        """Until when they have been followed [s]."""
+        """The present time [s]."""
         return self._run.time
 
     def advance(self) -> FloatArray:
-        """The logarithms of the growth along each direction in an interval (N, D)."""
+        """Advance by an interval, and return the logarithms of the growth along each direction (N, D)."""
         dimension = self.directions
         places = self._run[self._cloud].positions.reshape(-1, dimension + 1, dimension)
         distance = APART * max(float(np.abs(places).max()), TINY)

@@ -1,4 +1,4 @@
-"""The growth of the offsets of neighbors, averaged over time."""
+"""Measurement of Lyapunov exponents: the growth of the offsets of neighbors, averaged over time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from physcore.studies.lyapunov.neighbors import Paths
 from physcore.systems.tracers import Tracers
 
 PARTS = 10
-"""Parts of the duration whose scatter gives the error of a single path."""
+"""Number of parts of the duration whose scatter gives the error for a single trajectory."""
 
 
 @spelled
@@ -33,7 +33,7 @@ def lyapunov(
     progress: bool | None = None,
     **numerics: Unpack[Options],
 ) -> Lyapunov:
-    """The Lyapunov exponents of the motion of bodies, the largest, or of the flow that tracers are in, all.
+    """Measure the largest Lyapunov exponents of the motion of bodies, or all exponents of a flow with tracers.
 
         pendulum = pc.SpringNetwork([[0, 0], [1, 0], [2, 0]], [[0, 1], [1, 2]], math.inf, fixed=[0])
         scene = pc.Scene(pendulum, pc.Gravity((0.0, -9.81)))
@@ -45,33 +45,32 @@ def lyapunov(
         spectrum.exponents  # 0.906, 0.000, -14.572
         spectrum.dimension  # 2.062
 
-    Each path takes neighbors along, on the axes of a small orthogonal frame. After each interval their offsets are
-    orthonormalized by a QR decomposition; the logarithms of its diagonal, averaged over time and over the paths, are
-    the exponents. The offsets are 1e-7 of the extent of the motion, where truncation and rounding both are some 1e-7 of
-    a growth, below the error of the integrator and the statistical one.
+    Each trajectory has neighbors along the axes of a small orthogonal frame. After each interval their offsets are
+    orthonormalized by a QR decomposition. The exponents are the logarithms of the diagonal of R, averaged over time and
+    trajectories. The offsets are 1e-7 of the extent of the motion. Truncation and rounding errors are then both about
+    1e-7 of the growth, below the integration error and the statistical error.
 
-    Of bodies, by any integrator, the neighbors are runs of their own, one for each exponent, in equal steps; offsets of
-    positions are taken relative to the extent of the motion, of velocities to the largest speed, and with rods along
-    their constraints. A regular motion has exponents that fall to zero as log(t)/t.
+    For bodies, with any integrator, each neighbor is a separate run with equal steps, one for each exponent. Offsets of
+    positions are relative to the extent of the motion, offsets of velocities to the largest speed. With rods, the
+    offsets obey their constraints. The exponents of regular motion fall to zero as log(t)/t.
 
     Args:
-        scene: bodies with what acts on them; or tracers, from where their paths begin: more of them average as a longer
-            duration does. In the flow of PointVortices these move too.
-        duration: how long is averaged [s], above zero.
-        transient: how long they move before that, to be on the attractor, and neighbors, to turn to their directions
-            [s].
-        interval: the time between two orthonormalizations [s]; None: 2/max|∇v| at the tracers, of bodies a thousandth
+        scene: a scene of bodies; or tracers at their initial positions. More tracers average like a longer duration. In
+            the flow of PointVortices, the vortices move too.
+        duration: averaging time [s], above zero.
+        transient: time before averaging [s], in which trajectories reach the attractor, and neighbors their directions.
+        interval: the time between two orthonormalizations [s]; None: 2/max|∇v| at the tracers; for bodies, a thousandth
             of the duration.
-        exponents: how many of bodies are measured, the largest ones: at most twice their degrees of freedom.
-        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
-        numerics: integrator, dt and threads, as in Simulation; the precision is double. Of bodies a dt that follows the
-            motion becomes the smallest that it is in the first part of the motion.
+        exponents: number of exponents for bodies, the largest ones: at most twice the degrees of freedom.
+        progress: whether to show a progress bar; None: on a terminal, after one second.
+        numerics: integrator, dt and threads, as in Simulation; the precision is double. For bodies, an adaptive dt is
+            replaced by its smallest value in the first part of the motion.
 
     Raises:
-        SceneError: an argument is not valid; or the state of the scene is more than positions and velocities, as with a
-            Fluid, springs that can break or systems beside bodies.
-        PhyscoreError: neighbors part by more than 1e4 in an interval, which has to be shorter.
-        SimulationDiverged: a tracer runs to infinity, or the motion of bodies is not resolved.
+        SceneError: an argument is not valid; or the scene has further state than positions and velocities, such as a
+            Fluid, springs that can break, or systems.
+        PhyscoreError: neighbors separate by a factor above 1e4 in an interval, which must be shorter.
+        SimulationDiverged: a tracer goes to infinity, or the motion of bodies is not resolved.
 
     Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15, 9 and 21 (1980); A. Wolf, J. B. Swift,
     H. L. Swinney, J. A. Vastano, Physica D 16, 285 (1985).
@@ -93,7 +92,7 @@ def lyapunov(
 
 
 def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
-    """The mean growth along paths, after what comes before averaging."""
+    """The mean growth along trajectories, after the transient."""
     warm, counted = paths.intervals
     parts: list[tuple[float, FloatArray]] = []
     with Progress(warm + counted, "measuring", progress) as bar:
@@ -114,7 +113,7 @@ def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
 
 
 def _rates(start: float, parts: list[tuple[float, FloatArray]]) -> FloatArray:
-    """The rates of growth [1/s] in each part of the time, from the growth until the end of each."""
+    """The growth rates [1/s] in each part of the time, from the accumulated growth at the end of each."""
     times = np.diff([start, *(time for time, _ in parts)])
     growth = np.array([grown for _, grown in parts])
     rates: FloatArray = np.diff(growth, axis=0, prepend=0.0 * growth[:1]) / times[:, np.newaxis]
@@ -122,7 +121,7 @@ def _rates(start: float, parts: list[tuple[float, FloatArray]]) -> FloatArray:
 
 
 def _scatter(rates: FloatArray) -> FloatArray:
-    """The standard error of the mean of several rates (N, K), shape (K,); not a number of none."""
+    """The standard error of the mean of several rates (N, K), shape (K,); NaN for fewer than two."""
     if len(rates) < 2:
         return np.full(rates.shape[1], np.nan)
     error: FloatArray = rates.std(axis=0, ddof=1) / np.sqrt(len(rates))

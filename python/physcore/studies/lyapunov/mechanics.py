@@ -1,4 +1,4 @@
-"""The bodies of a scene, with neighbors that are runs of their own."""
+"""Bodies of a scene, with neighbors as separate runs."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ from physcore.simulation.stepper import unwarned
 from physcore.studies.lyapunov.neighbors import APART, TINY, orthonormalized, random_frame
 
 PILOT, LOOKS = 1.0 / 8.0, 32
-"""How much of the motion tells its extent, and how often it is looked at."""
+"""Fraction of the motion that determines its extent, and number of samples in it."""
 INTERVALS = 1000
-"""Orthonormalizations over the duration, unless their interval is given."""
+"""Default number of orthonormalizations over the duration."""
 
 SINGULAR = 1e-9
-"""Constraints, of length 1, are independent where more than this is left of them beside the others."""
+"""Tolerance of independence: a constraint of length 1 is independent if more than this remains after projection."""
 
 
 class Mechanics:
-    """A run of a scene, and one for each exponent beside it.
+    """A run of a scene, and one neighboring run for each exponent.
 
-    Offsets are those of the positions and velocities of particles that are not fixed, over the extent of the motion
-    and the largest speed of its first part. Those of rods lie in the tangent space of their constraints at first, and
-    the integrator keeps them there.
+    Offsets are those of the positions and velocities of free particles, relative to the extent and the largest speed of
+    the first part of the motion. With rods, they are initially in the tangent space of the constraints, and the
+    integrator keeps them there.
 
     Args:
-        scene: bodies and what acts on them.
-        exponents: how many of the largest.
-        before: how long it moves before averaging [s].
-        average: how long that lasts [s].
-        interval: between two orthonormalizations [s]; None: a thousandth of `average`.
+        scene: a scene of bodies.
+        exponents: the number of exponents, the largest ones.
+        before: the time before averaging [s].
+        average: the averaging time [s].
+        interval: the time between two orthonormalizations [s]; None: a thousandth of `average`.
         numerics: as in Simulation.
 
     Raises:
-        SceneError: its state is more than positions and velocities, or it has fewer exponents.
+        SceneError: the scene has further state than positions and velocities, or it has fewer exponents.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Mechanics:
         self._interval = self._steps * pilot.dt
         self.intervals = steps_to(before, self._interval, 1e-9), max(1, steps_to(average, self._interval, 1e-9))
         options: Options = {**numerics, "dt": pilot.dt}
-        with unwarned():  # The pilot has said it.
+        with unwarned():  # The pilot run has issued the warnings.
             self._run, *self._neighbors = (Simulation(scene, **options) for _ in range(1 + exponents))
         self._free = ~np.concatenate([body.fixed for body in scene.bodies])
         forbidden = row_space(self._constraints(), SINGULAR)
@@ -65,13 +65,13 @@ class Mechanics:
 
     @property
     def time(self) -> float:
-        """Until when it has been followed [s]."""
+        """The present time [s]."""
         return self._run.time
 
     def advance(self) -> FloatArray:
-        """The logarithms of the growth along each direction in an interval (1, K)."""
+        """Advance by an interval, and return the logarithms of the growth along each direction (1, K)."""
         positions, velocities = self._run.positions, self._run.velocities
-        # All are set, so that methods that remember steps begin anew in each.
+        # The state of all runs is set, so that multistep methods restart in each.
         self._run.set(positions, velocities)
         for neighbor, frame in zip(self._neighbors, self._frames[0], strict=True):
             places, speeds = positions.copy(), velocities.copy()
@@ -86,7 +86,7 @@ class Mechanics:
         return growth
 
     def _offset(self, neighbor: Simulation) -> FloatArray:
-        """The offset of a neighbor, over the extent and the speed (P,)."""
+        """The offset of a neighbor, scaled by the extent and the speed (P,)."""
         apart = neighbor.positions[self._free] - self._run.positions[self._free]
         if self._scene.periodic is not None:
             apart = self._scene.periodic.nearest(apart)
@@ -121,18 +121,18 @@ class Mechanics:
 
 @dataclass(frozen=True)
 class Pilot:
-    """What the first part of a motion tells."""
+    """Properties of the first part of a motion."""
 
     dt: float
-    """The time step [s]: the one that was given, or the smallest that was chosen."""
+    """Time step [s]: the given one, or the smallest of the automatic ones."""
     extent: float
-    """The largest distance of a particle from the middle along an axis [m]."""
+    """Largest distance of a particle from the middle along an axis [m]."""
     speed: float
-    """The largest speed along an axis [m/s]."""
+    """Largest speed along an axis [m/s]."""
 
 
 def _pilot(scene: Scene, duration: float, numerics: Options) -> Pilot:
-    """Follow a motion for a while [s]."""
+    """The properties of a motion, from a part of it."""
     run = Simulation(scene, **numerics)
     given = not isinstance(numerics.get("dt", "auto"), (str, StepRule))
     places, speeds = [run.positions], [run.velocities]
@@ -148,10 +148,10 @@ def _pilot(scene: Scene, duration: float, numerics: Options) -> Pilot:
 
 
 def _refuse_more_than_places_and_velocities(scene: Scene) -> None:
-    """Refuse what positions and velocities do not tell.
+    """Check that positions and velocities are the whole state.
 
     Raises:
-        SceneError: there is something of that kind.
+        SceneError: there is further state.
     """
     networks = [body for body in scene.bodies if isinstance(body, SpringNetwork)]
     reasons = {

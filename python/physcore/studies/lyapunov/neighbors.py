@@ -1,4 +1,4 @@
-"""Paths with neighbors, whose offsets are orthonormalized again and again."""
+"""Trajectories with neighbors, whose offsets are orthonormalized repeatedly."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from physcore.checks import FloatArray
 from physcore.errors import PhyscoreError
 
 APART = 1e-7
-"""The distance of neighbors, as a fraction of the extent of the motion: truncation is relative to it, and rounding to
-1e-16 over it."""
+"""Distance of neighbors, relative to the extent of the motion. The truncation error is proportional to it, and the
+rounding error is 1e-16 over it.
+"""
 TINY = 1e-30
-"""The smallest extent."""
+"""Least extent of the motion."""
 FARTHEST = 1e4
-"""The largest growth of a distance between two orthonormalizations: neighbors stay in the linear range."""
+"""Largest growth of a distance between two orthonormalizations, such that neighbors remain in the linear range."""
 
 
 class Paths(Protocol):
-    """Paths, each with its neighbors."""
+    """Trajectories with their neighbors."""
 
     @property
     def time(self) -> float:
-        """Until when they have been followed [s]."""
+        """The present time [s]."""
 
     @property
     def directions(self) -> int:
@@ -32,18 +33,19 @@ class Paths(Protocol):
 
     @property
     def intervals(self) -> tuple[int, int]:
-        """How often they have to be advanced: before averaging, and while it lasts."""
+        """The numbers of intervals before averaging and during averaging."""
 
     def advance(self) -> FloatArray:
-        """Follow them for an interval, and give the logarithms of the growth along each direction (N, K)."""
+        """Advance by an interval, and return the logarithms of the growth along each direction (N, K)."""
 
 
 def orthonormalized(offsets: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
-    """The logarithms of the growth along each direction (N, K), and orthonormal frames (N, K, P) of rows, for what has
-    become of such frames in an interval [s], shape (N, K, P).
+    """Orthonormalize the images (N, K, P) of orthonormal frames after an interval [s].
+
+    Returns the logarithms of the growth along each direction (N, K), and the new orthonormal frames (N, K, P) of rows.
 
     Raises:
-        PhyscoreError: neighbors have parted too far.
+        PhyscoreError: neighbors have separated too far.
     """
     farthest = float(lengths(offsets).max())
     if not farthest <= FARTHEST:
@@ -55,12 +57,12 @@ def orthonormalized(offsets: FloatArray, interval: float) -> tuple[FloatArray, F
 
 
 def random_frame(count: int, columns: int, forbidden: FloatArray | None = None) -> FloatArray:
-    """Orthonormal rows (count, columns), along no axis, which may be a direction in which all stay that are on it.
+    """Random orthonormal rows (count, columns), not along axes, which may be invariant directions.
 
     Args:
-        count: of rows.
-        columns: of each.
-        forbidden: orthonormal rows to which they are perpendicular.
+        count: number of rows.
+        columns: number of columns.
+        forbidden: orthonormal rows that the result is perpendicular to.
     """
     rows = np.random.default_rng(0).uniform(-1.0, 1.0, size=(count, columns))
     first = np.zeros((0, columns)) if forbidden is None else forbidden

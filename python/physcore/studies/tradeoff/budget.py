@@ -1,4 +1,4 @@
-"""A budget of seconds that runs from when it is made."""
+"""Time budget, which starts at its creation."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from physcore.studies import clock
 
 
 class Budget:
-    """How many seconds are left of a number of them."""
+    """Time budget [s]."""
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds
         self._start = clock.seconds()
 
     def spent(self) -> float:
-        """[s]"""
+        """The time spent [s]."""
         return clock.seconds() - self._start
 
     def left(self) -> float:
-        """[s]; below 0 where more was spent than there was."""
+        """The remaining time [s]; negative if more was spent."""
         return self.seconds - self.spent()
 
     def share(self, fraction: float) -> Budget:
-        """A fraction of what is left, as a budget of its own."""
+        """A fraction of the remaining time, as a separate budget."""
         return Budget(max(0.0, fraction * self.left()))

@@ -1,4 +1,4 @@
-"""Chaos: how fast a twin that starts next to a run leaves it, and until when a trajectory means anything."""
+"""Detection of chaos: the growth of a small perturbation, and the time until which trajectories are meaningful."""
 
 from __future__ import annotations
 
@@ -15,41 +15,43 @@ from physcore.studies.state import motion, nudge
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment
 
 NUDGE = 1e-10
-"""How much faster or slower the twin starts, as a fraction of the largest speed of the run."""
+"""Perturbation of the velocities, relative to the largest speed of the run."""
 LOST = 1e5
-"""The growth after which a trajectory is lost: an error of 1e-5 of the motion is then as large as the motion."""
+"""Growth after which a trajectory is lost: an error of 1e-5 of the motion is then as large as the motion."""
 FAR = 1e-3
-"""The distance in phase space, as a fraction of the motion, beyond which twins do not grow apart as fast any more."""
+"""Distance in phase space, relative to the motion, above which the growth saturates."""
 STEEPEST = 3.0
-"""The power of time with which a regular twin leaves at most: with the first for shear between orbits, the second where
-a force grows with the way, and one to spare. A chaotic one leaves with eˡᵗ, whose power at time t is λt."""
+"""Largest power of time in the growth of regular motion. Shear between orbits gives the first power, and a force that
+grows with the distance the second; one more is a margin. The growth eˡᵗ of chaotic motion has the power λt at time t.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Chaos:
-    """What a twin run found."""
+    """Result of a perturbed run."""
 
     times: FloatArray
-    """[s], shape (33,) at most."""
+    """Times [s], shape (33,) at most."""
     growth: FloatArray
-    """The largest distance in phase space so far over that at the start, at each time."""
+    """Growth: the largest distance in phase space so far over the initial one, at each time."""
     chaotic: bool
-    """Whether the twin left exponentially and far enough for trajectories to be lost within the duration."""
+    """Whether the growth is exponential, and large enough for trajectories to be lost within the duration."""
     exponent: float
-    """The largest Lyapunov exponent over these times [1/s], where chaotic; else 0."""
+    """Largest Lyapunov exponent over these times [1/s] for chaotic motion; otherwise 0."""
     horizon: float
-    """Until when a trajectory can be compared [s]; inf where not chaotic."""
+    """Time until which trajectories can be compared [s]; inf for regular motion."""
 
 
 def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
-    """Run a scene and its twin side by side, and look at how they part.
+    """Run a scene and a perturbed copy, and measure how they separate.
 
-    Distances are taken in phase space, √(mean |Δx|²/L² + mean |Δv|²/V²), with the largest way L and the largest speed V
-    of the run; where only something is observed, in that alone. The largest so far is what counts, for it does not
-    swing with the motion.
+    The distance in phase space is √(mean |Δx|²/L² + mean |Δv|²/V²), with the largest displacement L and the largest
+    speed V of the run. With an observer, only the observed values count. The growth is the largest distance so far,
+    which does not oscillate with the motion.
 
     Source: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14, 2338 (1976), for two nearby orbits; C. Froeschlé,
-    E. Lega, R. Gonczi, Celest. Mech. Dyn. Astron. 67, 41 (1997), for telling exponentials from powers of time.
+    E. Lega, R. Gonczi, Celest. Mech. Dyn. Astron. 67, 41 (1997), for the distinction of exponential and power-law
+    growth.
     """
     first, other = experiment.start(choice), experiment.start(choice)
     states = list(_states(experiment, first, choice))
@@ -67,7 +69,7 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
         )
         for state, twin in zip(states, _states(experiment, other, choice), strict=True)
     ]
-    # An observer may see nothing of the nudge at the start, but it cannot see less than its size for ever.
+    # An observer may not show the perturbation initially, so its size is the initial distance.
     start = distances[0] if experiment.observer is None else NUDGE
     growth: FloatArray = np.maximum.accumulate(np.array(distances) / start) if start > 0.0 else np.ones(len(states))
     times: FloatArray = experiment.interval * np.arange(len(growth), dtype=np.float64)
@@ -75,14 +77,14 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
 
 
 def judge(times: FloatArray, growth: FloatArray, saturated: float) -> Chaos:
-    """Tell exponential growth from that with a power of time; `saturated` is where it ends."""
+    """Classify the growth as exponential or as a power of time; `saturated` is the growth at which it saturates."""
     lost = np.flatnonzero(growth > LOST)
     near = np.flatnonzero(growth < saturated)
     last = int(near[-1]) if len(near) else 0
     regular = Chaos(times, growth, False, 0.0, math.inf)
     if len(lost) == 0:
         return regular
-    # Over the last octave before it is far away; no power of time gets there within two intervals.
+    # The power in the last octave before saturation. Saturation within two intervals counts as exponential.
     half = last // 2
     octave = float(log(growth[last] / growth[half]) / log(2.0)) if half > 0 else math.inf
     if octave <= STEEPEST:
@@ -93,13 +95,13 @@ def judge(times: FloatArray, growth: FloatArray, saturated: float) -> Chaos:
 
 
 def _slope(x: FloatArray, y: FloatArray) -> float:
-    """The slope of the line of least squares."""
+    """The slope of the least-squares line."""
     from_mean = x - x.mean()
     return float((from_mean * y).sum() / (from_mean * from_mean).sum())
 
 
 def _states(experiment: Experiment, simulation: Simulation, choice: Choice) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """How the state moves and what is observed, at the start and the end of each interval."""
+    """The rate of change of the state and the observed values, at the start and the end of each interval."""
     yield motion(simulation), experiment.observe(simulation)
     for _ in range(SAMPLES):
         simulation.step(choice.steps)

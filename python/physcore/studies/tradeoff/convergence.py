@@ -1,8 +1,8 @@
-"""Convergence: orders and errors from runs that differ in their time step alone.
+"""Convergence: orders and errors from runs that differ only in their time step.
 
-The one estimator behind `accuracy=` and `tradeoff`. A method of order p is off by e(h) = C hᵖ + O(hᵖ⁺¹), so that the
-difference d of two runs with the steps h and h/r tells both errors: C hᵖ = d/(1 − r⁻ᵖ), and that over rᵖ. Whether steps
-are small enough for that, the differences of three runs tell: they shrink as they should, or they do not.
+This estimator is used by `accuracy=` and `tradeoff`. The error of a method of order p is e(h) = C hᵖ + O(hᵖ⁺¹). The
+difference d of two runs with the steps h and h/r thus gives both errors: C hᵖ = d/(1 − r⁻ᵖ), and this value over rᵖ.
+The differences of three runs show whether the steps are small enough for this law.
 
 Source: L. F. Richardson, Phil. Trans. R. Soc. A 226, 299 (1927); E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary
 Differential Equations I", 2nd ed. 1993, § II.4, and § II.6 for discontinuities.
@@ -17,53 +17,53 @@ from dataclasses import dataclass
 from physcore.arithmetic import log, power
 
 AGREEMENT = 0.5
-"""How far the measured order may be from the order of the method for the latter to be believed."""
+"""Largest deviation of the measured order from the order of the method at which the latter is accepted."""
 NEXT = 2.0
-"""How far above it is the order of the next term, which may rule: those of symmetric methods are even."""
+"""Order of the next term above that of the method, which may dominate: symmetric methods have only even terms."""
 SAFETY_FACTOR = 2.0
-"""Of an error that the order of the method gives, and not the difference of two runs alone."""
+"""Safety factor of an error that is extrapolated by the order of the method."""
 MEMORY = 3
-"""How many differences are looked at where the order is not that of the method."""
+"""Number of differences that are used if the order is not that of the method."""
 FLAT = 0.7
-"""By which factor a value shrinks at least, on average, in each run with half the step: at order one it would halve."""
+"""Least mean reduction of a value per halving of the step. At order one it would be 0.5."""
 SMALL = 1e-3
-"""What is small, as a fraction of the scale."""
+"""Bound of small values, as a fraction of the scale."""
 STUCK = 6
-"""Over how many runs that is looked at; where the value is small, and rounding may rule, over two."""
+"""Number of runs for the test of stagnation; for small values, which rounding may dominate, two."""
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """What two or three runs with falling steps say of the last two."""
+    """Results of two or three runs with decreasing steps, about the last two."""
 
     order: float
-    """The order q that was measured in three runs; not a number where there are two, or differences vanish."""
+    """Order q measured from three runs; NaN for two runs, or if differences vanish."""
     asymptotic: bool
-    """Whether that is the order of the method, so that errors follow it, and extrapolation is worth doing."""
+    """Whether q is the order of the method, so that errors follow it and extrapolation is valid."""
     coarser: float
-    """Bound on the error of the run before the last, as the last one proves it."""
+    """Bound on the error of the second-last run, proven by the last one."""
     finer: float
-    """Bound on the error of the last run: by the order of the method where that was measured, else by order one."""
+    """Bound on the error of the last run, by the order of the method if measured, otherwise by order one."""
     expected: float
-    """What the latter will be once the order is measured, if it is that of the method."""
+    """The error expected for the last run, if the measured order turns out to be that of the method."""
 
 
 def convergence(
     steps: Sequence[int], differences: Sequence[float], order: int, certain: int | None = None
 ) -> Convergence:
-    """Judge runs with rising numbers of steps by the differences between each and the one before.
+    """Estimate the errors of runs with increasing numbers of steps, from the differences between successive runs.
 
-    Of an order that was not measured no more is believed than that it is one at least, over no more than a halving:
-    with a difference d the coarser run is off by 2d at most then, and the finer by d. As d may be small by chance,
-    those before, as far as they would have shrunk at order one, count where they are larger; but not for the coarser
-    run where d has shrunk as the order of the method asks. Impacts leave order one, with a factor that depends on where
-    in a step they come: there it takes four runs, and the bounds are twice as large.
+    An order that was not measured is assumed to be at least one, over no more than a halving of the step. With a
+    difference d, the error of the coarser run is then at most 2d, and that of the finer run at most d. Because d may be
+    small by chance, earlier differences are used too, reduced as for order one, if they are larger. For the coarser run
+    they are not used if d has decreased according to the order of the method. Impacts reduce the order to one, with a
+    factor that depends on their position within a step. Then four runs are required, and the bounds are twice as large.
 
     Args:
-        steps: of all runs, two or more.
-        differences: between each two of them in turn, one fewer.
-        order: of the method, p.
-        certain: the order that is certain where the motion is not smooth: one with impacts; None: it is smooth.
+        steps: numbers of steps of all runs, two or more.
+        differences: differences between successive runs, one fewer.
+        order: order p of the method.
+        certain: the guaranteed order for motion that is not smooth: one with impacts; None: smooth motion.
     """
     ratio, change = min(steps[-1] / steps[-2], 2.0), differences[-1]
     expected = min(SAFETY_FACTOR * change / (float(power(ratio, certain or order)) - 1.0), change / (ratio - 1.0))
@@ -86,7 +86,7 @@ def convergence(
 
 
 def _shrinkage(before: Sequence[int], after: Sequence[int], order: int) -> float:
-    """The difference between two runs over that between two others where errors are C hᵖ."""
+    """Ratio of the difference between two runs to that between two others, for errors C hᵖ."""
     first, second, third, fourth = power((*before, *after), -order).tolist()
     shrinkage: float = (third - fourth) / (first - second)
     return shrinkage
@@ -97,7 +97,7 @@ def _log2(x: float) -> float:
 
 
 def order_between(steps: Sequence[int], values: Sequence[float], order: int) -> float:
-    """The power with which a value fell in the last two runs, between 1 and the order of the method; that, of one."""
+    """The observed order of the last two values, from 1 to the order of the method; the latter for a single value."""
     if len(values) < 2 or not values[-2] > values[-1] > 0.0:
         return float(order) if len(values) < 2 else 1.0
     seen = float(log(values[-2] / values[-1]) / log(steps[-1] / steps[-2]))
@@ -105,15 +105,15 @@ def order_between(steps: Sequence[int], values: Sequence[float], order: int) -> 
 
 
 def stagnant(values: Sequence[float], scale: float) -> bool:
-    """Whether smaller steps no longer make a value smaller: at the floor of rounding, or because nothing converges.
+    """Whether smaller steps no longer reduce a value, because of rounding or a lack of convergence.
 
     Args:
-        values: differences or errors, in the order of falling steps.
-        scale: what they are small or large beside.
+        values: differences or errors, in the order of decreasing steps.
+        scale: the scale by which values are small or large.
     """
     small = bool(values) and values[-1] < SMALL * scale
     runs = 2 if small else STUCK
     if len(values) <= runs:
         return False
-    # Among values that are not small some are so by chance.
+    # Values that are not small can be small by chance in single runs, so the maximum is used.
     return values[-1] > math.prod([FLAT] * runs) * (values[-1 - runs] if small else max(values[:-runs]))

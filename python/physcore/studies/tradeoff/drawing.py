@@ -1,4 +1,4 @@
-"""A trade as a figure, and as a film of what was chosen beside the reference."""
+"""Figures of a trade-off, and films of a row beside the reference."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 MARKERS = {"f64": "o", "f32": "s"}
 LINES: dict[str, Literal["-", ":"]] = {"f64": "-", "f32": ":"}
 PALEST = 0.75
-"""White in the shades of a color stays below this fraction."""
+"""Largest fraction of white in the shades of a color."""
 
 
 def require_plottable(path: str | os.PathLike[str] | None) -> None:
-    """Find out whether a figure can be written, before the work begins.
+    """Check that a figure can be written, before the work begins.
 
     Raises:
-        SceneError: it is no path, or ends like no format that Matplotlib writes.
+        SceneError: the value is not a path, or has no suffix of a format of Matplotlib.
         FileError: the file cannot be written.
         PhyscoreError: Matplotlib is not installed.
     """
@@ -49,12 +49,12 @@ def require_plottable(path: str | os.PathLike[str] | None) -> None:
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
-    """The format of a figure."""
+    """The format of a figure, from its suffix."""
     return Path(path).suffix.lstrip(".").lower() or "png"
 
 
 def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | None) -> Axes:
-    """Error against time; see `Tradeoff.plot`."""
+    """Plot error against time; see `Tradeoff.plot`."""
     if path is not None or axes is None:
         require_plottable(path)
     if axes is None:
@@ -103,7 +103,7 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
 
 
 Variant = tuple[str, float | None, FluidMethod | None]
-"""What has a color of its own: the label of an integrator, a resolution, and a method for fluids."""
+"""Key of a color: the label of an integrator, a resolution, and a method of fluids."""
 
 
 def _variant(row: Row) -> Variant:
@@ -117,7 +117,7 @@ def _name(variant: Variant) -> str:
 
 
 def _colors(trade: Measurements) -> dict[Variant, tuple[float, float, float]]:
-    """A color for each kind of integrator, and shades of it for its variants, the last the darkest."""
+    """A color for each class of integrators, in shades for its variants, the last one darkest."""
     from matplotlib.colors import to_rgb
 
     kinds: dict[type[Integrator], dict[Variant, None]] = {}
@@ -133,7 +133,7 @@ def _colors(trade: Measurements) -> dict[Variant, tuple[float, float, float]]:
 
 
 def _explain(trade: Measurements, axes: Axes, colors: dict[Variant, tuple[float, float, float]]) -> None:
-    """A legend beside the axes: colors, then precisions, then what is shaded."""
+    """A legend beside the axes: colors, precisions, and shaded areas."""
     from matplotlib.lines import Line2D
 
     precisions = dict.fromkeys(row.precision for row in trade.rows)
@@ -150,7 +150,7 @@ def _explain(trade: Measurements, axes: Axes, colors: dict[Variant, tuple[float,
 
 
 def _series(trade: Measurements) -> dict[tuple[Variant, str], list[Row]]:
-    """The rows that have a place in a logarithmic figure, by what a line stands for."""
+    """The rows that can be drawn with logarithmic axes, grouped by line."""
     found: dict[tuple[Variant, str], list[Row]] = {}
     for row in trade.rows:
         if math.isfinite(row.error) and row.total_error > 0.0:
@@ -159,7 +159,7 @@ def _series(trade: Measurements) -> dict[tuple[Variant, str], list[Row]]:
 
 
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
-    """What was chosen beside the reference; see `Tradeoff.film`."""
+    """Film a row beside the reference; see `Tradeoff.film`."""
     writable(path, WRITERS)
     position = list(dict.fromkeys((each.fluids, each.resolution) for each in trade.rows)).index(
         (row.fluids, row.resolution)

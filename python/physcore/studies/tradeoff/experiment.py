@@ -1,4 +1,4 @@
-"""One scene over one duration, to be computed in many ways, and a trial of one of them."""
+"""Experiments: one scene over one duration, computed with different numerics, and the trials of these."""
 
 from __future__ import annotations
 
@@ -25,51 +25,52 @@ from physcore.studies import clock
 from physcore.studies.state import place, primary
 
 SAMPLES = 32
-"""Intervals of the duration unless another number is given. Every time step divides them."""
+"""Default number of intervals of the duration. Every time step divides an interval."""
 
 Precision = Literal["f32", "f64"]
 EPSILON: dict[Precision, float] = {"f64": 2.0**-52, "f32": 2.0**-23}
-"""The relative spacing of numbers."""
+"""Machine epsilon of each precision."""
 
 Observer = Callable[[Simulation], ArrayLike]
-"""What is compared between runs: an array of the same shape at every time."""
+"""Function that gives the values compared between runs: an array of constant shape."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A way to compute."""
+    """Choice of numerics."""
 
     integrator: Integrator
     precision: Precision
     steps: int
-    """Steps in each of the intervals."""
+    """Number of steps per interval."""
 
     def finer(self, factor: int = 2) -> Choice:
-        """The same with `factor` times as many steps."""
+        """The choice with `factor` times as many steps."""
         return Choice(self.integrator, self.precision, self.steps * factor)
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One run and what it cost."""
+    """Result and cost of one run."""
 
     choice: Choice
     samples: FloatArray
-    """What was observed at the start and at the end of each interval, shape (intervals + 1, …); shorter where it
-    diverged."""
+    """Observed values at the start and at the end of each interval, shape (intervals + 1, …); shorter if the run
+    diverged.
+    """
     seconds: float
-    """Spent in stepping, once: for planning, not for comparing."""
+    """Time of the steps in a single run [s], for planning, not for comparison."""
     evaluations: int
-    """Evaluations of the forces."""
+    """Number of force evaluations."""
     energy_drift: float
-    """The largest drift of the energy balance, over the same times; infinite where it diverged."""
+    """Largest drift of the energy balance at the same times; inf if the run diverged."""
     diverged: SimulationDiverged | None
     recording: Recording | None = None
-    """All its frames, where they were asked for."""
+    """Recording of all frames, if requested."""
 
     @property
     def rounding(self) -> float:
-        """What rounding makes relative errors of about [1]: ε√n after n evaluations, for it walks at random.
+        """Approximate relative error due to rounding [1]: ε√n after n evaluations, as of a random walk.
 
         Source: D. Brouwer, Astron. J. 46, 149 (1937).
         """
@@ -77,34 +78,36 @@ class Trial:
 
     @property
     def complete(self) -> bool:
-        """Whether it came to its end with numbers."""
+        """Whether the run ended without divergence, with finite values."""
         return self.diverged is None and bool(np.isfinite(self.samples).all())
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A scene, how long to compute it, and what to compare."""
+    """Experiment: a scene, its duration, and the values to compare."""
 
     scene: Scene
     duration: float
-    """[s]"""
+    """Simulated duration [s]."""
     threads: int | None = None
     observer: Observer | None = None
-    """None: the positions of all particles; without any, the first field of the first system."""
+    """Function of the compared values. None: the positions of all particles; without particles, the first field of the
+    first system.
+    """
     intervals: int = SAMPLES
-    """Equal parts of the duration, at whose ends every run is looked at."""
+    """Number of equal parts of the duration; values are compared at their ends."""
     max_energy_growth: float | None = None
-    """As in Simulation."""
+    """Largest energy growth, as in Simulation."""
     on_divergence: DivergenceRule = "raise"
-    """As in Simulation."""
+    """Rule for divergence, as in Simulation."""
     integrators: Mapping[ItemKey, Integrator | str] | None = None
-    """Those of the items, where they are given; a choice's is then that of the first."""
+    """Integrators of the items, if given; the integrator of a choice is then that of the first item."""
     fluids: Fluids = "auto"
-    """As in Simulation."""
+    """Methods of fluids, as in Simulation."""
 
     @property
     def interval(self) -> float:
-        """[s]"""
+        """Length of an interval [s]."""
         return self.duration / self.intervals
 
     def dt(self, choice: Choice) -> float:
@@ -112,16 +115,16 @@ class Experiment:
         return self.interval / choice.steps
 
     def steps_of(self, largest: float) -> int:
-        """The fewest steps per interval that are no longer than `largest` [s]."""
+        """The smallest number of steps per interval with steps not longer than `largest` [s]."""
         return max(1, int(np.ceil(self.interval / largest - 1e-9)))
 
     def start(self, choice: Choice) -> Simulation:
         """A simulation at its start.
 
         Raises:
-            SceneError: the scene cannot be computed so.
+            SceneError: the scene does not support the choice.
         """
-        with unwarned():  # Whoever measures where it ends goes beyond.
+        with unwarned():  # Trials exceed the limit of stability on purpose.
             return Simulation(
                 self.scene,
                 self.integrators or choice.integrator,
@@ -134,17 +137,17 @@ class Experiment:
             )
 
     def observe(self, simulation: Simulation) -> FloatArray:
-        """What is compared, of the present state.
+        """The compared values of the present state.
 
         Raises:
-            SceneError: the observer gives no array of finite numbers.
+            SceneError: the observer does not return an array of finite numbers.
         """
         if self.observer is None:
             return place(simulation)
         return array(self.observer(simulation), "observe")
 
     def difference(self, one: FloatArray, other: FloatArray) -> FloatArray:
-        """one − other; of positions in a periodic domain, the way to the nearest image."""
+        """The difference one − other; for positions in a periodic domain, the displacement to the nearest image."""
         if one.shape[1:] != other.shape[1:]:
             raise SceneError(f"observe: must always give one shape, gave {other.shape[1:]} and then {one.shape[1:]}")
         change: FloatArray = one - other
@@ -154,21 +157,21 @@ class Experiment:
 
     @property
     def _positions(self) -> bool:
-        """Whether positions are what is compared."""
+        """Whether positions are compared."""
         return self.observer is None and bool(self.scene.bodies)
 
     def distances(self, one: FloatArray, other: FloatArray) -> FloatArray:
-        """The largest distance of any particle, or of any number that is observed, at each time; shape (F,)."""
+        """The largest distance of any particle, or of any observed value, at each time; shape (F,)."""
         change = self.difference(one, other)
         sizes = lengths(change) if self._positions else np.abs(change)
         largest: FloatArray = sizes.reshape(len(sizes), -1).max(axis=1)
         return largest
 
     def attempt(self, choice: Choice) -> Trial:
-        """Run it once, from start to end or until it diverges.
+        """Run a choice once, until the end or until it diverges.
 
         Raises:
-            SceneError: the scene cannot be computed so.
+            SceneError: the scene does not support the choice.
         """
         simulation = self.start(choice)
         evaluations = simulation.evaluations
@@ -191,10 +194,10 @@ class Experiment:
         return Trial(choice, _stack(samples), seconds, taken * evaluations, drift, diverged)
 
     def completed(self, choice: Choice) -> Trial:
-        """The same, of a run that comes to its end.
+        """Run a choice once, until the end.
 
         Raises:
-            SceneError: the scene cannot be computed so.
+            SceneError: the scene does not support the choice.
             SimulationDiverged: the run diverged.
         """
         trial = self.attempt(choice)
@@ -203,10 +206,10 @@ class Experiment:
         return trial
 
     def recorded(self, choice: Choice, duration: float, fps: float, channels: tuple[str, ...]) -> Trial:
-        """The same, with a recording of its frames, of a duration [s] that ends less than an interval later.
+        """Run a choice once and record its frames, over a duration [s] that is longer by less than an interval.
 
         Raises:
-            SceneError: the scene cannot be computed so, or the recording would not fit into memory.
+            SceneError: the scene does not support the choice, or the recording would not fit into memory.
             SimulationDiverged: the run diverged.
         """
         simulation = self.start(choice)
@@ -220,7 +223,7 @@ class Experiment:
 
 
 def series(budget: list[Energy]) -> EnergySeries:
-    """Budgets at several times as one over time."""
+    """The series of energy budgets at several times."""
     return EnergySeries(
         kinetic=np.array([energy.kinetic for energy in budget]),
         by_term={name: np.array([energy.by_term[name] for energy in budget]) for name in budget[0].by_term},
@@ -235,7 +238,7 @@ def series(budget: list[Energy]) -> EnergySeries:
 
 
 def _largest_drift(energy: EnergySeries) -> float:
-    """The largest drift of the energy balance; inf where energies are beyond the range of numbers."""
+    """Largest drift of the energy balance; inf if energies overflow."""
     drift = float(np.abs(energy.drift).max())
     return drift if math.isfinite(drift) else math.inf
 

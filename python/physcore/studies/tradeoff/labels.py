@@ -1,4 +1,4 @@
-"""What integrators and methods for fluids are called beside each other."""
+"""Labels of integrators and of methods of fluids."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from physcore.numerics.integrators import Integrator
 
 
 def labels(integrators: Iterable[Integrator]) -> dict[Integrator, str]:
-    """The name of each, and the parameters in which those of its kind differ: VelocityVerlet, XPBD(substeps=5)."""
+    """The label of each integrator: its name, with the parameters that differ in its class: XPBD(substeps=5)."""
     kinds: dict[type[Integrator], list[Integrator]] = {}
     for integrator in dict.fromkeys(integrators):
         kinds.setdefault(type(integrator), []).append(integrator)
@@ -26,12 +26,12 @@ def labels(integrators: Iterable[Integrator]) -> dict[Integrator, str]:
 
 
 def differences(method: FluidMethod) -> str:
-    """A method for fluids by what is not its default, such as "WeaklyCompressible(shifting=6.0)"."""
+    """The label of a method of fluids, with all parameters that are not default: "WeaklyCompressible(shifting=6.0)"."""
     default = {entry.name: entry.default for entry in fields(method)}
     other = [f"{name}={value}" for name, value in parameters(method).items() if value != default[name]]
     return f"{type(method).__name__}({', '.join(other)})"
 
 
 def parameters(method: Integrator | FluidMethod) -> dict[str, Any]:
-    """The arguments that it was made with, by name."""
+    """The parameters of a method by name."""
     return {entry.name: getattr(method, entry.name) for entry in fields(method)}

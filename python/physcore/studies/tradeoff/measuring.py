@@ -1,4 +1,4 @@
-"""The recipe: check the question, diagram each scene, and put what was found together."""
+"""The function `tradeoff`: checks the arguments, makes a work–precision diagram of each scene, and combines them."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from physcore.studies.tradeoff.search import WorkPrecisionDiagram
 
 TICKS = 10
-"""How often in a second the progress bar may move."""
+"""Largest update rate of the progress bar [1/s]."""
 PRECISIONS: tuple[Literal["f64", "f32"], ...] = ("f64", "f32")
 COPIES = 6
-"""Arrays of samples that are in memory at once: three runs of a reference, the reference, its check and a row."""
+"""Peak memory in arrays of samples: three runs of a reference, the reference, its check and a row."""
 
 
 @spelled
@@ -50,47 +50,50 @@ def tradeoff(
     seed: int = 0,
     progress: bool | None = None,
 ) -> Tradeoff:
-    """Measure what speed costs in accuracy: many integrators, time steps and precisions against a reference.
+    """Measure the trade-off between speed and accuracy: integrators, time steps and precisions against a reference.
 
         trade = pc.tradeoff(scene, duration=0.1, budget=1.0)
         print(trade)
         simulation = pc.Simulation(scene, **trade.best(error=1e-3).numerics)
 
-    Each integrator in each precision begins at 0.95 of its limit of stability and halves its time step until the error
-    is that of the reference, finer steps have stopped to help, or the budget is spent. Every row is compared with the
-    reference at 32 equal times, and timed five times, with all rows in random order. The reference is the best method
-    in double precision at ever finer steps, extrapolated after Richardson, and checked by a method of another family.
+    Each integrator in each precision starts at 0.95 of its limit of stability. Its time step is halved until the error
+    is that of the reference, smaller steps no longer help, or the budget is spent. Every row is compared with the
+    reference at 32 equidistant times. Every row is timed five times, with all rows in random order. The reference is
+    the best method in double precision with decreasing steps, extrapolated after Richardson, and checked by a method of
+    another family.
 
-    A twin that starts 1e-10 off tells chaos from regular motion. Where trajectories are lost within the duration,
-    errors are taken over short windows that start on the reference, and averages over ensembles find biased methods
-    (T. Boekholt, S. Portegies Zwart, Comput. Astrophys. Cosmol. 2, 2 (2015), for why averages survive chaos).
+    A copy perturbed by 1e-10 distinguishes chaotic and regular motion. If trajectories are lost within the duration,
+    errors are measured over short windows that start on the reference. Averages over ensembles then find biased
+    methods, because averages survive chaos (T. Boekholt, S. Portegies Zwart, Comput. Astrophys. Cosmol. 2, 2 (2015)).
 
     Args:
-        scene: what to simulate; or a function that builds it from a resolution.
-        duration: how long to simulate it [s].
-        integrators: what to compare, or their names; None: all that can compute the scene.
+        scene: the scene, or a function that builds it from a resolution.
+        duration: the simulated duration [s].
+        integrators: the integrators or their names; None: all that support the scene.
         precisions: "f64", "f32" or both.
-        dts: the time steps to try [s], each made a whole fraction of a 32nd of the duration by rounding it down, all of
-            them whatever the budget; None: the search.
-        resolutions: what to call `scene` with, from the coarsest to the finest. The references at all of them say how
-            much of the error is the resolution's: it is added to that of the time steps.
-        fluids: the methods to compare for the fluids of the scene, or their names; None: the default alone. The errors
-            of time steps are those from the reference of the same method: give `resolutions` for the errors of the
-            methods themselves, each from what its own resolutions tend to.
-        observe: what to compare, as a function of the simulation that gives an array of numbers; None: the positions of
-            all particles [m], and the centers of the bodies where there are resolutions; without particles the first
-            field of the first system.
-        budget: how long all this may take [s], about. The first three rows of each integrator may take as long again,
-            and the very first are always run.
+        dts: the time steps [s], each rounded down to an integer fraction of 1/32 of the duration. All of them are run,
+            whatever the budget. None: the search described above.
+        resolutions: arguments of `scene`, from the coarsest to the finest. Their references determine the error of the
+            resolution, which is added to that of the time steps.
+        fluids: the methods of fluids or their names; None: the default only. Errors of time steps are relative to the
+            reference of the same method. With `resolutions`, the errors include those of the methods, each relative to
+            the limit of its own resolutions.
+        observe: function of the simulation that returns the compared values, an array of numbers. None: the positions
+            of
+            all particles [m], or with `resolutions` the centers of the bodies; without particles, the first field of
+                the
+            first system.
+        budget: approximate total time [s]. The first three rows of each integrator may take as long again, and the very
+            first ones are always run.
         threads: as in Simulation.
-        seed: of the twin, the ensembles and the order of the timing.
+        seed: random seed of the perturbation, the ensembles and the order of the timing.
         progress: whether to show a progress bar; None: on a terminal.
 
     Raises:
         SceneError: an argument is not valid, or the samples would not fit into memory.
-        PhyscoreError: no choice can compute the scene, or every one diverged.
+        PhyscoreError: no choice supports the scene, or all of them diverged.
     """
-    from physcore.studies.tradeoff.report import machine  # What only this needs, `import physcore` need not wait for.
+    from physcore.studies.tradeoff.report import machine  # imported here, because only this function needs it
 
     scenes = _scenes(scene, resolutions)
     interval, patience = span(duration, "duration"), span(budget, "budget")
@@ -147,7 +150,7 @@ def _diagrams(
     patience: float,
     bar: Progress,
 ) -> list[WorkPrecisionDiagram]:
-    """Measure each experiment with an equal share of the time that is left, then time all of them."""
+    """Measure each experiment with an equal share of the remaining time, then time all rows."""
     from physcore.studies.tradeoff.budget import Budget
     from physcore.studies.tradeoff.search import WorkPrecisionDiagram
 
@@ -168,7 +171,7 @@ def _diagrams(
 
 
 def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float] | None) -> list[Scene]:
-    """The scene, or one for each resolution."""
+    """The scene, or one scene for each resolution."""
     if isinstance(scene, Scene):
         if resolutions is not None:
             raise SceneError("resolutions: the scene must then be a function that builds it from a resolution")
@@ -189,7 +192,7 @@ def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float
 
 
 def _integrators(integrators: Sequence[Integrator | str]) -> list[Integrator]:
-    """Some integrators, each once."""
+    """The requested integrators, without repetitions."""
     given = [made(each) for each in items(integrators, "integrators", "integrators")]
     for integrator in given:
         if not isinstance(integrator, INTEGRATORS):
@@ -204,7 +207,7 @@ def _integrators(integrators: Sequence[Integrator | str]) -> list[Integrator]:
 
 
 def _fluids(methods: Sequence[FluidMethod | str], scene: Scene) -> tuple[FluidMethod, ...]:
-    """Some methods for fluids, each once."""
+    """The requested methods of fluids, without repetitions."""
     given = [fluid_method(each, f"fluids[{index}]") for index, each in enumerate(items(methods, "fluids", "methods"))]
     if not given:
         raise SceneError("fluids: must not be empty")
@@ -215,16 +218,17 @@ def _fluids(methods: Sequence[FluidMethod | str], scene: Scene) -> tuple[FluidMe
 
 
 def _centers(simulation: Simulation) -> FloatArray:
-    """The mean position of each body [m]."""
+    """Mean position of each body [m]."""
     bodies = simulation.scene.bodies
     return np.array([simulation[body].positions.mean(axis=0) for body in bodies])
 
 
 def _discretization(diagrams: list[WorkPrecisionDiagram], resolutions: Sequence[float] | None) -> list[float]:
-    """How far the reference of each resolution is from what they tend to.
+    """Error of the reference of each resolution, relative to the limit of infinite resolution.
 
-    The finest one is off by what it changed from the one before, divided by rᵖ − 1, with r the ratio of the two and p
-    the order seen in the last three, at least 1 and 1 if there are two only; the others by that and their distance.
+    The error of the finest resolution is its difference from the previous one, divided by rᵖ − 1. Here r is the ratio
+    of the two resolutions, and p is the order observed from the last three, at least 1; it is 1 for two resolutions.
+    The errors of the others add their distance from the finest.
     """
     from physcore.studies.tradeoff.reference import Reference
 

@@ -1,4 +1,4 @@
-"""The methods that can compute a scene, with the order that holds there and the largest step worth trying."""
+"""Methods that support a scene, with their order there and the largest step to try."""
 
 from __future__ import annotations
 
@@ -14,42 +14,43 @@ from physcore.studies.stability import stability_limit
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Precision
 
 SAFETY = 0.95
-"""The largest step that is tried, as a fraction of its limit."""
+"""Largest step to try, as a fraction of the limit."""
 SHORT = 1 << 40
-"""Steps per interval so many that nobody asks whether they are stable: a plan alone is asked for."""
+"""Number of steps per interval for a plan only, so large that stability is not checked."""
 BEYOND = 16.0
-"""How far beyond a limit of accuracy steps are worth trying."""
+"""Factor beyond a limit of accuracy up to which steps are tried."""
 HOPELESS = 1e-2
-"""A limit below this fraction of the best one is none that anybody would keep: explicit Euler's in a damped net."""
+"""Ratio to the best limit below which a limit is not used, such as that of explicit Euler in a damped network."""
 DEEPEST = 24
-"""Halvings of the time step after which a method is given up."""
+"""Number of halvings of the time step after which a method is abandoned."""
 
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class Method:
-    """An integrator in a scene."""
+    """Integrator in a given scene."""
 
     integrator: Integrator
     order: int
-    """The order p that holds there."""
+    """Order p in the scene."""
     limit: float
-    """The largest step worth trying [s]: inf where nothing limits it, 0 where none is stable. A limit of accuracy alone
-    is no reason not to: some methods are accurate where others are lost."""
+    """Largest step to try [s]: inf without a limit, 0 if no step is stable. A limit of accuracy alone is not binding,
+    because some methods are accurate where others fail.
+    """
     accurate: float
-    """Its largest step by the plan [s]."""
+    """Largest step according to the plan [s]."""
     evaluations: int
-    """Evaluations of the forces per step."""
+    """Number of force evaluations per step."""
 
 
 def methods(
     experiment: Experiment, integrators: Iterable[Integrator] | None = None, precision: Precision = "f64"
 ) -> list[Method]:
-    """The integrators, by default all, that can compute the scene, the most accurate first.
+    """The integrators (by default all) that support the scene, the most accurate first.
 
     Raises:
-        SceneError: there is none; the reason of the last one.
+        SceneError: there is none; the message is that of the last one.
     """
     found, refusal = [], SceneError("integrator: there is none")
     for integrator in (kind() for kind in suited(experiment.scene)) if integrators is None else integrators:
@@ -69,22 +70,24 @@ def methods(
 
 
 def other_family(method: Method, candidates: list[Method]) -> list[Method]:
-    """The methods that share no idea with one: splittings beside Runge–Kutta methods; the most accurate first."""
+    """The methods of the other family, symplectic or not, the most accurate first."""
     return [other for other in candidates if other.integrator.symplectic != method.integrator.symplectic]
 
 
 def largest_step(method: Method, candidates: list[Method]) -> float:
-    """The limit of a method [s]; where no step worth taking is stable, that of the others: it shows how it fails."""
+    """The limit of a method [s]. If this is too small, the best limit of the others, to show that the method fails
+    there.
+    """
     best = max((other.limit for other in candidates if 0.0 < other.limit < math.inf), default=math.inf)
     hopeless = method.limit == 0.0 or method.limit < HOPELESS * best < math.inf
     return best if hopeless else method.limit
 
 
 def halved(run: Callable[[Choice], Result], choice: Choice) -> tuple[Choice, Result]:
-    """What a run gives with the first step, halved after each divergence, that comes to an end; and that choice.
+    """Run a choice, halving its step after each divergence. Returns the first choice that succeeds, and its result.
 
     Raises:
-        SimulationDiverged: it does so at every step, down to 2⁻²⁴ of the first.
+        SimulationDiverged: the run diverges at all steps down to 2⁻²⁴ of the first.
     """
     for _ in range(DEEPEST):
         try:

@@ -1,4 +1,4 @@
-"""The reference: the best method at ever finer steps, extrapolated, and checked by a method of another family."""
+"""Reference solution: the best method with decreasing steps, extrapolated, and checked by another family."""
 
 from __future__ import annotations
 
@@ -13,46 +13,46 @@ from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment, Tr
 from physcore.studies.tradeoff.methods import DEEPEST, Method, halved, largest_step, other_family
 
 START = 0.5
-"""The first step is at most this fraction of its limit."""
+"""Largest first step, as a fraction of the limit."""
 LEVELS = 3
-"""Runs that an extrapolation takes: at dt, dt/2 and dt/4."""
+"""Number of runs of an extrapolation: at dt, dt/2 and dt/4."""
 AGREEMENT = 3.0
-"""How many times their uncertainties two methods may be apart before the larger of the two counts for nothing."""
+"""Largest distance of two methods, relative to the sum of their uncertainties, at which they agree."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What is taken for the truth, and how far it can be trusted."""
+    """Reference solution, with its uncertainty."""
 
     samples: FloatArray
-    """At the start and the end of each interval, shape (33, …)."""
+    """Values at the start and the end of each interval, shape (33, …)."""
     uncertainty: float
-    """The largest distance that it may have from the truth [m], or in the unit of what is observed."""
+    """Bound on the distance from the exact solution [m], or in the unit of the observed values."""
     choice: Choice
-    """The finest run in it."""
+    """The finest run."""
     order: float
-    """The order that was observed in its last three runs; not a number where their differences do not shrink."""
+    """Order observed in the last three runs; NaN if their differences do not decrease."""
     extrapolated: bool
-    """Whether that was the order of the method, so that Richardson's extrapolation was worth doing."""
+    """Whether this is the order of the method, so that Richardson's extrapolation is valid."""
     check: Choice | None
-    """The finest run of the method that it was checked by; None where no other family can compute the scene."""
+    """The finest run of the method used as a check; None if no other family supports the scene."""
     disagreement: float
-    """How far the two are apart [m]; 0 where there is no other."""
+    """Distance of the two methods [m]; 0 without a check."""
     agrees: bool
-    """Whether that is within their uncertainties."""
+    """Whether this distance is within the uncertainties."""
 
 
 def find(experiment: Experiment, candidates: list[Method], budget: Budget, until: int = SAMPLES + 1) -> Reference:
-    """The best reference that some methods, the most accurate first, and a budget allow, of the first `until` samples.
+    """Compute the best reference within a budget from the most accurate methods, for the first `until` samples.
 
-    Source of the extrapolation: L. F. Richardson, Phil. Trans. R. Soc. A 226, 299 (1927).
+    Source: L. F. Richardson, Phil. Trans. R. Soc. A 226, 299 (1927), for the extrapolation.
 
     Raises:
         PhyscoreError: every run diverged.
     """
     best = candidates[0]
     others = other_family(best, candidates)
-    # Half for each: a check that is worse than what it checks still finds what is wrong.
+    # Half of the budget for each: even a less accurate check finds errors.
     reference = _converge(experiment, best, candidates, budget.share(0.5 if others else 1.0), until)
     if not others:
         return reference
@@ -66,7 +66,7 @@ def find(experiment: Experiment, candidates: list[Method], budget: Budget, until
 def _converge(
     experiment: Experiment, method: Method, candidates: list[Method], budget: Budget, until: int
 ) -> Reference:
-    """Halve the step until rounding, or the budget, ends it; give the best three runs."""
+    """Halve the step until rounding dominates or the budget is spent, and return the result of the best three runs."""
     steps = experiment.steps_of(START * largest_step(method, candidates))
     choice = Choice(method.integrator, "f64", steps)
     runs: list[Trial] = []
@@ -87,12 +87,12 @@ def _converge(
 
 
 def _extrapolate(experiment: Experiment, method: Method, runs: list[Trial], until: int) -> Reference:
-    """What three runs, each at half the step of the one before, say together.
+    """The extrapolation of three runs, each with half the step of the previous one.
 
-    With errors C dtᵖ the difference of the last two is 2ᵖ − 1 times the error of the last, which is taken off. What is
-    left is smaller than what the same correction changes from the first two runs to the last two: the uncertainty.
-    Where the differences do not shrink by 2ᵖ nothing is taken off, and the last difference itself counts. No reference
-    is better than rounding lets it be.
+    With errors C dtᵖ, the difference of the last two runs is 2ᵖ − 1 times the error of the last one, which is
+    subtracted. The uncertainty is the distance between the extrapolations of the first two and the last two runs, which
+    is larger than the remaining error. If the differences do not decrease by 2ᵖ, nothing is subtracted, and the last
+    difference is the uncertainty. The uncertainty is at least the rounding error.
     """
     coarse, middle, fine = (run.samples[:until] for run in runs)
     first, second = experiment.difference(middle, coarse), experiment.difference(fine, middle)

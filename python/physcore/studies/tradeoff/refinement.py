@@ -1,4 +1,4 @@
-"""Refinement: whole runs of one method with falling time steps, and what they prove of each other."""
+"""Refinement: runs of one method with decreasing time steps, which prove the errors of each other."""
 
 from __future__ import annotations
 
@@ -12,52 +12,52 @@ from physcore.studies.tradeoff.convergence import Convergence, convergence, orde
 from physcore.studies.tradeoff.experiment import Experiment, Trial
 
 AIM = 0.7
-"""The error that is aimed at, as a fraction of the target."""
+"""Intended error, as a fraction of the target."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """What is asked for."""
+    """Target: the largest error and drift."""
 
     accuracy: float
-    """The largest distance of any particle from where it should be, at the end of any interval [m]; inf: any."""
+    """Largest error of any particle's position at the end of any interval [m]; inf: no limit."""
     energy_drift: float
-    """The largest drift of the energy balance; inf: any."""
+    """Largest drift of the energy balance; inf: no limit."""
 
     @property
     def compares(self) -> bool:
-        """Whether runs must be compared with each other: a drift is seen in one alone."""
+        """Whether runs must be compared with each other. A drift is known from a single run."""
         return math.isfinite(self.accuracy)
 
     def met_by(self, error: float, drift: float) -> bool:
-        """Whether both are within what was asked for."""
+        """Whether an error and a drift are within the target."""
         return (error <= self.accuracy or not self.compares) and drift <= self.energy_drift
 
     def excess(self, error: float, drift: float) -> float:
-        """The error or the drift over what was asked for, whichever is larger."""
+        """The ratio of the error or the drift to the target, whichever is larger."""
         return max(error / self.accuracy if self.compares else 0.0, drift / self.energy_drift)
 
 
 @dataclass
 class Refinement:
-    """Runs of one method in one precision, by rising number of steps."""
+    """Runs of one method in one precision, by increasing number of steps."""
 
     experiment: Experiment
     order: int
-    """Of the method, p."""
+    """Order p of the method."""
     target: Target
     trials: list[Trial] = field(default_factory=list)
-    """The last three at most."""
+    """The last three trials at most."""
     changes: list[float] = field(default_factory=list)
-    """The largest distance between each run and the one before [m]."""
+    """Largest distance between successive runs [m]."""
     drifts: list[float] = field(default_factory=list)
-    """The largest drift of the energy balance of each run."""
+    """Largest drift of the energy balance of each run."""
 
     counts: list[int] = field(default_factory=list)
-    """Steps per interval of each run."""
+    """Number of steps per interval of each run."""
 
     def add(self, trial: Trial) -> None:
-        """A run with more steps than all so far; or, to measure the order, one with fewer than two."""
+        """Add a run with more steps than all so far. A second run, for the order, may have fewer than the first."""
         coarser = bool(self.trials) and trial.choice.steps < self.counts[0]
         at = 0 if coarser else len(self.counts)
         if self.trials:
@@ -67,18 +67,18 @@ class Refinement:
         self.trials = [trial, *self.trials] if coarser else [*self.trials, trial][-3:]
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Remove all runs."""
         self.trials, self.changes, self.drifts, self.counts = [], [], [], []
 
     @property
     def steps(self) -> list[int]:
-        """Steps per interval of the last three runs."""
+        """Numbers of steps per interval of the last three runs."""
         return self.counts[-3:]
 
     @property
     def certain(self) -> int | None:
-        """The order that is certain: one where particles can hit something, two where forces between them begin, or
-        end, with a kink or a jump, which comes anywhere in a step; None where the motion is smooth.
+        """The guaranteed order: 1 if particles can hit something, 2 with forces that have a kink or a jump at their
+        range, which is reached at any time within a step. None for smooth motion.
         """
         scene = self.experiment.scene
         if scene.boundaries:
@@ -88,17 +88,17 @@ class Refinement:
 
     @property
     def convergence(self) -> Convergence | None:
-        """What the runs so far say of the last two; None before there are two."""
+        """The convergence of the last two runs; None before there are two."""
         return convergence(self.counts, self.changes, self.order, self.certain) if self.changes else None
 
     @property
     def estimated(self) -> bool:
-        """Whether it is known how far the last run is from the target."""
+        """Whether the distance of the last run from the target is known."""
         return bool(self.changes if self.target.compares else self.trials)
 
     @property
     def asymptotic(self) -> bool:
-        """Whether errors follow the order of the method, as far as that was looked at: it takes three runs."""
+        """Whether errors follow the order of the method. With fewer than three runs this is assumed."""
         found = self.convergence
         return found is None or found.asymptotic or math.isnan(found.order)
 
@@ -113,7 +113,7 @@ class Refinement:
 
     @property
     def goal(self) -> Target:
-        """What is aimed at: somewhat less than the target, but no less than rounding allows."""
+        """The intended error and drift: somewhat less than the target, but at least the rounding error."""
         last = self.trials[-1]
         extent = float(abs(last.samples).max())
         return Target(
@@ -121,14 +121,15 @@ class Refinement:
         )
 
     def excess(self) -> float:
-        """Of the last run over the goal, as is expected of it once the order is measured."""
+        """The expected ratio of the last run to the goal, once the order is measured."""
         found = self.convergence
         return self.goal.excess(found.expected if found else 0.0, self.drifts[-1])
 
     def factor(self) -> float:
-        """How many times as many steps as the last run's reach the goal, by the order that was measured.
+        """The factor of the number of steps, relative to the last run, that reaches the goal by the measured order.
 
-        With x times as many, errors are x⁻ᵖ and rounding √x times as large: more than where they meet are no use.
+        With x times as many steps, errors scale as x⁻ᵖ and rounding errors as √x. Steps beyond their crossing are
+        useless.
         """
         found, goal = self.convergence, self.goal
         order = order_between(self.steps, self.drifts[-len(self.steps) :], self.order)
@@ -145,25 +146,25 @@ class Refinement:
         )
 
     def doubtful(self) -> bool:
-        """Whether errors do not follow even order one: chaos, or rounding, may rule."""
+        """Whether errors do not even follow order one, because of chaos or rounding."""
         found = self.convergence
         return self.certain != 1 and found is not None and found.order < 1.0
 
     def stagnant(self) -> bool:
-        """Whether smaller steps have stopped to bring what misses the target nearer to it."""
+        """Whether smaller steps no longer reduce the error or the drift that misses the target."""
         if not self.trials:
             return False
         drifts = self.drifts if self.drifts[-1] > self.target.energy_drift else []
         return stagnant(drifts, 1.0) or (self.target.compares and stagnant(self.changes, self._motion()))
 
     def distance(self, one: FloatArray, other: FloatArray) -> float:
-        """The largest of any particle, at the end of any interval [m]."""
+        """The largest distance of any particle at the end of any interval [m]."""
         return float(self.experiment.distances(one, other).max())
 
     def _motion(self) -> float:
         """The largest distance of any particle from its start [m].
 
-        0 where particles hit something: differences then shrink by fits and starts, long before they are small.
+        The value is 0 with impacts, because differences then decrease irregularly, long before they are small.
         """
         samples = self.trials[-1].samples
         return self.distance(samples, samples[:1]) if self.certain != 1 else 0.0

@@ -1,4 +1,4 @@
-"""A trade as a table, as sentences, and as a document."""
+"""Reports of a trade-off: a table, an explanation, and a document of plain values."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ KINDS = {
 
 
 def machine(simd: str) -> dict[str, Any]:
-    """Where this runs, and with what."""
+    """Description of the machine and the software."""
     from importlib.metadata import version
 
     return {
@@ -49,7 +49,7 @@ def _processor() -> str:
 
 
 def table(trade: Measurements) -> str:
-    """Every row, with marks: * on the Pareto front, ~ an error that the reference hardly resolves, ? a noisy time."""
+    """The table of all rows. Marks: * on the Pareto front, ~ error near the reference's uncertainty, ? noisy time."""
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
     compared = trade.rows and trade.rows[0].fluids is not None
@@ -76,7 +76,7 @@ def table(trade: Measurements) -> str:
 
 
 def html(trade: Measurements) -> str:
-    """The same table for notebooks."""
+    """The table as HTML, for notebooks."""
     front = set(map(id, trade.front))
     lines = [_cells(row, id(row) in front) for row in trade.rows]
     resolved = ["resolution"] if trade.rows and trade.rows[0].resolution is not None else []
@@ -88,7 +88,7 @@ def html(trade: Measurements) -> str:
 
 
 def _cells(row: Row, on_front: bool) -> list[str]:
-    """A line of the table."""
+    """The cells of a row of the table."""
     return [
         "*" if on_front else "",
         row.label,
@@ -109,7 +109,7 @@ def _error(row: Row) -> str:
 
 
 def explanation(trade: Measurements) -> str:
-    """What was found, what it was compared with, and how much of it can be trusted."""
+    """An explanation of the results, of their reference and of their reliability."""
     parts = [_on_chaos(trade), _on_reference(trade), _on_front(trade), _on_divergence(trade), _on_precision(trade)]
     parts += [_on_prediction(trade), _on_noise(trade), *trade.notes]
     return "\n".join(part for part in parts if part)
@@ -156,7 +156,7 @@ def _on_reference(trade: Measurements) -> str:
 
 
 def _integrators(reference: Reference | Windows) -> list[Integrator]:
-    """What a reference was computed with, and checked by."""
+    """The integrators of a reference and of its check."""
     check = reference.check if isinstance(reference, Reference) else None
     return [choice.integrator for choice in (reference.choice, check) if choice is not None]
 
@@ -193,7 +193,7 @@ def _name(row: Row) -> str:
 
 
 def _on_precision(trade: Measurements) -> str:
-    """Where single precision stops to get better."""
+    """A sentence on the accuracy limit of single precision."""
     single = [row for row in trade.rows if row.precision == "f32" and row.status == "ok"]
     double = [row for row in trade.rows if row.precision == "f64" and row.status == "ok"]
     if not single or not double:
@@ -229,7 +229,7 @@ def _on_noise(trade: Measurements) -> str:
 
 
 def document(trade: Measurements) -> dict[str, Any]:
-    """Everything that was measured, as plain values."""
+    """All results as plain values."""
     return {
         "duration": trade.duration,
         "error": KINDS[trade.measure],
@@ -271,7 +271,7 @@ def _method(integrator: Integrator) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """The same with None for what JSON has no number for."""
+    """A value with None in place of numbers that JSON cannot represent."""
     if isinstance(value, dict):
         return {name: _plain(entry) for name, entry in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,4 +1,4 @@
-"""Where trajectories are lost: the error over short windows from points of a reference, and the bias of averages."""
+"""Comparison of chaotic runs: errors over short windows that start on a reference, and the bias of averages."""
 
 from __future__ import annotations
 
@@ -18,56 +18,56 @@ from physcore.studies.tradeoff.methods import Method, halved
 from physcore.studies.tradeoff.reference import AGREEMENT, START
 
 WINDOW_GROWTH = 100.0
-"""By how much errors may grow within a window."""
+"""Largest growth of errors within a window."""
 MEMBERS = 8
-"""Runs in an ensemble."""
+"""Number of runs in an ensemble."""
 SCATTER = 1e-6
-"""The nudge of the members of an ensemble, as a fraction of their largest speed: forgotten at the horizon."""
+"""Perturbation of the members of an ensemble, relative to their largest speed; forgotten at the horizon."""
 QUANTILE = 4.71
-"""Student's t with 14 degrees of freedom, two-sided at 0.1 % shared among three averages."""
+"""Quantile of Student's t with 14 degrees of freedom, two-sided at 0.1 %, shared among three averages."""
 NEGLIGIBLE = 0.01
-"""A bias below this fraction of an average is not held against anybody."""
+"""Largest negligible bias, as a fraction of the average."""
 AVERAGES = ("kinetic energy", "potential energy", "radius")
 
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Short runs of a reference, each from where its long run was at the start of an interval."""
+    """Short runs of a reference, each from its state at the start of an interval."""
 
     starts: list[State]
-    """The states where they begin."""
+    """Initial states of the windows."""
     ends: FloatArray
-    """What is observed at the end of each window."""
+    """Observed values at the end of each window."""
     parts: int
     """A window is the first of this many equal parts of an interval."""
     choice: Choice
-    """How the reference was computed."""
+    """Numerics of the reference."""
     uncertainty: float
-    """How far its windows may be from the truth [m], or in the unit of what is observed."""
+    """Bound on the error of the windows [m], or in the unit of the observed values."""
     agrees: bool
-    """Whether windows of a method of another family are where their uncertainties let them be, if there is one."""
+    """Whether the windows of a method of another family, if there is one, agree within the uncertainties."""
     nudge: float
-    """How far apart the members of an ensemble start [m/s]."""
+    """Perturbation of the members of an ensemble [m/s]."""
     averages: FloatArray
-    """Of each member of its ensemble, shape (8, 3)."""
+    """Averages of each member of the ensemble, shape (8, 3)."""
     doubts: FloatArray
-    """How far these may be off: what halving the time step has changed in their means, shape (3,)."""
+    """Uncertainty of the means of these averages, shape (3,): their changes after a halving of the time step."""
 
 
 @dataclass(frozen=True)
 class Bias:
-    """The average that is furthest off."""
+    """The most biased average."""
 
     quantity: str
-    """What was averaged over the second half of the run and over an ensemble."""
+    """Name of the quantity, averaged over the second half of the run and over an ensemble."""
     relative: float
-    """The difference from the reference's average, as a fraction of that."""
+    """Difference from the reference's average, relative to that average."""
     interval: float
-    """Half of its confidence interval of 99.9 %, as a fraction of the same."""
+    """Half-width of its 99.9 % confidence interval, likewise relative."""
 
     @property
     def found(self) -> bool:
-        """Whether it is real and worth speaking of."""
+        """Whether the bias is significant and not negligible."""
         return abs(self.relative) - self.interval > NEGLIGIBLE
 
 
@@ -79,8 +79,9 @@ def windows(
     seed: int,
     budget: Budget,
 ) -> Windows:
-    """A long run of a choice for the starts, and from each of them windows at ever finer steps as far as the budget
-    reaches; the best of the other methods checks them.
+    """Compute the windows of a choice, whose states come from a long run.
+
+    The steps of the windows are reduced as far as the budget allows. The best of the other methods is the check.
     """
     growth = chaos.exponent * experiment.interval / float(log(WINDOW_GROWTH))
     parts = 1 << (math.ceil(growth) - 1).bit_length() if growth > 1.0 else 1
@@ -108,7 +109,9 @@ def windows(
 def _settle(
     experiment: Experiment, choice: Choice, nudge: float, seed: int, budget: Budget
 ) -> tuple[FloatArray, FloatArray]:
-    """The averages of ensembles with ever finer steps, until the means stay, or the budget ends; and what remains."""
+    """Averages of ensembles with decreasing steps, until the means are stable or the budget is spent; and their
+    remaining changes.
+    """
     averages = ensemble(experiment, choice, nudge, seed)
     while True:
         choice, before = choice.finer(), budget.left()
@@ -123,7 +126,7 @@ def _settle(
 def _converge(
     experiment: Experiment, choice: Choice, starts: list[State], parts: int, budget: Budget
 ) -> tuple[Choice, FloatArray, float]:
-    """The ends of all windows, with the steps that changed them least when halved, and by how much they did."""
+    """The ends of all windows at the steps whose halving changed them least, and the amount of that change."""
     choice, ends = halved(lambda each: _ends(experiment, each, starts, parts), choice)
     uncertainty = math.inf
     while True:
@@ -143,7 +146,7 @@ def multiple(steps: int, parts: int) -> int:
 
 
 def error(experiment: Experiment, choice: Choice, reference: Windows) -> float:
-    """The largest distance from the reference at the end of any window; infinite where one diverges."""
+    """The largest distance from the reference at the end of any window; inf if one diverges."""
     try:
         ends = _ends(experiment, choice, reference.starts, reference.parts)
     except SimulationDiverged:
@@ -152,16 +155,16 @@ def error(experiment: Experiment, choice: Choice, reference: Windows) -> float:
 
 
 def ensemble(experiment: Experiment, choice: Choice, nudge: float, seed: int) -> FloatArray:
-    """Averages over the second half of the duration, of members that start a little apart; shape (8, 3).
+    """Averages over the second half of the duration, of slightly perturbed members; shape (8, 3).
 
     Raises:
-        SimulationDiverged: one of them did.
+        SimulationDiverged: a member diverged.
     """
     return np.array([_averages(experiment, choice, nudge, seed + member) for member in range(MEMBERS)])
 
 
 def bias(found: FloatArray, reference: FloatArray, doubts: FloatArray) -> Bias:
-    """Welch's comparison of two ensembles, average by average; the worst of them. Doubts widen the intervals.
+    """The worst bias in a Welch comparison of two ensembles, for each average. `doubts` widen the confidence intervals.
 
     Source: B. L. Welch, Biometrika 34, 28 (1947).
     """
@@ -174,8 +177,8 @@ def bias(found: FloatArray, reference: FloatArray, doubts: FloatArray) -> Bias:
 
 
 def _averages(experiment: Experiment, choice: Choice, size: float, seed: int) -> FloatArray:
-    """Kinetic energy, potential energy above that at the start, and the root mean square distance from the middle; of a
-    field, from its mean.
+    """Kinetic energy, potential energy relative to the start, and rms distance from the middle; for a field, rms
+    deviation from its mean.
     """
     simulation = experiment.start(choice)
     nudge(simulation, size, seed)
@@ -192,7 +195,7 @@ def _averages(experiment: Experiment, choice: Choice, size: float, seed: int) ->
 
 
 def _ends(experiment: Experiment, choice: Choice, starts: list[State], parts: int) -> FloatArray:
-    """What is observed at the end of the window from each start. The clock goes on as in a long run."""
+    """The observed values at the end of the window from each start. The clock continues as in a long run."""
     if choice.steps % parts:
         raise SceneError(f"steps: must be a multiple of {parts}, got {choice.steps}")
     simulation = experiment.start(choice)
@@ -206,5 +209,5 @@ def _ends(experiment: Experiment, choice: Choice, starts: list[State], parts: in
 
 
 def _vector(experiment: Experiment) -> tuple[int]:
-    """The number of components of what is compared."""
+    """The number of components of the compared values."""
     return (experiment.scene.dimension if experiment.scene.bodies else 1,)

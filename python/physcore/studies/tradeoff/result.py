@@ -1,4 +1,4 @@
-"""The work–precision diagram: rows, the Pareto front among them, and the choice that meets a target."""
+"""Work–precision diagram: its rows, their Pareto front, and the row that meets a target."""
 
 from __future__ import annotations
 
@@ -22,60 +22,60 @@ Status = Literal["ok", "diverged", "biased"]
 Measure = Literal["trajectory", "restart", "until the horizon"]
 
 CERTAIN = 10.0
-"""An error is measured well where it is at least this many times the uncertainty of the reference."""
+"""Least ratio of an error to the uncertainty of the reference at which the error counts as well measured."""
 NOISY = 0.05
-"""Times whose median is above their minimum by more than this fraction are noisy."""
+"""Times are noisy if their median is above their minimum by more than this fraction."""
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """What was expected of a row before it was run, from the rows of the same integrator around it."""
+    """Error and time of a row predicted from its neighbors of the same integrator, before it was run."""
 
     error: float
-    """[m]"""
+    """Predicted error [m]."""
     seconds: float
-    """[s]"""
+    """Predicted time [s]."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One way to compute the scene: what it costs, and how far it is from the truth."""
+    """Row of the diagram: a choice of numerics, its cost and its error."""
 
     integrator: Integrator
     label: str
-    """What it is called beside the others: its name, with the parameters in which those of its kind differ."""
+    """Label of the integrator: its name, with the parameters that differ within its class."""
     dt: float
-    """[s]"""
+    """Time step [s]."""
     precision: Literal["f32", "f64"]
     threads: int | None
-    """What was asked for; None: all that the process may use."""
+    """Requested number of threads; None: all that the process may use."""
     seconds: float
-    """The median time of a whole run [s]."""
+    """Median time of a whole run [s]."""
     least_seconds: float
-    """The shortest [s]."""
+    """Shortest time of a whole run [s]."""
     evaluations: int
-    """Evaluations of the forces in a whole run."""
+    """Number of force evaluations of a whole run."""
     pair_interactions: int
-    """Springs and pairs of neighbors that these go through, about."""
+    """Approximate number of springs and pairs of neighbors in these evaluations."""
     bytes_swept: int
-    """The memory of the simulation times the evaluations: what would pass through the caches if none of it stayed."""
+    """Memory of the simulation times the number of evaluations [bytes]: the memory traffic without any caching."""
     error: float
-    """The largest distance from the reference [m]; inf where it diverged."""
+    """Largest distance from the reference [m]; inf if the run diverged."""
     error_uncertainty: float
-    """How wrong that may be, because of the reference [m]."""
+    """Uncertainty of the error due to the reference [m]."""
     energy_drift: float
-    """The largest drift of the energy balance, as in `Recording.energy.drift`; inf where it diverged."""
+    """Largest drift of the energy balance, as in `Recording.energy.drift`; inf if the run diverged."""
     status: Status
     resolution: float | None = None
-    """What the scene was built with, where it is a function."""
+    """Resolution of the scene, if `scene` is a function."""
     discretization_error: float = 0.0
-    """The distance of this resolution's reference from that of the finest, extrapolated; 0 where there is one scene."""
+    """Distance of this resolution's reference from the extrapolated one; 0 with a single scene."""
     bias: Bias | None = None
-    """Where trajectories are lost: the average that is furthest from the reference's."""
+    """Most biased average, if trajectories are lost."""
     prediction: Prediction | None = None
-    """For a row that was held out: what was expected of it."""
+    """Prediction of a held-out row."""
     fluids: FluidMethod | None = None
-    """How fluids are computed, where that was a question."""
+    """Method of fluids, if methods are compared."""
 
     @property
     def numerics(self) -> Options:
@@ -85,7 +85,7 @@ class Row:
 
     @property
     def total_error(self) -> float:
-        """The error of time steps and that of the resolution together [m]."""
+        """Error of the time step plus error of the resolution [m]."""
         return self.error + self.discretization_error
 
     @property
@@ -95,12 +95,12 @@ class Row:
 
     @property
     def noise(self) -> float:
-        """How much longer the median run took than the shortest, as a fraction of that."""
+        """Relative excess of the median time over the shortest time."""
         return self.seconds / self.least_seconds - 1.0
 
     @property
     def noisy(self) -> bool:
-        """Whether that is more than 5 %."""
+        """Whether the noise exceeds 5 %."""
         return self.noise > NOISY
 
     def __str__(self) -> str:
@@ -115,38 +115,39 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Measurements:
-    """What was measured of one scene."""
+    """Measurements of one scene."""
 
     rows: tuple[Row, ...]
-    """By resolution, integrator, precision and falling time step."""
+    """Rows, ordered by resolution, integrator, precision and decreasing time step."""
     measure: Measure
-    """What the errors are: of whole trajectories; where those are lost, over short windows from points of a reference,
-    or until they are."""
+    """Kind of the errors: of whole trajectories; if these are lost, over short windows that start on a reference, or
+    until the horizon.
+    """
     references: tuple[Reference | Windows, ...]
-    """What each scene was compared with, one for each method for fluids and each resolution."""
+    """References of each scene, one for each method of fluids and each resolution."""
     chaos: tuple[Chaos, ...]
-    """What a twin run found, likewise."""
+    """Results of the perturbed runs, likewise."""
     experiments: tuple[Experiment, ...]
-    """What was computed, likewise."""
+    """Experiments, likewise."""
     seed: int
     notes: tuple[str, ...]
-    """What was left out, and why."""
+    """Notes on omitted choices, with reasons."""
     machine: dict[str, Any] = field(default_factory=dict)
-    """Where the seconds were measured, and with what."""
+    """Description of the machine and the software of the measurement."""
 
     @property
     def scene(self) -> Scene:
-        """The scene; of several resolutions, the last."""
+        """The scene; with several resolutions, the last one."""
         return self.experiments[-1].scene
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """Simulated duration [s]."""
         return self.experiments[-1].duration
 
     @property
     def front(self) -> tuple[Row, ...]:
-        """The Pareto front: the rows that no other one beats in both error and time, the fastest first."""
+        """The Pareto front: the rows that no other row beats in both error and time, the fastest first."""
         front: list[Row] = []
         for row in sorted(self._good(), key=lambda row: (row.seconds, row.total_error)):
             if not front or row.total_error < front[-1].total_error:
@@ -161,15 +162,15 @@ class Measurements:
     def best(self, *, error: float | None = None, seconds: float | None = None) -> Row:
         """The fastest row within an error, or the most accurate one within a time, by the median of its times.
 
-        `Simulation(scene, **row.numerics)` computes it.
+        `Simulation(scene, **row.numerics)` uses the numerics of the row.
 
         Args:
-            error: the largest error to accept [m].
-            seconds: the longest time to accept [s].
+            error: the largest acceptable error [m].
+            seconds: the longest acceptable time [s].
 
         Raises:
             SceneError: neither or both are given.
-            PhyscoreError: no row is that good; the message says how good they get.
+            PhyscoreError: no row meets the bound; the message has the best value.
         """
         good = self._good()
         if (error is None) == (seconds is None):

@@ -1,4 +1,4 @@
-"""The search for the Pareto front: series of time steps, from the limit of stability downward, within a budget."""
+"""Search for the Pareto front: series of decreasing time steps, starting at the limit of stability, within a budget."""
 
 from __future__ import annotations
 
@@ -26,18 +26,19 @@ from physcore.studies.tradeoff.result import CERTAIN, Measure, Row
 from physcore.studies.tradeoff.step_sizes import LEAST, REPEATS, Measurement, StepSizeSeries
 
 REFERENCE_SHARE = 0.3
-"""How much of the budget the reference may take."""
+"""Largest share of the reference in the budget."""
 ENOUGH = 8
-"""Rows after which a series goes on only where the next one may get onto the Pareto front."""
+"""Number of rows after which a series continues only if its next row may be on the Pareto front."""
 HELD_OUT = 8
-"""Rows between two others that are predicted before they are run, at most."""
+"""Largest number of held-out rows, which are predicted from their neighbors before they are run."""
 WRONG = 10.0
-"""An error of this many times the largest way in the reference, or an average off by this many times itself, is a
-blow-up, whatever the watch says."""
+"""Divergence threshold: an error of this many times the largest displacement in the reference, or an average off by
+this many times its value.
+"""
 
 
 class WorkPrecisionDiagram:
-    """Measures one scene; `find` looks for the rows, `time` how long each of them takes, `rows` gives them."""
+    """Work–precision diagram of one scene: `find` finds the rows, `time` measures their times, `rows` returns them."""
 
     def __init__(
         self,
@@ -50,7 +51,7 @@ class WorkPrecisionDiagram:
     ) -> None:
         self.experiment = experiment
         self.refused: dict[str, list[str]] = {}
-        """Who cannot compute the scene, by the reason."""
+        """Integrators that do not support the scene, by the reason."""
         self._seed = seed
         self._tick = tick
         self._searching = dts is None
@@ -68,10 +69,10 @@ class WorkPrecisionDiagram:
         self.measure: Measure = "trajectory"
 
     def find(self, budget: Budget) -> None:
-        """Look for chaos and for a reference, and run every series as far as the budget reaches.
+        """Detect chaos, compute a reference, and run every series as far as the budget allows.
 
         Raises:
-            PhyscoreError: no choice can compute the scene, or every run of the reference diverged.
+            PhyscoreError: no choice supports the scene, or every run of the reference diverged.
         """
         if not self._series:
             raise PhyscoreError(" ".join(self.notes) or "tradeoff: there is nothing to compare")
@@ -89,10 +90,10 @@ class WorkPrecisionDiagram:
             self._refine(budget)
 
     def time(self) -> None:
-        """Run everything again, five times, each time in another order, and take the times.
+        """Time all rows five times, each time in a new random order.
 
-        Whole runs in one call, from a simulation that is built anew and not timed; the run that found the error has
-        warmed everything up. Runs that are too short for a clock are timed several in a row.
+        Each time is that of a whole run in one call. The simulation is newly built, which is not timed, and the caches
+        are warm from the first run of the row. Runs too short for the clock are timed several at once.
         """
         generator = np.random.default_rng(self._seed)
         measurements = [measurement for series in self._series for measurement in series.measurements]
@@ -106,17 +107,17 @@ class WorkPrecisionDiagram:
 
     @property
     def notes(self) -> list[str]:
-        """What was left out, and why."""
+        """Notes on omitted integrators, with reasons."""
         return [f"Left out: {', '.join(names)} ({reason})." for reason, names in self.refused.items()]
 
     def until(self) -> int:
-        """How many of the samples can be compared."""
+        """The number of samples that can be compared."""
         return max(2, int(np.sum(self.chaos.times <= self.chaos.horizon)))
 
     def rows(
         self, resolution: float | None = None, discretization_error: float = 0.0, fluids: FluidMethod | None = None
     ) -> list[Row]:
-        """What was found; `time` comes first."""
+        """The rows; `time` must be called before."""
         return [
             Row(
                 integrator=series.integrator,
@@ -144,7 +145,7 @@ class WorkPrecisionDiagram:
         ]
 
     def _time_once(self, choice: Choice) -> float:
-        """How long a whole run takes [s], or until it diverges."""
+        """The time of a whole run [s], or until it diverges."""
         simulation = self.experiment.start(choice)
         begin = clock.seconds()
         with contextlib.suppress(SimulationDiverged):
@@ -154,7 +155,9 @@ class WorkPrecisionDiagram:
     def _new_series(
         self, integrator: Integrator, precision: Literal["f32", "f64"], dts: Sequence[float] | None
     ) -> StepSizeSeries | None:
-        """A series that begins at its limit, or has the steps that were asked for."""
+        """A series that starts at the limit of an integrator, or has the given steps; None if the integrator does not
+        support the scene.
+        """
         try:
             plan = self.experiment.start(Choice(integrator, precision, 1)).plan
         except SceneError as error:
@@ -170,14 +173,14 @@ class WorkPrecisionDiagram:
         return StepSizeSeries(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
 
     def _judge(self, budget: Budget) -> None:
-        """Find out whether trajectories can be compared, and what with."""
+        """Decide whether trajectories can be compared, and compute their reference."""
         best = self._methods[0]
         steps = self.experiment.steps_of(reference.START * best.accurate)
         choice, self.chaos = self._twin(Choice(best.integrator, "f64", steps))
         if not self.chaos.chaotic:
             self.truth = reference.find(self.experiment, self._methods, budget)
         elif self.experiment.scene.fluids or self.experiment.observer is not None:
-            # The state of a fluid is more than places and velocities, and an observer may look at the past.
+            # Restarts need the whole state, which for fluids and observers is more than positions and velocities.
             self.measure = "until the horizon"
             self.truth = reference.find(self.experiment, self._methods, budget, self.until())
         else:
@@ -191,7 +194,9 @@ class WorkPrecisionDiagram:
                 ]
 
     def _twin(self, choice: Choice) -> tuple[Choice, Chaos]:
-        """Run the twin with steps that hold, and give those too: the limit may fall while the scene moves."""
+        """Run a perturbed copy at steps that do not diverge, and return these steps too. The limit may fall while the
+        scene moves.
+        """
         return halved(lambda each: twin(self.experiment, each, self._seed), choice)
 
     def _run(self, series: StepSizeSeries) -> None:
@@ -202,7 +207,7 @@ class WorkPrecisionDiagram:
         series.measurements.append(self._try(choice))
 
     def _try(self, choice: Choice) -> Measurement:
-        """Run a choice once, and judge it."""
+        """Run a choice once, and measure its error."""
         begin = clock.seconds()
         trial = self.experiment.attempt(choice)
         cost = clock.seconds() - begin
@@ -225,7 +230,7 @@ class WorkPrecisionDiagram:
         return measurement
 
     def _compare_statistics(self, measurement: Measurement, truth: Windows) -> None:
-        """The error over short windows, and the averages over an ensemble."""
+        """Measure the error over short windows, and the bias of averages over an ensemble."""
         measurement.error = restarts.error(self.experiment, measurement.choice, truth)
         try:
             found = restarts.ensemble(self.experiment, measurement.choice, truth.nudge, self._seed)
@@ -238,7 +243,7 @@ class WorkPrecisionDiagram:
             measurement.status, measurement.error = "diverged", math.inf
 
     def _left_behind(self, series: StepSizeSeries) -> bool:
-        """Whether a series has shown its slope, and what it would reach next is had for less elsewhere."""
+        """Whether a series is long enough and its expected next row would be dominated by another row."""
         if len(series.measurements) < ENOUGH:
             return False
         before, last = series.measurements[-2:]
@@ -252,13 +257,15 @@ class WorkPrecisionDiagram:
         return any(measurement.error <= error and measurement.cost <= cost for measurement in measurements)
 
     def _timing(self) -> float:
-        """What the timing of all rows so far will take [s]."""
+        """The expected duration of timing all rows so far [s]."""
         return REPEATS * sum(
             measurement.runs * measurement.cost for series in self._series for measurement in series.measurements
         )
 
     def _refine(self, budget: Budget) -> None:
-        """Spend what is left halfway between two rows of a series, where the front has its widest gap; one at least."""
+        """Run held-out rows halfway between two rows of a series, at the widest gaps of the front, with the remaining
+        budget; at least one.
+        """
         parts = self.truth.parts if isinstance(self.truth, Windows) else 1
         for _ in range(HELD_OUT):
             gaps = [

@@ -1,9 +1,9 @@
-"""The search for the cheapest method and time step that meet a target, and the proof that they do.
+"""Search for the cheapest method and time step that meet a target, with a proof.
 
-Candidates are priced by a short probe at their limit: by its excess over the target and the order of the method it is
-known about how many steps meet the target. The cheapest goes on with runs of the whole duration, with a quarter and
-half of these steps, which tell better how many are needed, and then with as many; where another has become cheaper
-meanwhile, that one goes on. The first run that is proven to meet the target ends the search.
+Each candidate makes a short test run at its limit. The ratio of its error to the target, and the order of the method,
+give the approximate number of steps required, and hence the cost. The cheapest candidate then makes runs of the whole
+duration, with a quarter, a half and all of these steps. Each run corrects their number. If another candidate becomes
+cheaper meanwhile, that one continues. The first run that is proven to meet the target ends the search.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from physcore.studies.tradeoff.methods import DEEPEST, Method, halved
 from physcore.studies.tradeoff.refinement import Refinement, Target
 
 PROBE = 16
-"""A probe takes one part in so many of the duration."""
+"""Ratio of the whole duration to that of a test run."""
 LEAP = 4
-"""By which factor the number of steps grows at most where the order has not been measured."""
+"""Largest factor of the number of steps, as long as the order has not been measured."""
 
 
 class Candidate:
-    """A method on its way to the steps that meet the target.
+    """Candidate: a method, and its runs toward the steps that meet the target.
 
     Args:
-        experiment: what to compute.
-        method: how.
+        experiment: the experiment.
+        method: the method.
         precision: "f32" or "f64".
-        target: what is asked for.
-        coarsest: steps per interval at the method's limit.
-        record: makes a run that keeps a recording.
+        target: the target.
+        coarsest: number of steps per interval at the method's limit.
+        record: runs a choice with a recording.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Candidate:
         self._record = record
 
     def probe(self) -> None:
-        """Find the excess over the target a short time after the start, at about the limit.
+        """Measure the ratio to the target after a short time, at about the limit.
 
         Raises:
             SimulationDiverged: the method diverges at every step.
@@ -69,22 +69,24 @@ class Candidate:
             choice, trial = halved(experiment.completed, choice)
             runs.add(trial)
             choice = choice.finer()
-        # The coarser run is about as far off as the two are apart.
+        # The error of the coarser run is about the distance of the two runs.
         error = runs.changes[-1] if self.target.compares else 0.0
         excess = max(EPSILON[self._precision], runs.goal.excess(error, runs.drifts[0]))
         self._excess = excess * float(power(parts * runs.steps[0] / self._coarsest, self.method.order))
 
     def expected(self, growth: float) -> float:
-        """The excess at the limit at the end of the whole duration, where errors grow so much after the probe."""
+        """The ratio to the target at the limit after the whole duration, if errors grow by the factor `growth` after
+        the test run.
+        """
         return growth * self._excess
 
     def observed(self) -> float:
-        """The same as the last run shows it, by the order of the method."""
+        """The ratio to the target at the limit, from the last run and the order of the method."""
         steps = self.refinement.steps[-1] / self._coarsest
         return self.refinement.excess() * float(power(steps, self.method.order))
 
     def needed(self, growth: float) -> int:
-        """Steps per interval that meet the target, as far as is known."""
+        """The estimated number of steps per interval that meet the target."""
         most = float(self._coarsest << DEEPEST)
         if self.refinement.estimated:
             return math.ceil(min(self.refinement.steps[-1] * self.refinement.factor(), most))
@@ -92,26 +94,26 @@ class Candidate:
         return max(self._coarsest, math.ceil(min(self._coarsest * factor, most)))
 
     def cost(self, growth: float) -> float:
-        """Evaluations of the forces, per interval, of a run that meets the target."""
+        """The number of force evaluations per interval of a run that meets the target."""
         return float(self.method.evaluations * max(self._coarsest, self.needed(growth)))
 
     def price(self, growth: float) -> float:
-        """The same with those of the runs that come before it."""
+        """The number of force evaluations per interval, including those of the runs before it."""
         last = self.refinement.steps[-1] if self.refinement.trials else 0
         return self.cost(growth) * sum(
             1.0 / part for part in (1, 2, 4) if part == 1 or self.needed(growth) > part * last
         )
 
     def next_cost(self, growth: float) -> int:
-        """Evaluations of the forces, per interval, of the next run."""
+        """The number of force evaluations per interval of the next run."""
         return self.method.evaluations * self._next(growth)
 
     def exhausted(self) -> bool:
-        """Whether finer steps do not help, or are too many."""
+        """Whether smaller steps do not help, or their number is at its limit."""
         return self.refinement.stagnant() or self.refinement.steps[-1] >= self._coarsest << DEEPEST
 
     def advance(self, growth: float) -> None:
-        """Take the next run.
+        """Make the next run.
 
         Raises:
             SimulationDiverged: the method diverges at every step.
@@ -124,7 +126,7 @@ class Candidate:
             else:
                 self._coarsest = runs.steps[0]
             return
-        # It may be what is returned where about that many steps are needed.
+        # With about the required number of steps, the run may be the final one and is recorded.
         run = self._record if 2 * steps >= self.needed(growth) else self.experiment.completed
         choice, trial = halved(run, self._choice(steps))
         if choice.steps > steps:
@@ -133,7 +135,7 @@ class Candidate:
         runs.add(trial)
 
     def _next(self, growth: float) -> int:
-        """Steps per interval of the next run."""
+        """The number of steps per interval of the next run."""
         needed, runs = self.needed(growth), self.refinement
         if not runs.trials:
             return max(self._coarsest, math.ceil(needed / 4))
@@ -144,10 +146,10 @@ class Candidate:
         if not runs.estimated or not runs.asymptotic:
             return 2 * last
         if needed <= last:
-            # Enough, it seems: what is missing is the order, which a longer step tells for less than a shorter one.
+            # The steps seem sufficient, but the order is unknown: a coarser run measures it at a lower cost.
             coarser = runs.steps[0] // 2
             return coarser if len(runs.trials) == 2 and coarser >= self._coarsest else 2 * last
-        # Three runs that prove something are close together, however far from those before.
+        # The three runs of a proof have similar numbers of steps, however different from earlier runs.
         part = 1 if needed <= 2 * last else 2 if needed <= 4 * last else 4
         most = LEAP * last if len(runs.trials) == 2 else needed
         return max(least, min(math.ceil(needed / part), most))
@@ -158,31 +160,31 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Selection:
-    """What the search found."""
+    """Result of the search."""
 
     candidate: Candidate
     trial: Trial
-    """The run that meets the target, or that comes closest to it."""
+    """The run that meets the target, or the nearest one."""
     error: float
-    """Bound on the error of that run [m]; inf where nothing was compared."""
+    """Bound on the error of that run [m]; inf if no runs were compared."""
     proven: bool
-    """Whether it meets the target."""
+    """Whether the run is proven to meet the target."""
 
     @property
     def drift(self) -> float:
-        """The drift of the energy balance of that run."""
+        """Drift of the energy balance of the run."""
         return self.trial.energy_drift
 
     @property
     def excess(self) -> float:
-        """The error or the drift over what was asked for, whichever is larger."""
+        """The ratio of the error or the drift to the target, whichever is larger."""
         return self.candidate.target.excess(self.error, self.drift)
 
 
 def select(candidates: list[Candidate]) -> Selection | None:
-    """The run that is first proven to meet the target; else the one that comes closest, if any comes to its end."""
+    """The first run that is proven to meet the target; otherwise the nearest one, or None if all diverge."""
     experiment = candidates[0].experiment
-    # Until a run of the whole duration tells, errors are taken to grow with time.
+    # Until the first run of the whole duration, errors are assumed to grow linearly with time.
     growth = experiment.duration / _short(experiment)[1].duration
     best: Selection | None = None
     left, affordable = list(candidates), math.inf
@@ -207,14 +209,14 @@ def select(candidates: list[Candidate]) -> Selection | None:
         latest = Selection(candidate, runs.trials[-1], error, proven=False)
         best = min((best or latest, latest), key=lambda each: each.excess)
         if candidate.exhausted():
-            # Rounding adds up with evaluations: who needs more of them comes no closer.
+            # Rounding errors grow with the evaluations, so methods with more of them are no better.
             left.remove(candidate)
             affordable = min(affordable, float(candidate.method.evaluations * runs.steps[-1]))
     return best
 
 
 def _short(experiment: Experiment) -> tuple[int, Experiment]:
-    """A sixteenth of an experiment, at most; and how many of its intervals make one of the whole."""
+    """A short experiment of at most a sixteenth, and the number of its intervals in one of the whole."""
     parts = -(-PROBE // experiment.intervals)
     intervals = max(1, experiment.intervals // PROBE)
     return parts, replace(experiment, duration=experiment.interval * intervals / parts, intervals=intervals)

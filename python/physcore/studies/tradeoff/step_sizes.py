@@ -1,4 +1,4 @@
-"""A step-size series: the rows of one integrator in one precision, by falling time step."""
+"""Step-size series: the rows of one integrator in one precision, by decreasing time step."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from physcore.studies.tradeoff.restarts import Bias
 from physcore.studies.tradeoff.result import CERTAIN, Prediction, Status
 
 REPEATS = 5
-"""How often each row is timed."""
+"""Number of timings of each row."""
 SHORTEST = 2e-3
-"""What is timed takes as long as this [s]: of shorter runs several in a row, whose mean is taken."""
+"""Least duration of a timing [s]; for shorter runs, several are timed together and averaged."""
 MOST_RUNS = 20
-"""Runs in a row at most."""
+"""Largest number of runs in one timing."""
 LEAST = 3
-"""Rows of a series that come to an end and may take the budget once more: fewer have no slope."""
+"""Number of rows of a series that are run beyond the budget, once more as long: fewer rows have no slope."""
 LOWEST = 24
-"""Rows of a series at most."""
+"""Largest number of rows of a series."""
 
 
 @dataclass
 class Measurement:
-    """A row in the making."""
+    """Row that is still being measured."""
 
     choice: Choice
     error: float
@@ -37,37 +37,37 @@ class Measurement:
     evaluations: int
     status: Status
     seconds: float
-    """Spent in stepping, in the run that found the error."""
+    """Time of the steps in the run that gave the error [s]."""
     cost: float
-    """What running it once takes [s], with its building."""
+    """Time of a single run, including the construction of the simulation [s]."""
     judging: float
-    """What finding its error took beside that [s]."""
+    """Additional time to measure its error [s]."""
     bias: Bias | None = None
     held_out: bool = False
     times: list[float] = field(default_factory=list)
 
     @property
     def runs(self) -> int:
-        """How many runs make one time."""
+        """The number of runs in one timing."""
         return math.ceil(min(MOST_RUNS, SHORTEST / max(self.seconds, SHORTEST / MOST_RUNS)))
 
 
 @dataclass
 class StepSizeSeries:
-    """The rows of one integrator in one precision, by falling time step."""
+    """Rows of one integrator in one precision, by decreasing time step."""
 
     integrator: Integrator
     precision: Literal["f32", "f64"]
     pairs: int
     memory: int
     choices: list[Choice]
-    """Yet to run, the coarsest first."""
+    """Choices still to run, the coarsest first."""
     measurements: list[Measurement] = field(default_factory=list)
     open_ended: bool = True
-    """Whether a finer one follows the last of them."""
+    """Whether the series continues with finer steps after these choices."""
 
     def next(self) -> Choice | None:
-        """What to run now."""
+        """The next choice to run; None at the end of the series."""
         if self.choices:
             return self.choices[0]
         if not self.open_ended or len(self.measurements) >= LOWEST:
@@ -75,7 +75,7 @@ class StepSizeSeries:
         return self.measurements[-1].choice.finer()
 
     def cost(self) -> float:
-        """What that will take, with its timing [s]; 0 where nobody knows yet."""
+        """The expected time of the next choice, including its timing [s]; 0 if unknown."""
         choice = self.next()
         if not self.measurements or choice is None:
             return 0.0
@@ -83,7 +83,7 @@ class StepSizeSeries:
         return ((1 + REPEATS) * last.cost + last.judging) * choice.steps / last.choice.steps
 
     def exhausted(self, uncertainty: float) -> bool:
-        """Whether finer steps have stopped to help, or the reference can no longer tell."""
+        """Whether smaller steps no longer help, or the error is near the uncertainty of the reference."""
         errors = [measurement.error for measurement in self.measurements]
         if len(errors) < LEAST:
             return False
@@ -93,9 +93,10 @@ class StepSizeSeries:
         return stagnant(errors, max(finite, default=0.0))
 
     def has_room(self, index: int, parts: int, uncertainty: float) -> bool:
-        """Whether a row of a multiple of `parts` steps fits between one and the next, both of which count.
+        """Whether a held-out row with a multiple of `parts` steps fits between two successive rows, which are both
+        valid.
 
-        A row that was held out is not what another one is predicted from.
+        No row is predicted from held-out rows.
         """
         coarse, fine = self.measurements[index : index + 2]
         room = fine.choice.steps >= 2 * coarse.choice.steps and fine.choice.steps - coarse.choice.steps >= 2 * parts
@@ -103,17 +104,17 @@ class StepSizeSeries:
         return room and fresh and math.isfinite(coarse.error) and fine.error >= CERTAIN * uncertainty
 
     def gap(self, index: int) -> float:
-        """By which factor the error falls from one row to the next; 0 where it does not."""
+        """The factor by which the error decreases from one row to the next; 0 if it does not."""
         coarse, fine = self.measurements[index : index + 2]
         return coarse.error / fine.error if coarse.error > fine.error > 0.0 else 0.0
 
     def between(self, index: int) -> tuple[float, float]:
-        """Error and cost that are expected halfway from one row to the next, both logarithmic."""
+        """The expected error and cost halfway between a row and the next, by logarithmic interpolation."""
         coarse, fine = self.measurements[index : index + 2]
         return math.sqrt(coarse.error * fine.error), math.sqrt(coarse.cost * fine.cost)
 
     def prediction(self, held_out: Measurement) -> Prediction:
-        """Error and time by straight lines, both logarithmic, through the rows on both sides that were not held out."""
+        """Error and time by log–log interpolation between the rows on both sides that were not held out."""
         others = [
             measurement
             for measurement in self.measurements

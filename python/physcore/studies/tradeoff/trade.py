@@ -1,4 +1,4 @@
-"""What speed costs in accuracy: the measurements, with all the ways to look at them."""
+"""Result of a trade-off study: the measurements, with methods to report them."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from typing import TYPE_CHECKING, Any
 from physcore.storage.files import replacing
 from physcore.studies.tradeoff.result import Measurements
 
-# Reports and drawings are imported where they are used: `import physcore` need not wait for them.
+# Reports and drawings are imported on use, so that `import physcore` is faster.
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False)
 class Tradeoff(Measurements):
-    """What speed costs in accuracy, in one scene; `print` it for the table, `explain` it for sentences.
+    """Trade-off between speed and accuracy in one scene. `print` shows a table, and `explain` returns an explanation.
 
         trade = pc.tradeoff(scene, duration=0.1, budget=1.0)  # a Tradeoff
         print(trade)
         simulation = pc.Simulation(scene, **trade.best(error=1e-3).numerics)
 
-    `tradeoff` measures it.
+    `tradeoff` returns it.
     """
 
     def explain(self) -> str:
-        """What was found, in sentences."""
+        """The results as sentences."""
         from physcore.studies.tradeoff.report import explanation
 
         return explanation(self)
 
     def plot(self, path: str | os.PathLike[str] | None = None, axes: Axes | None = None) -> Axes:
-        """Draw error against time, both logarithmic, with Matplotlib (`pip install "physcore[plot]"`).
+        """Plot error against time, on logarithmic axes, with Matplotlib (`pip install "physcore[plot]"`).
 
-        The front is underlaid, rows that blew up are crosses at the top, and below the shaded line the reference is not
-        good enough to tell.
+        The Pareto front is highlighted. Rows that diverged are crosses at the top. Below the shaded line, errors are
+        within the uncertainty of the reference.
 
         Args:
-            path: where to write the figure, with a suffix that Matplotlib knows; None: nowhere.
-            axes: where to draw; a new figure by default.
+            path: the file to write, with a suffix that Matplotlib supports; None: no file.
+            axes: the axes to draw into; a new figure by default.
 
         Raises:
             PhyscoreError: Matplotlib is not installed.
@@ -51,16 +51,16 @@ class Tradeoff(Measurements):
         return plot(self, path, axes)
 
     def film(self, path: str | os.PathLike[str], *, error: float, fps: float = 30.0, **options: Any) -> None:
-        """Show the fastest row within an error beside the reference, as a GIF.
+        """Film the fastest row within an error beside the reference.
 
         Args:
-            path: where to write, ending in .gif or .png.
-            error: the largest error to accept [m].
+            path: the file to write, ending in .gif or .png.
+            error: the largest acceptable error [m].
             fps: frames per second of simulated time.
-            options: for `physcore.film`.
+            options: arguments of `physcore.film`.
 
         Raises:
-            PhyscoreError: no row is that good.
+            PhyscoreError: no row meets the bound.
             FileError: the file cannot be written.
         """
         from physcore.studies.tradeoff.drawing import film
@@ -68,7 +68,7 @@ class Tradeoff(Measurements):
         film(self, path, self.best(error=error), fps, options)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything that was measured as JSON, with the machine, the version and the seed.
+        """Save all measurements as JSON, with the machine, the version and the seed.
 
         Raises:
             FileError: the file cannot be written.
@@ -84,7 +84,7 @@ class Tradeoff(Measurements):
         return table(self)
 
     def _repr_html_(self) -> str:
-        """For notebooks: the same table."""
+        """The table as HTML, for notebooks."""
         from physcore.studies.tradeoff.report import html
 
         return html(self)
