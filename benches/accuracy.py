@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from statistics import median
 
 import numpy as np
+from measure import table
 
 import physcore as pc
 
@@ -355,38 +356,33 @@ def farthest(scene: pc.Scene, one: np.ndarray, other: np.ndarray) -> float:
 
 
 def main(seeds: tuple[int, ...] = SEEDS[:1], scenes: int = SCENES, only: str = "") -> dict[str, float]:
-    """Measure all, and print one line for each."""
+    """Measure all, and print a row for each."""
     outcomes = []
-    print(
-        f"\naccuracy= and energy_drift= on {scenes} random scenes from each of the seeds {', '.join(map(str, seeds))}"
-    )
-    print(
-        f"{'scene':<14}{'asked for':<28}{'chosen, steps per frame':<26}{'evaluations':>12}{'cost':>7}{'(time)':>8}"
-        f"{'error/allowed':>15}  remarks"
-    )
-    for seed in seeds:
-        for index, case in enumerate(draw(seed, scenes)):
-            if only and case.kind != only:
-                continue
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                outcome = measure(case)
-            outcomes.append(outcome)
-            print(line(f"{case.kind} {seed}.{index}", outcome), flush=True)
+
+    def rows() -> Iterator[tuple[object, ...]]:
+        for seed in seeds:
+            for index, case in enumerate(draw(seed, scenes)):
+                if only in ("", case.kind):
+                    with warnings.catch_warnings():
+                        warnings.simplefilter("ignore")
+                        outcomes.append(measure(case))
+                    yield f"{case.kind} {seed}.{index}", *row(outcomes[-1])
+
+    title = f"accuracy= and energy_drift= on {scenes} random scenes from each of the seeds {', '.join(map(str, seeds))}"
+    costs = ("evaluations", "cost", "cost in time", "error/allowed")
+    table(title, ("scene", "asked for", "chosen, steps per frame", *costs, "remarks"), rows())
     return summary(outcomes)
 
 
-def line(label: str, outcome: Outcome) -> str:
-    """One outcome."""
+def row(outcome: Outcome) -> tuple[object, ...]:
+    """Cells of one outcome."""
     asked = ", ".join(f"{name.removeprefix('energy_')} {value:.1e}" for name, value in outcome.case.targets.items())
     if outcome.refused:
-        return f"{label:<14}{asked:<28}{'refused':<26}{outcome.evaluations:>12}{'':>30}  {outcome.refused}"
+        return asked, "refused", outcome.evaluations, "", "", "", outcome.refused
     remarks = [] if outcome.kept else ["BROKEN"]
     remarks += ["at its limit"] * outcome.at_limit + ["reference not resolved"] * (not outcome.resolved)
-    return (
-        f"{label:<14}{asked:<28}{outcome.chosen:<26}{outcome.evaluations:>12}{outcome.cost:>7.1f}"
-        f"{outcome.seconds / outcome.again:>8.1f}{outcome.share:>15.1e}  {', '.join(remarks)}"
-    )
+    costs = (outcome.evaluations, outcome.cost, outcome.seconds / outcome.again, outcome.share)
+    return asked, outcome.chosen, *costs, ", ".join(remarks)
 
 
 def summary(outcomes: list[Outcome]) -> dict[str, float]:
@@ -395,18 +391,21 @@ def summary(outcomes: list[Outcome]) -> dict[str, float]:
     free = [each.share for each in given if not each.at_limit]
     costs, times = [each.cost for each in given], [each.seconds / each.again for each in given]
     broken = sum(not each.kept for each in given)
-    print(f"{len(given)} of {len(outcomes)} were computed, {len(outcomes) - len(given)} refused, {broken} broken")
-    print(f"cost in evaluations: median {median(costs):.1f}, from {min(costs):.1f} to {max(costs):.1f} returned runs")
-    print(f"cost in seconds: median {median(times):.1f}, from {min(times):.1f} to {max(times):.1f}")
-    for name, shares in (("all", [each.share for each in given]), ("those not at their limit", free)):
-        if shares:
-            tenth = sum(share > 0.1 for share in shares) / len(shares)
-            print(
-                f"share of what was allowed, {name} ({len(shares)}): median {median(shares):.2g}, "
-                f"from {min(shares):.1e} to {max(shares):.2g}; above a tenth in {tenth:.0%}"
-            )
     total = math.fsum(math.log(each.evaluations) for each in given) / len(given)
-    print(f"evaluations of a call: geometric mean {math.exp(total):.3g}")
+    title = f"{len(given)} of {len(outcomes)} were computed, {len(outcomes) - len(given)} refused, {broken} broken"
+    spreads = {
+        "cost in evaluations [returned runs]": costs,
+        "cost in seconds [returned runs]": times,
+        "share of what was allowed": [each.share for each in given],
+        "share of it, those not at their limit": free,
+    }
+    columns = ("", "calls", "median", "least", "most", "above a tenth")
+    rows = (
+        (name, len(each), median(each), min(each), max(each), sum(one > 0.1 for one in each) / len(each))
+        for name, each in spreads.items()
+        if each
+    )
+    table(f"{title}; evaluations of a call: geometric mean {math.exp(total):.3g}", columns, rows)
     return {
         "accuracy=, cost": median(costs),
         "accuracy=, share used": median(free),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, speedup, table
+from measure import Contender, race, rate, results, speedup
 from rivals.charges import Ions, NumpyIons, numba_ions
-from rivals.jit import with_threads
+from rivals.jit import FASTMATH, numba_best
 
 import physcore as pc
 from physcore.numerics.choices import Precision
@@ -50,35 +49,25 @@ def agree(make: type[Ions], precision: Precision) -> None:
 def compare(precision: Precision) -> list[Contender]:
     """Race all versions in one precision."""
     compiled = {
-        f"{'blocks' if blocks else 'one by one'}, {'fastmath' if fastmath else 'strict'}": numba_ions(fastmath, blocks)
-        for fastmath in (False, True)
+        f"{'blocks' if blocks else 'one by one'}, {kind}": (numba_ions(fastmath, blocks), 1)
+        for kind, fastmath in FASTMATH.items()
         for blocks in (False, True)
     }
-    for make in (NumpyIons, *compiled.values()):
+    for make, _ in [(NumpyIons, 1), *compiled.values()]:
         agree(make, precision)
-
-    def numba(threads: int) -> Contender:
-        def step(make: type[Ions]) -> Callable[[int], object]:
-            return with_threads(threads, rival(COUNT, make, precision).step)
-
-        return fastest([Contender(f"Numba, {name}", step(make), threads) for name, make in compiled.items()])
-
     contenders = [
         *(Contender("physcore", ours(COUNT, precision, threads).step, threads) for threads in (1, 2)),
-        numba(1),
-        numba(2),
+        *(numba_best(lambda make: rival(COUNT, make, precision).step, compiled, threads) for threads in (1, 2)),
         Contender("NumPy, blocks in the cache", rival(COUNT, NumpyIons, precision).step),
     ]
-    race(contenders)
-    table(f"Boris' method in a Penning trap, {COUNT} ions, {precision}", "particle-steps", COUNT, contenders)
-    return contenders
+    title = f"Boris' method in a Penning trap, {COUNT} ions, {precision}"
+    return results(title, "particle-steps", COUNT, race(contenders))
 
 
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
-    precisions: tuple[Precision, ...] = ("f64", "f32")
-    for precision in precisions:
+    for precision in DTYPES:
         contenders = compare(precision)
         figures[f"Boris {precision}"] = rate(contenders[0], COUNT)
         figures[f"two threads, Boris {precision}"] = speedup(contenders)

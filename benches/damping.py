@@ -10,6 +10,7 @@ its linear motion along itself, whose masses are joined by damped springs.
 from __future__ import annotations
 
 import numpy as np
+from measure import table
 
 Array = np.ndarray
 
@@ -72,30 +73,20 @@ def error(stiffness: Array, damping: Array, h: float, steps: int, *, implicit: b
     return largest
 
 
-def oscillators() -> None:
-    """One oscillator of ω = 1/s."""
-    print("one oscillator  |  stable up to ω·h     |  error in 2 periods at ω·h = 0.1")
-    print("ξ               |  predicted  implicit  |  predicted  implicit")
-    for ratio in RATIOS:
-        stiffness, damping = np.eye(1), 2.0 * ratio * np.eye(1)
-        limits = [limit(stiffness, damping, implicit=implicit) for implicit in (False, True)]
-        errors = [error(stiffness, damping, 0.1, 126, implicit=implicit) for implicit in (False, True)]
-        print(f"{ratio:<16}|  {limits[0]:<9.4f}  {limits[1]:<8.4f}  |  {errors[0]:<9.1e}  {errors[1]:<8.1e}")
-
-
-def rope() -> None:
-    """A rope whose fastest mode has the damping ratio ξ; its slowest one is followed at a step that both bear."""
-    stiffness = 2.0 * np.eye(COUNT) - np.eye(COUNT, k=1) - np.eye(COUNT, k=-1)
+def compare(name: str, stiffness: Array, steps: int) -> None:
+    """Print limits and errors; damping grows with stiffness, and gives the fastest mode the damping ratio ξ."""
     fastest = np.sqrt(np.linalg.eigvalsh(stiffness)[-1])
-    print(f"\nrope of {COUNT}      |  stable up to ω·h     |  error of the slowest mode in 500 steps of ω·h = 0.1")
-    print("ξ of the fastest|  predicted  implicit  |  predicted  implicit")
-    for ratio in RATIOS:
-        damping = 2.0 * ratio / fastest * stiffness
-        limits = [fastest * limit(stiffness, damping, implicit=implicit) for implicit in (False, True)]
-        errors = [error(stiffness, damping, 0.1 / fastest, 500, implicit=implicit) for implicit in (False, True)]
-        print(f"{ratio:<16}|  {limits[0]:<9.4f}  {limits[1]:<8.4f}  |  {errors[0]:<9.1e}  {errors[1]:<8.1e}")
+
+    def row(ratio: float) -> tuple[float, ...]:
+        damping, ways = 2.0 * ratio / fastest * stiffness, (False, True)
+        limits = (fastest * limit(stiffness, damping, implicit=way) for way in ways)
+        return ratio, *limits, *(error(stiffness, damping, 0.1 / fastest, steps, implicit=way) for way in ways)
+
+    title = f"{name}: stable up to ω·h; error of the slowest mode in {steps} steps of ω·h = 0.1"
+    columns = ("ξ of the fastest mode", "limit, predicted", "implicit", "error, predicted", "implicit")
+    table(title, columns, map(row, RATIOS))
 
 
 if __name__ == "__main__":
-    oscillators()
-    rope()
+    compare("One oscillator of ω = 1/s", np.eye(1), 126)
+    compare(f"Rope of {COUNT}", 2.0 * np.eye(COUNT) - np.eye(COUNT, k=1) - np.eye(COUNT, k=-1), 500)

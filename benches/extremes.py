@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable
 
 import numpy as np
+from measure import markdown
 
 import physcore as pc
 
@@ -18,11 +19,8 @@ FACTORS = (0.5, 0.95, 1.0, 1.05, 2.0, 10.0, 100.0)
 
 def table() -> str:
     """Every case as a row of Markdown."""
-    lines = ["## The extremes", "", "| case | what happens |", "|---|---|"]
-    for name, case in CASES.items():
-        print(f"  {name}", flush=True)
-        lines.append(f"| {name} | {_outcome(case)} |")
-    return "\n".join(lines)
+    rows = ((name, _outcome(case)) for name, case in CASES.items())
+    return "\n".join(["## The extremes", "", *markdown(("case", "what happens"), rows)])
 
 
 def _outcome(case: Callable[[], str]) -> str:

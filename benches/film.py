@@ -14,7 +14,6 @@ over the frames [dB].
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import subprocess
 import sys
@@ -22,12 +21,15 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import nan
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from measure import table
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
+from rivals import optional
 
 import physcore as pc
 from physcore._core import Gif
@@ -205,47 +207,52 @@ def milliseconds(
     return 1000.0 * best / frames
 
 
-def main(frames: int = 120) -> None:
-    """Print a line for each way."""
+def ways(frames: int) -> Iterator[tuple[object, ...]]:
+    """Each way, its time per frame [ms], the size of its file [MB] and how true that is [dB]."""
     recording = bouncing(DISCS, 2, frames)
     drawn = np.array([canvas.pixels() for canvas in renderer_of(recording).frames()])[..., :3]
-    print(f"{DISCS} discs with trails, {SIZE[0]}×{SIZE[1]}, {frames} frames: from positions to a GIF")
     with tempfile.TemporaryDirectory() as folder:
 
-        def row(name: str, spent: float, path: Path | None = None, *, ours: bool = True) -> None:
-            size = f"{path.stat().st_size / 1e6:7.2f} MB" if path else ""
-            quality = f"{fidelity(drawn, path):7.2f} dB" if path and ours else ""
-            print(f"{name:<64} {spent:7.2f} ms per frame {size} {quality}", flush=True)
+        def row(name: str, spent: float, path: Path | None = None, *, ours: bool = True) -> tuple[object, ...]:
+            size = path.stat().st_size / 1e6 if path else ""
+            return name, spent, size, fidelity(drawn, path) if path and ours else ""
 
         path = Path(folder) / "film.gif"
         qualities: tuple[Literal["fast", "high"], ...] = ("fast", "high")
         for quality in qualities:
             options = {"size": SIZE, "style": STYLE, "quality": quality}
             spent = milliseconds(lambda options=options: pc.film(recording, path, **options), frames, 3)  # type: ignore[misc]
-            row(f"physcore.film, quality={quality!r}", spent, path)
-        row("  drawing alone", milliseconds(lambda: draw(recording), frames, 3))
+            yield row(f"physcore.film, quality={quality!r}", spent, path)
+        yield row("drawing alone", milliseconds(lambda: draw(recording), frames, 3))
         with one_core():
             spent = milliseconds(lambda: draw(recording), frames, 3, time.process_time)
-        row("  drawing alone, processor time on one core", spent)
+        yield row("drawing alone, processor time on one core", spent)
         for quality in qualities:
             spent = min(encode(recording, path, quality) for _ in range(3))
-            row(f"  encoding alone, quality={quality!r}", spent, path)
-        if importlib.util.find_spec("imageio_ffmpeg"):
-            name, spent = best_ffmpeg(drawn, path)
-            row(name, spent, path)
+            yield row(f"encoding alone, quality={quality!r}", spent, path)
+        absent = (nan, "", "")
+        yield row(*best_ffmpeg(drawn, path), path) if optional("imageio_ffmpeg") else ("ffmpeg, not installed", *absent)
         for dimension in (2, 3):
             name = f"{MILLION} particles in {dimension}D, {LARGE[0]}×{LARGE[1]}, drawing and encoding on one core"
-            row(name, million(dimension), ours=False)
+            yield row(name, million(dimension), ours=False)
         start = time.perf_counter()
         pictures = pillow_pictures(recording)
         drawing = 1000.0 * (time.perf_counter() - start) / frames
         for name, write in (("Pillow, defaults", pillow_defaults), ("Pillow, one palette", pillow_one_palette)):
             spent = milliseconds(lambda write=write: write(pictures, path), frames, 1)  # type: ignore[misc]
-            row(f"{name}: {drawing:.1f} drawing + {spent:.1f} encoding", drawing + spent, path, ours=False)
-        if importlib.util.find_spec("matplotlib"):
+            yield row(f"{name}: {drawing:.1f} drawing + {spent:.1f} encoding", drawing + spent, path, ours=False)
+        if optional("matplotlib"):
             few = max(frames // 10, 2)
             spent = milliseconds(lambda: matplotlib_animation(recording, few, path), few, 1)
-            row("Matplotlib, FuncAnimation, a tenth of the frames", spent, path, ours=False)
+            yield row("Matplotlib, FuncAnimation, a tenth of the frames", spent, path, ours=False)
+        else:
+            yield "Matplotlib, not installed", *absent
+
+
+def main(frames: int = 120) -> None:
+    """Print a row for each way."""
+    title = f"{DISCS} discs with trails, {SIZE[0]}×{SIZE[1]}, {frames} frames: from positions to a GIF"
+    table(title, ("", "ms per frame", "MB", "dB"), ways(frames))
 
 
 if __name__ == "__main__":

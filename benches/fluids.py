@@ -9,10 +9,10 @@ from math import ceil, sqrt
 from statistics import median
 
 import numpy as np
-from measure import Contender, race, rate, speedup, table
+from measure import Contender, race, rate, results, speedup, table
 from numpy.typing import NDArray
 from rivals.fluids_numba import NumbaFluid, Tank
-from rivals.jit import with_threads
+from rivals.jit import FASTMATH, with_threads
 
 import physcore as pc
 from physcore.numerics.choices import Precision
@@ -118,22 +118,20 @@ def agree(dimension: int) -> None:
 
 def compare(dimension: int, rows: int) -> dict[str, float]:
     """Race over one dam; what it gives by name."""
-    agree(dimension)
+    if FASTMATH:
+        agree(dimension)
     dam = flowing(dimension, rows)
     plain, count, name = bare(dam), len(dam.fluid), f"{dimension}D"
     simulations = [dam.simulation(threads) for threads in (1, 2)]
     ours = [Contender("physcore", one.step, threads) for threads, one in enumerate(simulations, start=1)]
-    theirs = [
-        Contender("Numba, lists, fastmath", with_threads(threads, dam.rival().step), threads) for threads in (1, 2)
-    ]
+    theirs = [numba(dam, threads) for threads in (1, 2)]
     double = Contender("physcore, f64", dam.simulation(precision="f64").step)
-    free = [Contender("physcore", plain.simulation().step)]
-    free.append(Contender("Numba, lists, fastmath", with_threads(1, plain.rival().step)))
+    free = [Contender("physcore", plain.simulation().step), numba(plain, 1)]
     race([*ours, *theirs, double, *free], REPETITIONS)
     plan = simulations[0].plan
     title = f"{count} particles, {name}, dt = {dam.dt * SOUND / (KERNEL.smoothing * dam.fluid.spacing):.2f} h/c"
-    table(f"Dam break, {title}, f32", "particle-steps", count, [*ours, *theirs])
-    table(f"The same without walls and diffusion, {title}, f32", "particle-steps", count, free)
+    results(f"Dam break, {title}, f32", "particle-steps", count, [*ours, *theirs])
+    results(f"Dam break without walls and diffusion, {title}, f32", "particle-steps", count, free)
     figures = {
         f"fluid {name}": 1e3 * rate(ours[0], count),
         f"fluid {name}, no walls": 1e3 * rate(free[0], count),
@@ -141,13 +139,16 @@ def compare(dimension: int, rows: int) -> dict[str, float]:
         f"fluid {name}, f64 over f32": median(ours[0].cpu) / median(double.cpu),
         f"memory, fluid {name}": plan.memory / count,
     }
-    walls = median(ours[0].cpu) / median(free[0].cpu)
-    print(
-        f"f64 runs at {figures[f'fluid {name}, f64 over f32']:.2f} of f32; a particle takes {plan.memory / count:.0f} "
-        f"bytes; walls and diffusion make a step {walls:.2f} times as long, in Numba "
-        f"{median(theirs[0].cpu) / median(free[1].cpu):.2f}"
-    )
+    walls = [median(one.cpu) / median(other.cpu) for one, other in zip((ours[0], theirs[0]), free, strict=True)]
+    columns = ("", "f64 over f32", "bytes per particle", "step with walls over one without", "in Numba")
+    table("Ratios", columns, [(f"fluid {name}", *list(figures.values())[-2:], *walls)])
     return figures
+
+
+def numba(dam: Dam, threads: int) -> Contender:
+    """The opponent."""
+    name = "Numba, lists, fastmath"
+    return Contender(name, with_threads(threads, dam.rival().step) if FASTMATH else None, threads)
 
 
 def deviations(dam: Dam, dt: float, moments: int, duration: float) -> tuple[int, NDArray[np.float64]]:
@@ -167,25 +168,19 @@ def trade() -> None:
     """Print how many steps a dam break takes, and how wrong its density is, at several time steps."""
     dam = standing(2, 32, smoothing=1.5)
     unit = dam.method.kernel.smoothing * dam.fluid.spacing / SOUND
-    limit = 2.0 * dam.dt
+    limit = 2.0 * dam.dt / unit
     duration, moments = 0.4, 8
-    choices = {"0.2 h/c": 0.2 * unit, "half the limit": 0.5 * limit, "95 % of the limit": 0.95 * limit}
-    _, exact = deviations(dam, 0.05 * unit, moments, duration)
-    print(f"\nDam break, {len(dam.fluid)} particles, 2D, f32, {duration} s; the reference run has dt = 0.05 h/c")
-    print(f"{'':<20}{'c dt/h':>8}{'steps':>8}{'rms of ρ/ρ₀−1':>16}{'off the reference':>20}")
-
-    def line(name: str, dt: float, steps: int, found: NDArray[np.float64]) -> None:
-        size, off = np.sqrt(np.mean(found**2)), np.sqrt(np.mean((found - exact) ** 2))
-        print(f"{name:<20}{dt / unit:>8.2f}{steps:>8}{size:>16.2e}{off:>20.1e}")
-
-    line("reference", 0.05 * unit, ceil(duration / (0.05 * unit)), exact)
-    counts = []
-    for name, dt in choices.items():
-        steps, found = deviations(dam, dt, moments, duration)
-        counts.append(steps)
-        line(name, dt, steps, found)
-    ratios = " and ".join(f"{counts[0] / count:.1f}" for count in counts[1:])
-    print(f"Fewer steps than at the customary 0.2 h/c: {ratios} times.")
+    choices = {"reference": 0.05, "0.2 h/c": 0.2, "half the limit": 0.5 * limit, "95 % of the limit": 0.95 * limit}
+    runs = [deviations(dam, number * unit, moments, duration) for number in choices.values()]
+    (_, exact), (customary, _), *_ = runs
+    table(
+        f"Dam break, {len(dam.fluid)} particles, 2D, f32, {duration} s",
+        ("", "c dt/h", "steps", "fewer than at 0.2 h/c, times", "rms of ρ/ρ₀−1", "off the reference"),
+        [
+            (name, number, steps, customary / steps, np.sqrt(np.mean(off**2)), np.sqrt(np.mean((off - exact) ** 2)))
+            for (name, number), (steps, off) in zip(choices.items(), runs, strict=True)
+        ],
+    )
 
 
 def grains(rows: int) -> pc.Scene:
@@ -219,9 +214,8 @@ def pairs(rows: int) -> None:
             contenders.append(Contender(f"{name}, {precision}", simulation.step))
     race(contenders, 3)
     count = len(heap.bodies[0])
-    print(f"\nOther pair forces, {count} particles, 3D [million particle-steps per CPU second]")
-    for one in contenders:
-        print(f"{one.name:<36}{1e3 * rate(one, count):>10.2f}")
+    title = f"Other pair forces, {count} particles, 3D [million particle-steps per CPU second]"
+    table(title, ("", "figure"), [(one.name, 1e3 * rate(one, count)) for one in contenders])
 
 
 def main(large: bool = False) -> dict[str, float]:

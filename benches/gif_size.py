@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from measure import table
 
 from physcore._core import Canvas, Gif
 from physcore.film.writers import gif
@@ -92,17 +93,17 @@ def _shrunk(picture: np.ndarray, scale: float) -> np.ndarray:
     return np.ascontiguousarray(Image.fromarray(picture).resize(size, Image.Resampling.BOX))
 
 
+def figures(pictures: list[np.ndarray], options: dict[str, Any]) -> str:
+    """Megabytes and error of a film."""
+    content = encoded(pictures, **options)
+    return f"{len(content) / 1e6:.2f}, {error(pictures, content, options.get('stride', 1)):.1f}"
+
+
 def main(names: list[str]) -> None:
     """Print the table."""
-    print("| MB, and error in levels of 255 | " + " | ".join(names) + " |")
-    print("|---|" + "---|" * len(names))
-    films = {name: drawn(name) for name in names}
-    for way, options in WAYS.items():
-        cells = []
-        for pictures in films.values():
-            content = encoded(pictures, **options)
-            cells.append(f"{len(content) / 1e6:.2f}, {error(pictures, content, options.get('stride', 1)):.1f}")
-        print(f"| {way} | " + " | ".join(cells) + " |", flush=True)
+    films = [drawn(name) for name in names]
+    rows = ((way, *(figures(film, options) for film in films)) for way, options in WAYS.items())
+    table("Sizes of GIFs", ("MB, and error in levels of 255", *names), rows)
 
 
 if __name__ == "__main__":

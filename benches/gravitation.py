@@ -4,15 +4,14 @@ REBOUND: `python benches/gravitation.py`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from statistics import median
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, speedup, table
+from measure import Contender, race, rate, results, speedup
 from rivals.gravitation import Cluster, NumpyCluster, numba_cluster
-from rivals.jit import with_threads
-from rivals.trees import accelerations, rebound_accelerations, rebound_run, widest_angle
+from rivals.jit import FASTMATH, numba_best, with_threads
+from rivals.trees import accelerations, pytreegrav, rebound, rebound_accelerations, rebound_run, widest_angle
 
 import physcore as pc
 from physcore.numerics.choices import Precision
@@ -59,16 +58,9 @@ def agree(make: type[Cluster], precision: Precision) -> None:
 def compare(precision: Precision) -> list[Contender]:
     """Race all versions in one precision."""
     scene = cluster(COUNT)
-    compiled = {"fastmath" if fastmath else "strict": numba_cluster(fastmath) for fastmath in (False, True)}
-    for make in (NumpyCluster, *compiled.values()):
+    compiled = {kind: (numba_cluster(fastmath), 1) for kind, fastmath in FASTMATH.items()}
+    for make, _ in [(NumpyCluster, 1), *compiled.values()]:
         agree(make, precision)
-
-    def numba(threads: int) -> Contender:
-        def step(make: type[Cluster]) -> Callable[[int], object]:
-            return with_threads(threads, rival(scene, make, precision).step)
-
-        return fastest([Contender(f"Numba, {name}", step(make), threads) for name, make in compiled.items()])
-
     ours = [
         Contender(
             "physcore",
@@ -77,11 +69,10 @@ def compare(precision: Precision) -> list[Contender]:
         )
         for threads in (1, 2)
     ]
+    numba = [numba_best(lambda make: rival(scene, make, precision).step, compiled, threads) for threads in (1, 2)]
     numpy = Contender("NumPy, some rows at a time", rival(scene, NumpyCluster, precision).step)
-    contenders = [*ours, numba(1), numba(2), numpy]
-    race(contenders)
-    table(f"Verlet, gravitation of all pairs, {COUNT} stars, {precision}", "ordered pairs", COUNT**2, contenders)
-    return contenders
+    title = f"Verlet, gravitation of all pairs, {COUNT} stars, {precision}"
+    return results(title, "ordered pairs", COUNT**2, race([*ours, *numba, numpy]))
 
 
 def compare_trees(name: str) -> dict[str, float]:
@@ -92,7 +83,7 @@ def compare_trees(name: str) -> dict[str, float]:
     scene = pc.Scene(stars, pc.Gravitation(1.0, SOFTENING, "auto", force_error=FORCE_ERROR))
     # Copies, because Numba's classes take no arrays that cannot be written to.
     positions, mass = stars.positions.copy(), np.full(count, 1.0 / count)
-    angle = widest_angle(accelerations, positions, mass, FORCE_ERROR)
+    angle = pytreegrav and widest_angle(accelerations, positions, mass, FORCE_ERROR)
 
     def theirs(steps: int) -> None:
         for _ in range(steps):
@@ -104,14 +95,14 @@ def compare_trees(name: str) -> dict[str, float]:
         for precision in precisions
     }
     contenders = [Contender(f"physcore, {precision}", run.step, 2) for precision, run in ours.items()]
-    contenders.append(Contender("pytreegrav, f64", with_threads(2, theirs), 2))
+    contenders.append(Contender("pytreegrav, f64", pytreegrav and with_threads(2, theirs), 2))
     if count < SLOW:
         alone = pc.Simulation(scene, pc.VelocityVerlet(), dt=STEP, threads=1)
-        angle_of_rebound = widest_angle(rebound_accelerations, positions, mass, FORCE_ERROR)
-        rebound = rebound_run(positions, mass, angle_of_rebound, STEP)
-        contenders += [Contender("physcore, f64", alone.step), Contender("REBOUND, f64", rebound.steps)]
-    race(contenders, repetitions=3)
-    table(f"gravitation by a tree, {name} stars, rms error {FORCE_ERROR:g}", "stars", count, contenders)
+        angle_of_rebound = rebound and widest_angle(rebound_accelerations, positions, mass, FORCE_ERROR)
+        run = rebound and rebound_run(positions, mass, angle_of_rebound, STEP)
+        contenders += [Contender("physcore, f64", alone.step), Contender("REBOUND, f64", run and run.steps)]
+    title = f"Gravitation by a tree, {name} stars, rms error {FORCE_ERROR:g}"
+    results(title, "stars", count, race(contenders, repetitions=3))
     return {
         f"tree {precision}, {name} stars": median(one.wall) for precision, one in zip(ours, contenders, strict=False)
     }
@@ -120,8 +111,7 @@ def compare_trees(name: str) -> dict[str, float]:
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
-    precisions: tuple[Precision, ...] = ("f64", "f32")
-    for precision in precisions:
+    for precision in DTYPES:
         contenders = compare(precision)
         figures[f"gravitation {precision}"] = rate(contenders[0], COUNT**2)
         figures[f"two threads, gravitation {precision}"] = speedup(contenders)

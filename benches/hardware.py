@@ -16,8 +16,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from math import inf, isnan, nan, sqrt
+from math import inf, nan, sqrt
 from pathlib import Path
 from statistics import median
 from typing import TypeAlias
@@ -25,7 +24,7 @@ from typing import TypeAlias
 import numpy as np
 import particles
 import springs
-from measure import Contender, rate, speedup
+from measure import Contender, cell, judge, rate, speedup
 
 import physcore as pc
 
@@ -34,34 +33,18 @@ BREAKING = 1200
 """Steps after which the dam has broken."""
 STEPS, TURNS = 20, 5
 Races: TypeAlias = Mapping[str, Sequence[Contender]]
+Row: TypeAlias = tuple[str, float, float, bool]
+"""A name, what is asked, what was found, and whether the latter may be at most that."""
 SOUND = 10.0 * sqrt(2.0 * 9.81)
-
-
-@dataclass(frozen=True)
-class Row:
-    """A line of the table."""
-
-    work: str
-    asked: float
-    found: float
-    reference: str
-    at_most: bool = False
-
-    def __str__(self) -> str:
-        """The line."""
-        sign = "≤" if self.at_most else "≥"
-        met = self.found <= self.asked if self.at_most else self.found >= self.asked
-        verdict = "not measured" if isnan(self.found) else "met" if met else "missed"
-        return f"{self.work:<52}{sign:>3}{self.asked:>6.4g}{self.found:>9.3g}  {verdict:<14}{self.reference}"
 
 
 def independent(races: Races) -> list[Row]:
     """Particles without forces between them, of Numba's loop with several steps fused."""
     rows = []
     for name, (ours, both, numba, *_) in races.items():
-        told = f"{rate(numba, particles.COUNT):.2f} G/s"
-        rows.append(Row(f"{name}, of Numba's loop", 0.85, median(numba.cpu) / median(ours.cpu), told))
-        rows.append(Row(f"{name}, two threads over one", 1.9, speedup([ours, both]), ""))
+        told = f"{name}, of {numba.name}, {cell(rate(numba, particles.COUNT))} G/s"
+        rows.append((told, 0.85, median(numba.cpu) / median(ours.cpu), False))
+        rows.append((f"{name}, two threads over one", 1.9, speedup([ours, both]), False))
     return rows
 
 
@@ -71,12 +54,13 @@ def networks(races: Races) -> list[Row]:
     for precision, asked in (("f32", 0.4), ("f64", 0.5)):
         ours, both, numba, *_ = races[f"grid {precision}"]
         other, other_both, *_ = races[f"network {precision}"]
-        name, ratio = f"springs, {precision}", median(numba.cpu) / median(ours.cpu)
-        rows.append(Row(f"{name}, grid, of Numba's rows", 1.15, ratio, f"{1e3 * median(numba.cpu):.2f} ms/step"))
-        share = median(ours.cpu) / median(other.cpu)
-        rows.append(Row(f"{name}, shuffled, of the grid", asked, share, f"{1e3 * median(ours.cpu):.2f} ms/step"))
-        rows.append(Row(f"{name}, grid, two threads over one", 1.9, speedup([ours, both]), ""))
-        rows.append(Row(f"{name}, shuffled, two threads over one", 1.9, speedup([other, other_both]), ""))
+        name, theirs, grid, mixed = f"springs, {precision}", *(median(one.cpu) for one in (numba, ours, other))
+        rows += [
+            (f"{name}, grid, of {numba.name}, {cell(1e3 * theirs)} ms/step", 1.15, theirs / grid, False),
+            (f"{name}, shuffled, of the grid, {cell(1e3 * grid)} ms/step", asked, grid / mixed, False),
+            (f"{name}, grid, two threads over one", 1.9, speedup([ours, both]), False),
+            (f"{name}, shuffled, two threads over one", 1.9, speedup([other, other_both]), False),
+        ]
     return rows
 
 
@@ -133,12 +117,12 @@ class Dam:
             reference = min(reference, self.step())
             for contender in (*ours.values(), both):
                 contender.turn()
-        name, told = f"fluid 3D, {count}", f"{1e-6 * count / reference:.2f} M/s"
+        name, told = f"fluid 3D, {count}", f"of the reference, {cell(1e-6 * count / reference)} M/s"
         return [
-            Row(f"{name}, no walls, of the reference", 0.85, reference / min(ours[False].cpu), told),
-            Row(f"{name}, walls, δ-SPH, of the reference", 0.65, reference / min(ours[True].cpu), told),
-            Row(f"{name}, two threads over one", 1.9, speedup([ours[False], both]), ""),
-            Row(f"{name}, bytes per particle", 300, simulations[True].plan.memory / count, "", at_most=True),
+            (f"{name}, no walls, {told}", 0.85, reference / min(ours[False].cpu), False),
+            (f"{name}, walls, δ-SPH, {told}", 0.65, reference / min(ours[True].cpu), False),
+            (f"{name}, two threads over one", 1.9, speedup([ours[False], both]), False),
+            (f"{name}, bytes per particle", 300, simulations[True].plan.memory / count, True),
         ]
 
 
@@ -146,7 +130,7 @@ def fluids(large: bool) -> list[Row]:
     """Rows of the fluid, if there is a reference."""
     program = os.environ.get(REFERENCE)
     if not program:
-        return [Row("fluid 3D, of the reference", 0.85, nan, f"no {REFERENCE}")]
+        return [(f"fluid 3D, of the reference, no {REFERENCE}", 0.85, nan, False)]
     with tempfile.TemporaryDirectory() as folder:
         return [row for rows in ((46, 100) if large else (46,)) for row in Dam(program, rows, Path(folder)).race()]
 
@@ -166,8 +150,8 @@ def beyond_caches() -> list[Row]:
     cloths = [springs.grid((side, side)) for side in (408, 1291)]
     loose, dense = (cost(pc.Scene(cloth, pc.Gravity((0.0, springs.GRAVITY))), len(cloth.pairs), 10) for cloth in cloths)
     return [
-        Row("Verlet f32, 10⁷ over 10⁶, cost each", 1.3, many / few, "100 steps a call", at_most=True),
-        Row("springs f32, grid, 10⁷ over 10⁶, cost each", 1.3, dense / loose, "10 steps a call", at_most=True),
+        ("Verlet f32, 10⁷ over 10⁶, cost each, 100 steps a call", 1.3, many / few, True),
+        ("springs f32, grid, 10⁷ over 10⁶, cost each, 10 steps a call", 1.3, dense / loose, True),
     ]
 
 
@@ -175,8 +159,7 @@ def show(particle_races: Races, spring_races: Races) -> None:
     """Print the table, from races of particles and of springs; those of fluids are run here."""
     large = "--large" in sys.argv
     rows = [*independent(particle_races), *networks(spring_races), *fluids(large), *(beyond_caches() if large else [])]
-    print(f"\n{'What the hardware gives':<52}{'asked':>9}{'found':>9}  {'':<14}reference")
-    print(*rows, sep="\n")
+    judge("What the hardware gives", rows)
 
 
 if __name__ == "__main__":

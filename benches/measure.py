@@ -11,9 +11,10 @@ from __future__ import annotations
 import os
 import platform
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from math import nan
+from itertools import chain
+from math import isnan, nan
 from pathlib import Path
 from statistics import median
 
@@ -31,14 +32,18 @@ class Contender:
     """One way to do the work, and how long its turns took."""
 
     name: str
-    step: Callable[[int], object]
-    """Takes a number of steps, a multiple of `multiple`."""
+    step: Callable[[int], object] | None
+    """Takes a number of steps, a multiple of `multiple`; None where the opponent cannot be imported."""
     threads: int = 1
     multiple: int = 1
     steps: int = 0
     wall: list[float] = field(default_factory=list)
     """Seconds per step of each turn."""
     cpu: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        if self.step is None:
+            self.name, self.wall, self.cpu = f"{self.name}, not installed", [nan], [nan]
 
     def calibrate(self) -> None:
         """Warm up (compilers, caches), and find how many steps make a turn."""
@@ -66,16 +71,18 @@ class Contender:
         return median(self.cpu) / min(self.cpu) - 1.0
 
 
-def race(contenders: Sequence[Contender], repetitions: int = REPETITIONS) -> None:
-    """Let all take turns."""
-    for contender in contenders:
+def race(contenders: list[Contender], repetitions: int = REPETITIONS) -> list[Contender]:
+    """Let all take turns that are installed; give all."""
+    racing = [contender for contender in contenders if contender.step]
+    for contender in racing:
         contender.calibrate()
     for _ in range(repetitions):
-        for contender in contenders:
+        for contender in racing:
             contender.turn()
+    return contenders
 
 
-def fastest(variants: Sequence[Contender]) -> Contender:
+def fastest(variants: list[Contender]) -> Contender:
     """The best of several versions of the same opponent, found in a short race; its readings are discarded."""
     if len(variants) == 1:
         return variants[0]
@@ -84,18 +91,53 @@ def fastest(variants: Sequence[Contender]) -> Contender:
     return Contender(best.name, best.step, best.threads, best.multiple)
 
 
-def table(title: str, unit: str, work: float, contenders: Sequence[Contender]) -> None:
+def cell(value: object) -> str:
+    """Text of a table: four digits of figures, and a dash for those that are missing."""
+    if isinstance(value, str | int):
+        return str(value)
+    return "—" if isnan(value) else f"{value:.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
+
+
+def markdown(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> Iterator[str]:
+    """Lines of a table, each as soon as its row is there."""
+    widths = [40, *(max(len(column), 8) for column in columns[1:])]
+    for row in chain([columns, ["-" * width for width in widths]], rows):
+        sides = ("<" if isinstance(value, str) else ">" for value in row)
+        cells = (f"{cell(value):{side}{width}}" for value, side, width in zip(row, sides, widths, strict=True))
+        yield f"| {' | '.join(cells)} |"
+
+
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print a table in Markdown, row by row as they come."""
+    for line in chain([f"\n{title}\n"], markdown(columns, rows)):
+        print(line, flush=True)
+
+
+def judge(title: str, rows: Iterable[tuple[str, float, float, bool]]) -> None:
+    """Print targets beside figures; each row has a name, both of them, and whether the target is an upper bound."""
+
+    def judged(name: str, target: float, found: float, at_most: bool) -> tuple[object, ...]:
+        sign, met = ("≤", found <= target) if at_most else ("≥", found >= target)
+        verdict = "not measured" if isnan(found) else "met" if met else "missed"
+        part = f": {found / target:.2f} of it" if verdict == "missed" and target else ""
+        return name, f"{sign} {cell(target)}", found, verdict + part
+
+    table(title, ("", "target", "measured", "verdict"), (judged(*row) for row in rows))
+
+
+def results(title: str, unit: str, work: float, contenders: list[Contender]) -> list[Contender]:
     """Print the rates of a race: `work` units per step, in millions per second; the first line is physcore's."""
-    print(f"\n{title} [million {unit}/s]")
-    print(f"{'':<46}{'wall clock':^20}{'per CPU second':^20}{'physcore is':>12}")
-    print(f"{'':<36}{'threads':>10}{'median':>10}{'best':>10}{'median':>10}{'best':>10}{'(CPU)':>12}")
     ours = {one.threads: median(one.cpu) for one in reversed(contenders) if one.name.startswith("physcore")}
-    for one in contenders:
-        rates = [work / seconds / 1e6 for times in (one.wall, one.cpu) for seconds in (median(times), min(times))]
-        ratio = median(one.cpu) / ours[one.threads]
-        mark = f"  noisy: {one.noise:.0%}" if one.noise > NOISE else ""
-        figures = "".join(f"{rate:>10.{2 if rate < 10 else 1 if rate < 100 else 0}f}" for rate in rates)
-        print(f"{one.name:<36}{one.threads:>10}{figures}{ratio:>11.2f}×{mark}", flush=True)
+
+    def row(one: Contender) -> tuple[object, ...]:
+        times = (summary(clock) for clock in (one.wall, one.cpu) for summary in (median, min))
+        mark = f"noisy: {one.noise:.0%}" if one.noise > NOISE else ""
+        return one.name, one.threads, *(work / time / 1e6 for time in times), median(one.cpu) / ours[one.threads], mark
+
+    clocks = ("wall clock, median", "best", "per CPU second, median", "best")
+    columns = ("", "threads", *clocks, "physcore is [times, CPU]", "")
+    table(f"{title} [million {unit}/s]", columns, map(row, contenders))
+    return contenders
 
 
 def rate(contender: Contender, work: float) -> float:

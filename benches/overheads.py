@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from statistics import median
 
-from measure import Contender, race
+from measure import Contender, race, table
 from particles import COUNT, STEP, falling
 from springs import GRAVITY, LARGE, SMALL, grid
 
@@ -68,17 +68,17 @@ def _repeat(once: Callable[[], object]) -> Callable[[int], None]:
 
 def main() -> dict[str, float]:
     """Print the overheads; give the figure that has a target."""
-    print("\nOverheads")
     wall, cpu = importing()
-    print(f"import physcore beyond NumPy: {wall:.3f} s on the wall clock, {cpu:.3f} s of the CPU")
-    cloth, small = (pc.Scene(grid(shape), pc.Gravity((0.0, GRAVITY))) for shape in (LARGE, SMALL))
-    for name, scene in {f"{COUNT:.0e} particles": falling(COUNT), "316×316 cloth": cloth}.items():
-        share, noise = audited(scene)
-        print(f"energy() every {EVERY} steps, {name}: {share:+.1%} of CPU time, with noise of {noise:.1%}")
-    print(f"step(1) on the 15×10 cloth: {per_call(small) * 1e6:.2f} µs more than a step of a long call")
-    print(
-        "The meters of dissipated energy and the check for divergence cannot be switched off: all figures include them."
-    )
+    large, small = (pc.Scene(grid(shape), pc.Gravity((0.0, GRAVITY))) for shape in (LARGE, SMALL))
+    title = "Overheads; meters of dissipated energy and the check for divergence are always on, and in all figures"
+    rows = [
+        ("import physcore beyond NumPy, wall clock [s]", wall, ""),
+        ("import physcore beyond NumPy, CPU [s]", cpu, ""),
+        (f"energy() every {EVERY} steps, {COUNT:.0e} particles [share of CPU time]", *audited(falling(COUNT))),
+        (f"energy() every {EVERY} steps, 316×316 cloth [share of CPU time]", *audited(large)),
+        ("step(1) on the 15×10 cloth, beyond a step of a long call [µs]", 1e6 * per_call(small), ""),
+    ]
+    table(title, ("", "figure", "noise"), rows)
     return {"import": cpu}
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, speedup, table
-from rivals.jit import with_threads
+from measure import Contender, race, rate, results, speedup
+from rivals.jit import FASTMATH, numba_best
 from rivals.particles import NumpyFalling, NumpyOrbit, Swarm, numba_falling, numba_orbit
 
 import physcore as pc
@@ -75,18 +75,11 @@ def compare(
         )
         for threads in (1, 2)
     ]
-    compiled = fastest(
-        [
-            Contender(f"Numba, {name}", with_threads(1, rival(make)), 1, multiple)
-            for name, (make, multiple) in numba_versions.items()
-        ]
-    )
-    make, multiple = numba_versions[compiled.name.removeprefix("Numba, ")]
-    shared = Contender(compiled.name, with_threads(2, rival(make)), 2, multiple)
-    contenders = [*ours, compiled, shared, Contender("NumPy, blocks in the cache", rival(numpy_version))]
-    race(contenders)
-    table(f"{title}, {COUNT:.0e} particles, 3D, {precision}", "particle-steps", COUNT, contenders)
-    return contenders
+    compiled = numba_best(rival, numba_versions)
+    winner = {name: one for name, one in numba_versions.items() if compiled.name == f"Numba, {name}"}
+    numpy = Contender("NumPy, blocks in the cache", rival(numpy_version))
+    contenders = [*ours, compiled, numba_best(rival, winner, 2), numpy]
+    return results(f"{title}, {COUNT:.0e} particles, 3D, {precision}", "particle-steps", COUNT, race(contenders))
 
 
 def readings() -> Iterator[tuple[str, list[Contender]]]:
@@ -98,8 +91,8 @@ def readings() -> Iterator[tuple[str, list[Contender]]]:
 
     for precision in precisions:
         drops = {
-            f"{fused} steps fused{', fastmath' if fastmath else ''}": (fall(numba_falling(fastmath, fused)), fused)
-            for fastmath in (False, True)
+            f"{fused} steps fused, {kind}": (fall(numba_falling(fastmath, fused)), fused)
+            for kind, fastmath in FASTMATH.items()
             for fused in (1, 4, 8)
         }
         yield (
@@ -109,9 +102,7 @@ def readings() -> Iterator[tuple[str, list[Contender]]]:
             ),
         )
     for precision in precisions:
-        orbits: dict[str, tuple[Maker, int]] = {
-            "fastmath" if fastmath else "strict": (numba_orbit(fastmath), 1) for fastmath in (False, True)
-        }
+        orbits: dict[str, tuple[Maker, int]] = {kind: (numba_orbit(fastmath), 1) for kind, fastmath in FASTMATH.items()}
         yield (
             f"RK4 {precision}",
             compare("RK4, inverse-square field", orbiting, pc.RungeKutta4(), precision, NumpyOrbit, orbits),

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, speedup, table
-from rivals.jit import with_threads
+from measure import Contender, race, rate, results, speedup
+from rivals.jit import FASTMATH, numba_best
 from rivals.reactions import Dish, NumpyDish, numba_dish
 
 import physcore as pc
@@ -67,8 +67,8 @@ def agree(make: Maker, precision: Precision, steps: int) -> None:
 def compare(precision: Precision) -> list[Contender]:
     """Race all versions in one precision."""
     compiled: dict[str, tuple[Maker, int]] = {
-        f"{fused} steps a pass{', fastmath' if fastmath else ''}": (numba_dish(fastmath, fused), fused)
-        for fastmath in (False, True)
+        f"{fused} steps a pass, {kind}": (numba_dish(fastmath, fused), fused)
+        for kind, fastmath in FASTMATH.items()
         for fused in FUSED
     }
     for make, multiple in [(NumpyDish, 1), *compiled.values()]:
@@ -76,15 +76,8 @@ def compare(precision: Precision) -> list[Contender]:
 
     def numba(threads: int) -> Contender:
         """The fastest version; several steps a pass run on one thread."""
-        return fastest(
-            [
-                Contender(
-                    f"Numba, {name}", with_threads(threads, rival(make, CELLS, precision).step), threads, multiple
-                )
-                for name, (make, multiple) in compiled.items()
-                if threads == 1 or multiple == 1
-            ]
-        )
+        chosen = {name: one for name, one in compiled.items() if threads == 1 or one[1] == 1}
+        return numba_best(lambda make: rival(make, CELLS, precision).step, chosen, threads)
 
     contenders = [
         *(ours(CELLS, precision, threads) for threads in (1, 2)),
@@ -92,16 +85,14 @@ def compare(precision: Precision) -> list[Contender]:
         numba(2),
         Contender("NumPy, bands in the cache", rival(NumpyDish, CELLS, precision).step),
     ]
-    race(contenders, repetitions=5)
-    table(f"Gray and Scott's reaction, {CELLS}², Euler, {precision}", "cell-updates", CELLS**2, contenders)
-    return contenders
+    title = f"Gray and Scott's reaction, {CELLS}², Euler, {precision}"
+    return results(title, "cell-updates", CELLS**2, race(contenders, repetitions=5))
 
 
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
-    precisions: tuple[Precision, ...] = ("f64", "f32")
-    for precision in precisions:
+    for precision in DTYPES:
         contenders = compare(precision)
         figures[f"reaction {precision}"] = rate(contenders[0], CELLS**2)
         figures[f"two threads, reaction {precision}"] = speedup(contenders)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, speedup, table
-from rivals.jit import with_threads
+from measure import Contender, fastest, race, rate, results, speedup, table
+from rivals.jit import FASTMATH, numba_best, with_threads
 from rivals.springs import Bincount, Maker, Slices
 from rivals.springs_numba import numba_network
 
@@ -73,10 +73,10 @@ def compare(
     shape: tuple[int, int],
     precision: Precision,
     numpy_versions: Mapping[str, Maker],
-    numba_versions: Mapping[str, Maker],
+    numba_versions: Mapping[str, tuple[Maker, int]],
 ) -> list[Contender]:
     """Race all versions of one network in one precision."""
-    agree(build, [*numpy_versions.values(), *numba_versions.values()], precision)
+    agree(build, [*numpy_versions.values(), *(make for make, _ in numba_versions.values())], precision)
     body, dtype = build(shape), DTYPES[precision]
     scene = pc.Scene(body, pc.Gravity((0.0, GRAVITY)))
 
@@ -92,28 +92,22 @@ def compare(
         for threads in (1, 2)
     ]
     plain = fastest([Contender(f"NumPy, {name}", rival(make)) for name, make in numpy_versions.items()])
-    compiled = fastest(
-        [Contender(f"Numba, {name}", with_threads(1, rival(make))) for name, make in numba_versions.items()]
-    )
-    make = numba_versions[compiled.name.removeprefix("Numba, ")]
-    shared = Contender(compiled.name, with_threads(2, rival(make)), 2)
-    contenders = [*ours, compiled, shared, plain]
-    if build is shuffled:
+    compiled = numba_best(rival, numba_versions)
+    winner = {name: one for name, one in numba_versions.items() if compiled.name == f"Numba, {name}"}
+    contenders = [*ours, compiled, numba_best(rival, winner, 2), plain]
+    for make, _ in winner.values() if build is shuffled else ():
         orderly = make(grid(shape), shape, dtype, STEP, GRAVITY).step
         contenders.append(Contender(f"{compiled.name}, not shuffled", with_threads(1, orderly)))
     if shape == SMALL:
         contenders = [one for one in contenders if one.threads == 1]  # Too small for anyone to share.
-    race(contenders)
-    springs = len(body.pairs)
-    table(f"{title}, {shape[0]}×{shape[1]}, {springs} springs, 2D, {precision}", "spring-updates", springs, contenders)
-    return contenders
+    title, springs = f"{title}, {shape[0]}×{shape[1]}, {len(body.pairs)} springs, 2D, {precision}", len(body.pairs)
+    return results(title, "spring-updates", springs, race(contenders))
 
 
 def readings() -> Iterator[tuple[str, list[Contender]]]:
     """Every race of large networks by name: physcore on one thread and on two, then Numba on one and on two."""
-    suffix = {False: "", True: ", fastmath"}
-    gathers = {f"gather{suffix[fast]}": numba_network(fast, grid=False) for fast in suffix}
-    shifts = {f"shifted rows{suffix[fast]}": numba_network(fast, grid=True) for fast in suffix}
+    gathers = {f"gather, {kind}": (numba_network(fast, grid=False), 1) for kind, fast in FASTMATH.items()}
+    shifts = {f"shifted rows, {kind}": (numba_network(fast, grid=True), 1) for kind, fast in FASTMATH.items()}
     plain = {"slices": Slices, "bincount": Bincount}
     for precision in DTYPES:
         yield f"grid {precision}", compare("Cloth, regular", grid, LARGE, precision, plain, gathers | shifts)
@@ -131,8 +125,8 @@ def figures(races: Mapping[str, Sequence[Contender]]) -> dict[str, float]:
     springs = len(grid(LARGE).pairs)
     for name, contenders in races.items():
         if name == "small cloth f32":
-            found[name], numba = (1e9 * rate(one, 1.0) for one in contenders[:2])
-            print(f"steps per CPU second: physcore {found[name]:.0f}, Numba {numba:.0f}")
+            found[name] = 1e9 * rate(contenders[0], 1.0)
+            table("Cloth, small", ("", "steps/s"), [(one.name, 1e9 * rate(one, 1.0)) for one in contenders[:2]])
         else:
             found[name] = rate(contenders[0], springs)
             found[f"two threads, {name}"] = speedup(contenders)

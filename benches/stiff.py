@@ -1,6 +1,6 @@
 """Stiff cloth by projections beside Numba, PositionBasedDynamics, Newton and Warp: `python benches/stiff.py`.
 
-The libraries are left out where they are not installed: pip install "physcore[bench-cloth]".
+Rows say which libraries are not installed: pip install "physcore[bench-cloth]".
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, table
+from measure import Contender, race, rate, results, table
+from rivals.jit import FASTMATH, numba_best
 from rivals.pbd_libraries import LIBRARIES, SWEEPS, Newton, installed
 from rivals.sweeps import Sheet
 
@@ -17,7 +18,6 @@ from physcore.numerics.choices import Precision
 
 SIDE = 100
 STEP = 1.0 / 600.0
-NUMBA = ("strict", "fastmath")
 DTYPES: dict[Precision, type[np.floating[Any]]] = {"f32": np.float32, "f64": np.float64}
 
 
@@ -58,17 +58,22 @@ def libraries_agree(library: Any) -> None:
         assert apart < 0.02
 
 
+def numba(precision: Precision, dt: float, sweeps: int = 1) -> Contender:
+    """The fastest version."""
+    versions = {kind: (fastmath, 1) for kind, fastmath in FASTMATH.items()}
+    return numba_best(lambda fastmath: Sheet(fastmath, cloth(), DTYPES[precision], dt, sweeps).step, versions)
+
+
 def ten_sweeps(precision: Precision) -> list[Contender]:
     """Steps of ten sweeps, physcore's first."""
-    sheets = {kind: Sheet(kind == "fastmath", cloth(), DTYPES[precision], 10 * STEP, SWEEPS) for kind in NUMBA}
-    numba = [Contender(f"Numba, {kind}", sheet.step) for kind, sheet in sheets.items()]
     contenders = [Contender("physcore, ten sweeps", ours(pc.XPBD(1, SWEEPS), precision, 10 * STEP).step)]
-    contenders.append(fastest(numba))
+    contenders.append(numba(precision, 10 * STEP, SWEEPS))
     for library in LIBRARIES:
-        if library.precision == precision and installed(library):
-            libraries_agree(library)
-            contenders.append(Contender(library.name, library(cloth(), 10 * STEP).step))
-    return contenders
+        if library.precision == precision:
+            if there := installed(library):
+                libraries_agree(library)
+            contenders.append(Contender(library.name, library(cloth(), 10 * STEP).step if there else None))
+    return race(contenders)
 
 
 def main() -> dict[str, float]:
@@ -76,31 +81,25 @@ def main() -> dict[str, float]:
     figures: dict[str, float] = {}
     springs = len(cloth().pairs)
     for precision in DTYPES:
-        agree(precision)
-        numba = [
-            Contender(f"Numba, {'fastmath' if fast else 'strict'}", Sheet(fast, cloth(), DTYPES[precision], STEP).step)
-            for fast in (False, True)
-        ]
+        if FASTMATH:
+            agree(precision)
         contenders = [
             Contender("physcore, one sweep", ours(pc.XPBD(1), precision).step),
-            fastest(numba),
+            numba(precision, STEP),
             Contender("physcore, projective, ten", ours(pc.ProjectiveDynamics(10), precision, 10 * STEP).step),
         ]
-        race(contenders)
-        table(f"Cloth of {SIDE}², {springs} springs, {precision}", "spring-steps", springs, contenders)
+        results(f"Cloth of {SIDE}², {springs} springs, {precision}", "spring-steps", springs, race(contenders))
         sweep, _, projective = (1e-6 / rate(each, 1.0) for each in contenders)
         sweepers = ten_sweeps(precision)
-        race(sweepers)
-        table(f"The same, ten sweeps in a step, {precision}", "spring-steps", springs, sweepers)
+        results(f"Ten sweeps in a step, {precision}", "spring-steps", springs, sweepers)
         ten = 1e-6 / rate(sweepers[0], 1.0)
         figures |= {f"XPBD sweep {precision}": sweep, f"XPBD ten sweeps {precision}": ten}
         figures[f"projective dynamics {precision}"] = projective
         explicit = pc.stability_limit(pc.Scene(cloth(), pc.Gravity((0.0, 0.0, -9.81))), pc.VelocityVerlet())
         implicit = Contender("physcore, backward Euler", ours(pc.BackwardEuler(1e-6), precision, 10 * explicit).step)
-        race([implicit])
-        table(f"The same at ten times the explicit limit, {precision}", "spring-steps", springs, [implicit])
+        results(f"At ten times the explicit limit, {precision}", "spring-steps", springs, race([implicit]))
         figures[f"implicit step {precision}"] = 1e-6 / rate(implicit, 1.0)
-    print({name: f"{value:.3g} ms" for name, value in figures.items()})
+    table("Time of a step [ms]", ("", "figure"), figures.items())
     return figures
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, speedup, table
-from rivals.jit import with_threads
+from measure import Contender, race, rate, results, speedup
+from rivals.jit import FASTMATH, numba_best
 from rivals.tracers import Cloud, NumpyCloud, numba_cloud
 
 import physcore as pc
@@ -42,36 +41,26 @@ def agree(make: type[Cloud], precision: Precision) -> None:
 def compare(precision: Precision) -> list[Contender]:
     """Race all versions in one precision."""
     compiled = {
-        f"{'blocks' if blocks else 'one by one'}, {'fastmath' if fastmath else 'strict'}": numba_cloud(fastmath, blocks)
-        for fastmath in (False, True)
+        f"{'blocks' if blocks else 'one by one'}, {kind}": (numba_cloud(fastmath, blocks), 1)
+        for kind, fastmath in FASTMATH.items()
         for blocks in (False, True)
     }
-    for make in (NumpyCloud, *compiled.values()):
+    for make, _ in [(NumpyCloud, 1), *compiled.values()]:
         agree(make, precision)
     places = cloud(COUNT).positions
-
-    def numba(threads: int) -> Contender:
-        def step(make: type[Cloud]) -> Callable[[int], object]:
-            return with_threads(threads, make(places, DTYPES[precision], STEP).step)
-
-        return fastest([Contender(f"Numba, {name}", step(make), threads) for name, make in compiled.items()])
-
     contenders = [
         *(Contender("physcore", ours(COUNT, precision, threads).step, threads) for threads in (1, 2)),
-        numba(1),
-        numba(2),
+        *(numba_best(lambda make: make(places, DTYPES[precision], STEP).step, compiled, threads) for threads in (1, 2)),
         Contender("NumPy, blocks in the cache", NumpyCloud(places, DTYPES[precision], STEP).step),
     ]
-    race(contenders)
-    table(f"Runge–Kutta of order 4, Lorenz' flow, {COUNT} tracers, {precision}", "point-steps", COUNT, contenders)
-    return contenders
+    title = f"Runge–Kutta of order 4, Lorenz' flow, {COUNT} tracers, {precision}"
+    return results(title, "point-steps", COUNT, race(contenders))
 
 
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
-    precisions: tuple[Precision, ...] = ("f64", "f32")
-    for precision in precisions:
+    for precision in DTYPES:
         contenders = compare(precision)
         figures[f"tracers {precision}"] = rate(contenders[0], COUNT)
         figures[f"two threads, tracers {precision}"] = speedup(contenders)

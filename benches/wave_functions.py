@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from measure import Contender, race, speedup, table
-from rivals.wave_functions import FftwSteps, ScipySteps, SplitSteps
+from measure import Contender, race, results, speedup
+from rivals.wave_functions import RIVALS, SplitSteps
 
 import physcore as pc
 from physcore.numerics.choices import Precision
@@ -48,26 +48,23 @@ def agree(make: type[SplitSteps], precision: Precision) -> None:
 
 def compare(precision: Precision) -> list[Contender]:
     """Race all versions in one precision."""
-    rivals = {"SciPy": ScipySteps, "FFTW, measured plans": FftwSteps}
-    for make in rivals.values():
+    for make in filter(None, RIVALS.values()):
         agree(make, precision)
     item = packet(CELLS)
     contenders = [Contender("physcore", ours(item, precision, threads).step, threads) for threads in (1, 2)]
     contenders += [
-        Contender(name, rival(make, item, precision, threads).step, threads)
-        for name, make in rivals.items()
+        Contender(name, make and rival(make, item, precision, threads).step, threads)
+        for name, make in RIVALS.items()
         for threads in (1, 2)
     ]
-    race(contenders)
-    table(f"Split steps of order 2, {CELLS}², periodic, {precision}", "cell-updates", CELLS**2, contenders)
-    return contenders
+    title = f"Split steps of order 2, {CELLS}², periodic, {precision}"
+    return results(title, "cell-updates", CELLS**2, race(contenders))
 
 
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
-    precisions: tuple[Precision, ...] = ("f64", "f32")
-    for precision in precisions:
+    for precision in DTYPES:
         contenders = compare(precision)
         figures[f"split step {precision}"] = 1e3 * sorted(contenders[0].cpu)[len(contenders[0].cpu) // 2]
         figures[f"two threads, split step {precision}"] = speedup(contenders)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from measure import Contender, fastest, race, rate, speedup, table
-from rivals.jit import with_threads
+from measure import Contender, race, rate, results, speedup, table
+from rivals.jit import FASTMATH, numba_best
 from rivals.waves import NumpyPond, Pond, numba_pond
 
 import physcore as pc
@@ -54,8 +54,8 @@ def agree(make: Maker, precision: Precision, steps: int) -> None:
 def compare(precision: Precision) -> list[Contender]:
     """Race all versions in one precision."""
     compiled: dict[str, tuple[Maker, int]] = {
-        f"{fused} steps a pass{', fastmath' if fastmath else ''}": (numba_pond(fastmath, fused), fused)
-        for fastmath in (False, True)
+        f"{fused} steps a pass, {kind}": (numba_pond(fastmath, fused), fused)
+        for kind, fastmath in FASTMATH.items()
         for fused in FUSED
     }
     for make, multiple in [(NumpyPond, 1), *compiled.values()]:
@@ -67,13 +67,8 @@ def compare(precision: Precision) -> list[Contender]:
 
     def numba(threads: int) -> Contender:
         """The fastest version; several steps a pass run on one thread."""
-        return fastest(
-            [
-                Contender(f"Numba, {name}", with_threads(threads, rival(make)), threads, multiple)
-                for name, (make, multiple) in compiled.items()
-                if threads == 1 or multiple == 1
-            ]
-        )
+        chosen = {name: one for name, one in compiled.items() if threads == 1 or one[1] == 1}
+        return numba_best(rival, chosen, threads)
 
     contenders = [
         *(ours(CELLS, precision, threads) for threads in (1, 2)),
@@ -81,16 +76,14 @@ def compare(precision: Precision) -> list[Contender]:
         numba(2),
         Contender("NumPy, bands in the cache", rival(NumpyPond)),
     ]
-    race(contenders)
-    table(f"Wave equation, {CELLS}², uniform speed, fixed edges, {precision}", "cell-updates", CELLS**2, contenders)
-    return contenders
+    title = f"Wave equation, {CELLS}², uniform speed, fixed edges, {precision}"
+    return results(title, "cell-updates", CELLS**2, race(contenders))
 
 
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
-    precisions: tuple[Precision, ...] = ("f64", "f32")
-    for precision in precisions:
+    for precision in DTYPES:
         contenders = compare(precision)
         figures[f"wave {precision}"] = rate(contenders[0], CELLS**2)
         figures[f"two threads, wave {precision}"] = speedup(contenders)
@@ -98,8 +91,8 @@ def main() -> dict[str, float]:
         race([large, middle, small])
         figures[f"wave {precision}, 8192² over 1024²"] = rate(middle, 1024**2) / rate(large, 8192**2)
         figures[f"small wave {precision}"] = 1e9 * rate(small, 1.0)
-        ratio, steps = figures[f"wave {precision}, 8192² over 1024²"], figures[f"small wave {precision}"]
-        print(f"    a cell of 8192² takes {ratio:.2f} times as long as one of 1024²; 64²: {steps:.0f} steps/s")
+        columns = ("8192² over 1024², time of a cell", "64², steps/s")
+        table(f"Wave equation, other sizes, {precision}", columns, [tuple(figures.values())[-2:]])
     return figures
 
 

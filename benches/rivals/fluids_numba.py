@@ -13,11 +13,10 @@ from math import ceil, pi
 from typing import Any
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 import physcore as pc
-from rivals.jit import jit
+from rivals.jit import jit, prange
 
 Array = NDArray[Any]
 

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from math import nan
 from typing import Any, TypeVar
 
 # Threads of GNU OpenMP that wait for work by spinning take the processor from those that have some, ours and theirs.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-import numba
 import numpy as np
+from measure import Contender, fastest
 from numpy.typing import NDArray
 
+from rivals import optional
+
+numba = optional("numba")
+prange = numba.prange if numba else range
+FASTMATH = {"strict": False, "fastmath": True} if numba else {}
+"""Versions of whatever Numba compiles; none where it cannot be imported."""
 Function = TypeVar("Function", bound=Callable[..., Any])
+Step = Callable[[int], object]
 
 
 def jit(fastmath: bool, parallel: bool = False) -> Callable[[Function], Function]:
@@ -28,7 +36,7 @@ def jit(fastmath: bool, parallel: bool = False) -> Callable[[Function], Function
     return compile_lazily
 
 
-def with_threads(threads: int, step: Callable[[int], object]) -> Callable[[int], object]:
+def with_threads(threads: int, step: Step) -> Step:
     """A step that runs on so many threads."""
 
     def run(steps: int) -> None:
@@ -38,8 +46,19 @@ def with_threads(threads: int, step: Callable[[int], object]) -> Callable[[int],
     return run
 
 
+def numba_best(build: Callable[[Any], Step], versions: Mapping[str, tuple[Any, int]], threads: int = 1) -> Contender:
+    """The fastest version on so many threads; each has what it is built from, and the steps that it takes at once."""
+    variants = [
+        Contender(f"Numba, {name}", with_threads(threads, build(make)), threads, multiple)
+        for name, (make, multiple) in versions.items()
+    ]
+    return fastest(variants) if variants else Contender("Numba", None, threads)
+
+
 def clock() -> float:
     """The frequency of the processor [GHz], about: a chain of multiplications, 4 cycles for each link on x86-64."""
+    if not numba:
+        return nan
 
     @jit(fastmath=False)
     def chain(links: int, seed: int) -> int:

@@ -9,10 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
-from rivals.jit import columns, jit
+from rivals.jit import columns, jit, prange
 
 NUMPY_BLOCK = 8192
 NUMBA_BLOCK = 1024

@@ -204,8 +204,5 @@ LIBRARIES = (PyPBD, Newton, Warp)
 
 
 def installed(library: type[PyPBD | Newton | Warp]) -> bool:
-    """Whether it can be imported; a line says if not."""
-    missing = [name for name in library.needs if importlib.util.find_spec(name) is None]
-    if missing:
-        print(f"{library.name} is left out: {' and '.join(missing)} cannot be imported")
-    return not missing
+    """Whether it can be imported."""
+    return all(map(importlib.util.find_spec, library.needs))

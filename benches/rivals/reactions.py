@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rivals.jit import jit, numba
+from rivals.jit import jit, prange
 from rivals.waves import BAND
 
 Array = NDArray[Any]
@@ -105,7 +105,7 @@ def numba_dish(fastmath: bool, fused: int) -> type[Any]:
 
     @jit(fastmath, parallel=True)
     def sweep(now: Array, following: Array, a: Any, b: Any, feed: Any, kill: Any, h: Any) -> None:
-        for i in numba.prange(1, now.shape[1] - 1):
+        for i in prange(1, now.shape[1] - 1):
             row(now, following, i, a, b, feed, kill, h)
 
     @jit(fastmath)

@@ -9,9 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 
-from rivals.jit import jit
+from rivals.jit import jit, prange
 from rivals.springs import OFFSETS, Network
 
 

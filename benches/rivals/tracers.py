@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
-from rivals.jit import columns, jit
+from rivals.jit import columns, jit, prange
 
 Array = NDArray[Any]
 BLOCK = 512

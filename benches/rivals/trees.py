@@ -8,9 +8,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import rebound
 from numpy.typing import NDArray
-from pytreegrav import Accel
+
+from rivals import optional
+
+pytreegrav, rebound = optional("pytreegrav"), optional("rebound")
 
 Array = NDArray[Any]
 Evaluation = Callable[[Array, Array, float], Array]
@@ -20,7 +22,7 @@ SAMPLE = 1000
 
 def accelerations(positions: Array, mass: Array, angle: float) -> Array:
     """Those of all stars by pytreegrav."""
-    found: Array = Accel(positions, mass, theta=angle, parallel=True, method="tree", quadrupole=True)
+    found: Array = pytreegrav.Accel(positions, mass, theta=angle, parallel=True, method="tree", quadrupole=True)
     return found
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pyfftw
 from numpy.typing import NDArray
-from scipy import fft
+
+from rivals import optional
+
+fft, pyfftw = optional("scipy.fft"), optional("pyfftw")
 
 Array = NDArray[Any]
 
@@ -18,7 +20,7 @@ class SplitSteps:
     def __init__(self, start: Array, phases: tuple[Array, Array], dtype: type, threads: int) -> None:
         """`phases`: V h/ħ of the cells, and T h/ħ of the modes."""
         self.threads = threads
-        self.values = pyfftw.empty_aligned(start.shape, dtype)
+        self.values = (pyfftw.empty_aligned if pyfftw else np.empty)(start.shape, dtype)
         self.plan()
         self.values[...] = start
         self.half, self.kick, self.drift = (
@@ -69,3 +71,6 @@ class FftwSteps(SplitSteps):
         self.backward.execute()
         values *= 1.0 / values.size
         return values
+
+
+RIVALS = {"SciPy": fft and ScipySteps, "FFTW, measured plans": pyfftw and FftwSteps}

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rivals.jit import jit, numba
+from rivals.jit import jit, prange
 
 Array = NDArray[Any]
 BAND = 64
@@ -104,7 +104,7 @@ def numba_pond(fastmath: bool, fused: int) -> type[Any]:
 
     @jit(fastmath, parallel=True)
     def sweep(before: Array, now: Array, factor: Any) -> None:
-        for i in numba.prange(1, before.shape[0] - 1):
+        for i in prange(1, before.shape[0] - 1):
             row(before, now, i, factor)
 
     @jit(fastmath)
