@@ -1,11 +1,11 @@
-"""Half a million tracers in the flow of Lorenz, and how fast their paths part."""
+"""200 000 tracers in the flow of Lorenz, and how fast their paths part."""
 
 import numpy as np
 
 import physcore as pc
 
 rng = np.random.default_rng(1)
-cloud = pc.Tracers(rng.normal((0.0, 0.0, 30.0), size=(500_000, 3)), pc.Lorenz())
+cloud = pc.Tracers(rng.normal((0.0, 0.0, 30.0), size=(200_000, 3)), pc.Lorenz())
 recording = pc.simulate(pc.Scene(cloud), duration=8.0, fps=15, dt=0.01, integrator="RungeKutta4")
 pc.film(recording, "butterfly.gif", style=pc.styles.Density())
 

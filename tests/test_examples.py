@@ -57,12 +57,13 @@ def test_there_are_ten_scripts_or_more():
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_a_script_runs_without_a_warning(script, tmp_path, monkeypatch, clock_of_work):
-    simulate = pc.simulate
-    monkeypatch.setattr(
-        pc,
-        "simulate",
-        lambda scene, duration, fps=30.0, **options: simulate(scene, SHORTER * duration, fps / SHORTER**0.5, **options),
-    )
+    for function in (pc.simulate, pc.tradeoff):
+
+        def shorter(scene, duration, function=function, **options):
+            given = {"budget": SHORTER * options["budget"]} if "budget" in options else {}
+            return function(scene, SHORTER * duration, **{**options, **given})
+
+        monkeypatch.setattr(pc, function.__name__, shorter)
     monkeypatch.chdir(tmp_path)
     exec(compile(script.read_text(encoding="utf-8"), script.name, "exec"), {"__name__": "__main__"})
     films = [path for path in tmp_path.iterdir() if path.stem == script.stem]

@@ -13,8 +13,10 @@ import pytest
 from physcore import Simulation
 from physcore.studies import clock
 
-CALL, STEP, PARTICLE = 2e-5, 3e-7, 1e-8
+CALL, STEP, PARTICLE = 2e-5, 1.5e-6, 4e-8
 """Durations of a call, of an evaluation of the forces, and of that for one particle or cell [s]."""
+NEIGHBORS = 20.0
+"""Duration of an evaluation that looks for neighbors, over that of one without."""
 
 
 class Work:
@@ -44,6 +46,7 @@ class Work:
                 grids = [system.grid for system in simulation.scene.systems if hasattr(system, "grid")]
                 size = simulation.scene.particles + sum(math.prod(grid.cells) for grid in grids)
                 evaluations = (simulation.steps - before) * simulation.evaluations
+                evaluations *= NEIGHBORS if simulation.plan.pairs or simulation.scene.fluids else 1.0
                 self.seconds += CALL + evaluations * (STEP + PARTICLE * size)
 
         return wrapped
