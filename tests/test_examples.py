@@ -48,7 +48,7 @@ def test_the_help_of_a_fluid_starts_with_five_lines_and_what_to_change():
 
 SCRIPTS = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 SHORTER = 0.05
-"""The part of its duration for which a script is run."""
+"""The part of its duration for which a script simulates."""
 
 
 def test_there_are_ten_scripts_or_more():
@@ -57,13 +57,11 @@ def test_there_are_ten_scripts_or_more():
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_a_script_runs_without_a_warning(script, tmp_path, monkeypatch, clock_of_work):
-    for function in (pc.simulate, pc.tradeoff):
-
-        def shorter(scene, duration, function=function, **options):
-            given = {"budget": SHORTER * options["budget"]} if "budget" in options else {}
-            return function(scene, SHORTER * duration, **{**options, **given})
-
-        monkeypatch.setattr(pc, function.__name__, shorter)
+    simulate, tradeoff = pc.simulate, pc.tradeoff
+    monkeypatch.setattr(
+        pc, "simulate", lambda scene, duration, **options: simulate(scene, SHORTER * duration, **options)
+    )
+    monkeypatch.setattr(pc, "tradeoff", lambda scene, duration, budget: tradeoff(scene, duration, budget=0.2 * budget))
     monkeypatch.chdir(tmp_path)
     exec(compile(script.read_text(encoding="utf-8"), script.name, "exec"), {"__name__": "__main__"})
     films = [path for path in tmp_path.iterdir() if path.stem == script.stem]
