@@ -27,6 +27,16 @@ def clock_of_work() -> Iterator[None]:
         yield
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark the tests that `long.txt` names: they take seconds, and others like them remain."""
+    names = set(Path(__file__).with_name("long.txt").read_text(encoding="utf-8").splitlines())
+    named = [item for item in items if item.nodeid in names]
+    for item in named:
+        item.add_marker(pytest.mark.long)
+    if not config.args_source.name.startswith("ARGS") and len(named) < len(names):
+        raise pytest.UsageError(f"tests/long.txt names {sorted(names - {item.nodeid for item in named})}, which are gone")
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--report", type=Path, help="write a dated table of all tests and what they measured")
 

@@ -232,7 +232,7 @@ class MagneticBottle(ReadyField):
 class TravellingWave(ReadyField):
     """Plane wave, A cos(k·x − 2πft + φ). An electric wave has no potential and does external work.
 
-        light = pc.TravellingWave((0, 1e6, 0), (2 * math.pi / 1e-6, 0, 0), frequency=3e14)
+        light = pc.TravellingWave((0, 1e6, 0), (6.283e6, 0, 0), frequency=3e14)
         electrons = pc.Particles([[0.0, 0.0, 0.0]], mass=9.1e-31, charge=-1.6e-19)
         scene = pc.Scene(electrons, pc.ElectromagneticField(electric=light))
 

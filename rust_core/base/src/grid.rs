@@ -14,7 +14,7 @@ mod tiles;
 
 pub use block::{Block, COLUMNS};
 pub use edges::{Edge, Edges};
-pub use laplacian::{Coefficients, Laplacian};
+pub use laplacian::{CellCoefficients, Laplacian};
 pub use padding::Padding;
 pub use stencil::{Groups, PlaneRow, Window, load};
 pub use table::RowTable;

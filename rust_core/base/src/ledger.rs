@@ -24,7 +24,7 @@ pub enum Class {
 
 /// Energy of the budget.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct LedgerRow {
     /// Class of the energy.
     pub class: Class,
     /// Name within the class, such as that of the force.
@@ -66,7 +66,7 @@ impl Budget {
 /// Energy budget at one time, with the budgets of further conserved quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
-    rows: Vec<Row>,
+    rows: Vec<LedgerRow>,
     budgets: Vec<Budget>,
     count: usize,
     block: usize,
@@ -82,7 +82,7 @@ impl Ledger {
     pub fn add(&mut self, class: Class, name: &'static str, energy: f64) {
         match self.rows.iter_mut().find(|row| row.class == class && row.name == name) {
             Some(row) => row.energy += energy,
-            None => self.rows.push(Row { class, name, energy }),
+            None => self.rows.push(LedgerRow { class, name, energy }),
         }
     }
 
@@ -113,7 +113,7 @@ impl Ledger {
     }
 
     /// Rows of energies, in the order of addition.
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[LedgerRow] {
         &self.rows
     }
 

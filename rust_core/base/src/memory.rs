@@ -54,7 +54,7 @@ fn number_after(text: &str, label: &str) -> Option<u64> {
 }
 
 /// Memory files of a control group.
-struct Group {
+struct ControlGroup {
     folder: PathBuf,
     limit: &'static str,
     usage: &'static str,
@@ -62,7 +62,7 @@ struct Group {
     files: &'static str,
 }
 
-impl Group {
+impl ControlGroup {
     /// Remaining memory [bytes], if there is a limit.
     fn left(&self, read: &dyn Fn(&Path) -> Option<String>) -> Option<u64> {
         let number = |name: &str| read(&self.folder.join(name))?.trim().parse::<u64>().ok();
@@ -74,7 +74,7 @@ impl Group {
 
 /// Control groups of the process and their ancestors, from the text of `/proc/self/cgroup`. A container often sees its own group
 /// at the root.
-fn groups(text: &str) -> Vec<Group> {
+fn groups(text: &str) -> Vec<ControlGroup> {
     let mut groups = Vec::new();
     for line in text.lines() {
         let mut parts = line.splitn(3, ':');
@@ -87,7 +87,7 @@ fn groups(text: &str) -> Vec<Group> {
             _ => continue,
         };
         for ancestor in Path::new(path.trim_start_matches('/')).ancestors() {
-            groups.push(Group { folder: Path::new(root).join(ancestor), limit, usage, files });
+            groups.push(ControlGroup { folder: Path::new(root).join(ancestor), limit, usage, files });
         }
     }
     groups

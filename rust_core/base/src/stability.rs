@@ -26,10 +26,10 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::integrators::{Facts, Integrator, VelocityVerlet};
-use lanczos::Edge;
+use lanczos::SpringEdge;
 pub use modes::LimitCache;
-use modes::{Band, Method, Modes};
-use rows::{GershgorinRows, Row};
+use modes::{Modes, OscillatorLimits, SpectralRange};
+use rows::{GershgorinRow, GershgorinRows};
 
 /// Maximum number of distinct oscillators with separate limits; they take as long as a few boxes of modes.
 const MOST_OSCILLATORS: usize = 256;
@@ -55,7 +55,7 @@ pub enum Horizon {
 
 /// Kind of a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum LimitKind {
     /// A larger step is unstable.
     Stability,
     /// A larger step is stable and inaccurate.
@@ -74,7 +74,7 @@ pub struct Limit {
     /// Binding term, empty without limit: `springs`, `spring damping`, `drag`, `central`.
     pub term: &'static str,
     /// Kind of the binding limit.
-    pub kind: Kind,
+    pub kind: LimitKind,
     /// Largest step that is stable for all directions of the springs [s]; smaller than `stability` if that was sharpened.
     pub certified: f64,
     /// Upper bound of the stable steps in the present configuration [s]: the true limit is between `stability` and this value.
@@ -88,7 +88,7 @@ impl Limit {
         stability: f64::INFINITY,
         accuracy: f64::INFINITY,
         term: "",
-        kind: Kind::None,
+        kind: LimitKind::None,
         certified: f64::INFINITY,
         endured: f64::INFINITY,
     };
@@ -109,7 +109,7 @@ impl Limit {
     /// Name of the limit. Beyond a bound of stability a run need not be unstable, unless the limit is known exactly.
     pub fn name(&self) -> &'static str {
         match self.kind {
-            Kind::Accuracy => "limit of accuracy",
+            LimitKind::Accuracy => "limit of accuracy",
             _ if self.endured <= NEARLY * self.stability => "limit of stability",
             _ => "limit of certain stability",
         }
@@ -138,8 +138,8 @@ pub struct SpectralBound {
     stiffness: GershgorinRows,
     damping: GershgorinRows,
     horizon: Horizon,
-    stiffness_edges: Vec<Edge>,
-    damping_edges: Vec<Edge>,
+    stiffness_edges: Vec<SpringEdge>,
+    damping_edges: Vec<SpringEdge>,
     /// Estimates of the largest ω² and γ of each body, from below and from above; empty before they are computed.
     spectra: [Vec<[f64; 2]>; 2],
     /// Isotropic and constant stiffness [N/m] and damping [N·s/m] of each particle; empty if none.
@@ -212,9 +212,9 @@ impl SpectralBound {
         if self.horizon == Horizon::Sharp {
             // Directions of springs cost more than the rest.
             let (direction, damping_across) = if length > 0.0 { (offset / length, 0.0) } else { (DVec3::X, damping) };
-            self.stiffness_edges.push(Edge { ends, direction, along: stiffness, across: -stiffness * compression });
+            self.stiffness_edges.push(SpringEdge { ends, direction, along: stiffness, across: -stiffness * compression });
             if damping != 0.0 {
-                self.damping_edges.push(Edge { ends, direction, along: damping, across: damping_across });
+                self.damping_edges.push(SpringEdge { ends, direction, along: damping, across: damping_across });
             }
         }
     }
@@ -228,7 +228,7 @@ impl SpectralBound {
     }
 
     /// Estimates of the largest eigenvalue of each body with springs, from below and from above; 0 and infinite for other bodies.
-    fn spectrum(&self, rows: &GershgorinRows, edges: &[Edge]) -> Vec<[f64; 2]> {
+    fn spectrum(&self, rows: &GershgorinRows, edges: &[SpringEdge]) -> Vec<[f64; 2]> {
         let bodies = self.bodies();
         let row_bounds = rows.at_particles(&self.inverse_mass);
         let alone = rows.points(&self.inverse_mass);
@@ -241,7 +241,7 @@ impl SpectralBound {
         let mut own = vec![Vec::new(); bodies];
         for edge in edges {
             let ends = edge.ends.map(|end| index_in_body[end as usize]);
-            own[self.body[edge.ends[0] as usize] as usize].push(Edge { ends, ..*edge });
+            own[self.body[edge.ends[0] as usize] as usize].push(SpringEdge { ends, ..*edge });
         }
         let of =
             |members: &[usize], value: &dyn Fn(usize) -> f64| members.iter().map(|&index| value(index)).collect::<Vec<f64>>();
@@ -309,7 +309,7 @@ impl SpectralBound {
     pub fn sharp_limit(self, facts: &Facts) -> Limit {
         let certified = self.limit(facts).stability;
         let sharpened = self.sharpened();
-        let (modes, method) = (sharpened.modes(), Method::of(facts));
+        let (modes, method) = (sharpened.modes(), OscillatorLimits::of(facts));
         let limit = sharpened.limit_with(&modes, &method, &mut LimitCache::default());
         let endured = modes.iter().map(|modes| modes.endured(&method)).fold(f64::INFINITY, f64::min);
         Limit { certified, endured: endured.max(limit.stability), ..limit }
@@ -317,21 +317,21 @@ impl SpectralBound {
 
     /// Computes [`SpectralBound::limit`] with a cache of the limits of the previous bound.
     pub fn limit_after(&self, facts: &Facts, cache: &mut LimitCache) -> Limit {
-        self.limit_with(&self.modes(), &Method::of(facts), cache)
+        self.limit_with(&self.modes(), &OscillatorLimits::of(facts), cache)
     }
 
     /// Limit for an integrator whose largest stable ωh is the function `largest` of the damping ratio, mode by mode.
     pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
-        self.limit_with(&self.modes(), &Method { largest, last: largest, coupled: 1.0 }, &mut LimitCache::default())
+        self.limit_with(&self.modes(), &OscillatorLimits { largest, last: largest, coupled: 1.0 }, &mut LimitCache::default())
     }
 
-    fn limit_with(&self, modes: &[Modes], method: &Method, cache: &mut LimitCache) -> Limit {
+    fn limit_with(&self, modes: &[Modes], method: &OscillatorLimits, cache: &mut LimitCache) -> Limit {
         let (stability, binding) = cache.least(modes, method);
         let (slowest, accuracy) = self.accuracy.unwrap_or(("", f64::INFINITY));
         let (term, kind) = match stability.min(accuracy) {
-            f64::INFINITY => ("", Kind::None),
-            dt if dt == stability => (binding, Kind::Stability),
-            _ => (slowest, Kind::Accuracy),
+            f64::INFINITY => ("", LimitKind::None),
+            dt if dt == stability => (binding, LimitKind::Stability),
+            _ => (slowest, LimitKind::Accuracy),
         };
         Limit { stability, accuracy, term, kind, certified: stability, endured: f64::INFINITY }
     }
@@ -356,7 +356,7 @@ impl SpectralBound {
     fn coupled_modes(&self, is_oscillator: &[bool]) -> Vec<Modes> {
         let bodies = self.bodies();
         let counts = |i: usize| !is_oscillator.get(i).is_some_and(|&is_oscillator| is_oscillator);
-        let bands = |rows: &GershgorinRows, sharper: &[[f64; 2]], kind: usize| -> Vec<Band> {
+        let bands = |rows: &GershgorinRows, sharper: &[[f64; 2]], kind: usize| -> Vec<SpectralRange> {
             let mut least = vec![if kind == 0 || self.steady.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
             for ((steady, &inverse_mass), (i, &body)) in
                 self.steady.iter().zip(&self.inverse_mass).zip(self.body.iter().enumerate())
@@ -368,8 +368,8 @@ impl SpectralBound {
             let largest = rows.largest(&self.inverse_mass, &self.body, bodies, counts);
             let sharper = sharper.iter().copied().chain(std::iter::repeat([0.0, f64::INFINITY]));
             let bands = largest.into_iter().zip(least).zip(sharper).map(|((row, least), [reached, sharper])| {
-                let highest = Row { rate: row.rate.min(sharper), ..row };
-                Band { highest, least: least.min(highest.rate), reached: reached.min(highest.rate) }
+                let highest = GershgorinRow { rate: row.rate.min(sharper), ..row };
+                SpectralRange { highest, least: least.min(highest.rate), reached: reached.min(highest.rate) }
             });
             bands.collect()
         };
@@ -387,7 +387,7 @@ impl SpectralBound {
     fn oscillators(&self, separation: &[bool]) -> Vec<Modes> {
         let of = |i: usize| {
             let band = |rows: &GershgorinRows, value: f64| {
-                Band::exactly(Row { rate: value * self.inverse_mass[i], term: rows.leading(i) })
+                SpectralRange::exactly(GershgorinRow { rate: value * self.inverse_mass[i], term: rows.leading(i) })
             };
             let [stiffness, damping] = self.steady[i];
             Modes { stiffness: band(&self.stiffness, stiffness), damping: band(&self.damping, damping) }

@@ -48,7 +48,7 @@ impl Interval {
 
 /// Steps of a batch whose activity is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Record {
+pub enum RecordedSteps {
     /// All steps.
     EveryStep,
     /// All steps; only every 32nd if the activity costs much more than a step.
@@ -165,7 +165,7 @@ pub trait System: History + Send + Sync {
     ///
     /// # Errors
     /// If a step fails, or on an interrupt.
-    fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()>;
+    fn advance(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()>;
 
     /// Activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows without bound
     /// if the solution does. NaN or infinite if the state is.

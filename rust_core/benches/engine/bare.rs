@@ -47,19 +47,19 @@ const DRIFT_KICK: usize = 15;
 /// Group of lanes aligned to a cache line: a vector that straddles two lines costs twice as much.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Group<T>(Lanes<T>);
+struct LaneGroup<T>(Lanes<T>);
 
 /// Axis of a block: x, v and the acceleration a.
-struct Axis<T> {
-    x: Vec<Group<T>>,
-    v: Vec<Group<T>>,
-    a: Vec<Group<T>>,
+struct BlockAxis<T> {
+    x: Vec<LaneGroup<T>>,
+    v: Vec<LaneGroup<T>>,
+    a: Vec<LaneGroup<T>>,
     gravity: T,
 }
 
 /// Velocity Verlet under gravity and linear drag: steps of one block that stays in the cache, two per pass.
 struct Fall<'a, T> {
-    axes: &'a mut [Axis<T>; 3],
+    axes: &'a mut [BlockAxis<T>; 3],
     steps: u64,
 }
 
@@ -70,7 +70,7 @@ impl<T: Real> Kernel for Fall<'_, T> {
     fn run<S: Isa>(self, _isa: S) {
         let (h, half, b) = (T::from_f64(STEP), T::from_f64(0.5 * STEP), T::from_f64(-DRAG));
         for _ in 0..self.steps / 2 {
-            for Axis { x, v, a, gravity } in self.axes.iter_mut() {
+            for BlockAxis { x, v, a, gravity } in self.axes.iter_mut() {
                 for ((x, v), a) in x.iter_mut().zip(v).zip(a) {
                     let (mut x1, mut v1, mut a1) = (x.0, v.0, a.0);
                     for lane in 0..LANES {
@@ -236,14 +236,14 @@ fn fall<T: Real>(count: usize, block: usize, [steps, batch]: [u64; 2]) {
         1.0,
         Item::new(PARTICLES, []),
     );
-    let column = |first: usize, axis: usize| -> Vec<Group<T>> {
+    let column = |first: usize, axis: usize| -> Vec<LaneGroup<T>> {
         let lanes = |group: usize| std::array::from_fn(|lane| T::from_f64(position_of(first + group * LANES + lane)[axis]));
-        (0..block / LANES).map(|group| Group(lanes(group))).collect()
+        (0..block / LANES).map(|group| LaneGroup(lanes(group))).collect()
     };
-    let mut axes = [0, 1, 2].map(|axis| Axis {
+    let mut axes = [0, 1, 2].map(|axis| BlockAxis {
         x: column(0, axis),
         v: column(7, axis),
-        a: vec![Group([T::ZERO; LANES]); block / LANES],
+        a: vec![LaneGroup([T::ZERO; LANES]); block / LANES],
         gravity: T::from_f64([0.0, 0.0, GRAVITY][axis]),
     });
     let forces = vec![

@@ -51,9 +51,9 @@ fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
 
 /// Rate of density: Σ (vᵢ − vⱼ) · ∇W.
 #[derive(Clone, Copy)]
-struct Continuity<T>(Fluid<T>);
+struct ContinuitySum<T>(Fluid<T>);
 
-impl<V: Vector> PairLaw<V, 1> for Continuity<V::Scalar> {
+impl<V: Vector> PairLaw<V, 1> for ContinuitySum<V::Scalar> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
         [approach::<V, N>(pair) * self.0.slope(pair.distance)]
@@ -63,9 +63,9 @@ impl<V: Vector> PairLaw<V, 1> for Continuity<V::Scalar> {
 /// Acceleration by pressure and artificial viscosity, with one division (J. J. Monaghan, Annu. Rev. Astron. Astrophys. 30 (1992)
 /// 543). The last two words are the density, and the pressure over the squared density.
 #[derive(Clone, Copy)]
-struct Momentum<T>(Fluid<T>);
+struct MomentumSum<T>(Fluid<T>);
 
-impl<V: Vector> PairLaw<V, 3> for Momentum<V::Scalar> {
+impl<V: Vector> PairLaw<V, 3> for MomentumSum<V::Scalar> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 3] {
         let Pair { own, other, separation, square, distance } = pair;
@@ -112,10 +112,10 @@ fn bench<V: Vector>(criterion: &mut Criterion, side: usize) {
     let mut group = criterion.benchmark_group(format!("{}D {}", V::DIMENSION, V::Scalar::NAME));
     group.throughput(Throughput::Elements(count as u64));
     group.bench_function("continuity", |bencher| {
-        bencher.iter(|| records.sum(&neighbors, Continuity(Fluid::new()), &mut rates, &executor));
+        bencher.iter(|| records.sum(&neighbors, ContinuitySum(Fluid::new()), &mut rates, &executor));
     });
     group.bench_function("momentum", |bencher| {
-        bencher.iter(|| records.sum(&neighbors, Momentum(Fluid::new()), &mut accelerations, &executor));
+        bencher.iter(|| records.sum(&neighbors, MomentumSum(Fluid::new()), &mut accelerations, &executor));
     });
     group.bench_function("fill", |bencher| bencher.iter(|| fill(&mut records, &neighbors)));
     group.bench_function("check", |bencher| bencher.iter(|| neighbors.update(positions, &executor).expect("positions near 0")));

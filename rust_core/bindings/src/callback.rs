@@ -13,12 +13,12 @@ use pyo3::types::{PyFloat, PyTuple};
 use crate::scene::array;
 
 /// Python function, called with vectors of this dimension.
-pub struct Function {
+pub struct PythonFunction {
     function: Py<PyAny>,
     dimension: usize,
 }
 
-impl Function {
+impl PythonFunction {
     pub fn new(function: Py<PyAny>, dimension: usize) -> Self {
         Self { function, dimension }
     }
@@ -29,7 +29,7 @@ impl Function {
     }
 }
 
-impl Callback for Function {
+impl Callback for PythonFunction {
     fn call(&self, arguments: &[Argument<'_>], what: &str, shape: &[usize]) -> Result<Vec<f64>, Failure> {
         let expected = if shape.is_empty() { what.to_owned() } else { format!("{what} of shape {}", tuple(shape)) };
         let numbers = Python::attach(|py| {

@@ -8,7 +8,7 @@ use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use physcore_canvas::{
-    Align, Disc, Drop, Error, Exposure, Eye, Ground, Halo, Ink, Lens, Light, Line, Painting, Rgb, Samples, Shading, Trails,
+    Align, CanvasError, Disc, Drop, Exposure, Eye, Ground, Halo, Ink, Lens, Light, Line, Painting, Rgb, Samples, Shading, Trails,
     Triangle,
 };
 use physcore_engine::parallel::attend;
@@ -20,14 +20,14 @@ use crate::errors::exception;
 use crate::world::interrupted;
 
 /// Picture of sRGB pixels to draw on.
-#[pyclass(module = "physcore._core")]
-pub struct Canvas {
+#[pyclass(name = "Canvas", module = "physcore._core")]
+pub struct PyCanvas {
     pub(crate) picture: physcore_canvas::Canvas,
     painting: Painting,
 }
 
 #[pymethods]
-impl Canvas {
+impl PyCanvas {
     /// Create a picture of `width` × `height` pixels, drawn with `samples` × `samples` samples per pixel.
     #[new]
     #[pyo3(signature = (width, height, background, samples = 1))]
@@ -112,7 +112,7 @@ impl Canvas {
         corners: PyReadonlyArray2<'_, f32>,
         colors: PyReadonlyArray2<'_, u8>,
         depths: Option<PyReadonlyArray2<'_, f32>>,
-        texture: Option<PyRef<'_, Texture>>,
+        texture: Option<PyRef<'_, PyTexture>>,
         places: Option<PyReadonlyArray2<'_, f32>>,
     ) -> PyResult<()> {
         let count = corners.shape()[0];
@@ -318,7 +318,7 @@ impl Canvas {
 /// Number of shapes whose painting may take as long as an interrupt may wait.
 const MANY: usize = 20_000;
 
-impl Canvas {
+impl PyCanvas {
     /// Paints while signals are handled. After an interrupt the painting is empty; a detached thread finishes the picture and
     /// drops it.
     fn paint_at_length(
@@ -337,13 +337,13 @@ impl Canvas {
 }
 
 /// Texture image for surfaces.
-#[pyclass(module = "physcore._core", frozen)]
-pub struct Texture {
+#[pyclass(name = "Texture", module = "physcore._core", frozen)]
+pub struct PyTexture {
     texture: Arc<physcore_canvas::Texture>,
 }
 
 #[pymethods]
-impl Texture {
+impl PyTexture {
     /// Create a texture from pixels (height, width, 3).
     #[new]
     fn new(pixels: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
@@ -435,9 +435,9 @@ fn thirds<T: Copy, const N: usize, const W: usize>(row: &[T; W]) -> [[T; N]; 3] 
     std::array::from_fn(|corner| std::array::from_fn(|index| row[corner * N + index]))
 }
 
-pub(crate) fn python_error(error: Error) -> PyErr {
+pub(crate) fn python_error(error: CanvasError) -> PyErr {
     match error {
-        Error::Write(cause) => cause.into(),
+        CanvasError::Write(cause) => cause.into(),
         other => PyValueError::new_err(other.to_string()),
     }
 }

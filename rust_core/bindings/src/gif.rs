@@ -3,24 +3,24 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use physcore_canvas::{Background, Error, Histogram, NewFile, Palette, Rgb};
+use physcore_canvas::{Background, CanvasError, Histogram, NewFile, Palette, Rgb};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::canvas::{Canvas, python_error};
+use crate::canvas::{PyCanvas, python_error};
 
 /// GIF writer: some frames are observed for the palette, then all frames are appended.
-#[pyclass(module = "physcore._core")]
-pub struct Gif {
+#[pyclass(name = "Gif", module = "physcore._core")]
+pub struct PyGif {
     histogram: Histogram,
     reserved: Vec<Rgb>,
     colors: u8,
     tolerance: u8,
-    state: State,
+    state: WriterState,
 }
 
-enum State {
+enum WriterState {
     Observing(Sink),
     Writing(Box<Background<Sink>>),
     Closed,
@@ -33,7 +33,7 @@ enum Sink {
 }
 
 #[pymethods]
-impl Gif {
+impl PyGif {
     /// Create a writer. `reserved` are colors that the palette holds exactly, among `colors` from 2 to 255. `quality` is "fast"
     /// or "high". Without a path the bytes stay in memory.
     #[new]
@@ -48,11 +48,11 @@ impl Gif {
             Some(path) => Sink::File(NewFile::create(&path)?),
             None => Sink::Memory(Vec::new()),
         };
-        Ok(Self { histogram: Histogram::new(quality), reserved, colors, tolerance: 0, state: State::Observing(sink) })
+        Ok(Self { histogram: Histogram::new(quality), reserved, colors, tolerance: 0, state: WriterState::Observing(sink) })
     }
 
     /// Add a frame's colors to the histogram of the palette.
-    fn observe(&mut self, py: Python<'_>, canvas: &Canvas) {
+    fn observe(&mut self, py: Python<'_>, canvas: &PyCanvas) {
         let histogram = &mut self.histogram;
         py.detach(|| histogram.observe(&canvas.picture.reduced()));
     }
@@ -65,22 +65,22 @@ impl Gif {
 
     /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette. The frame is copied, and
     /// encoded while the next one is drawn. The canvas is therefore free at once, and a failure may be reported by a later call.
-    fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {
+    fn frame(&mut self, py: Python<'_>, canvas: &PyCanvas, delay: u16) -> PyResult<()> {
         let Self { histogram, reserved, colors, tolerance, state } = self;
         let written = py.detach(|| {
             let picture = &canvas.picture.reduced();
-            if let State::Observing(_) = state {
-                let State::Observing(sink) = std::mem::replace(state, State::Closed) else {
+            if let WriterState::Observing(_) = state {
+                let WriterState::Observing(sink) = std::mem::replace(state, WriterState::Closed) else {
                     return Ok(());
                 };
                 let palette = Palette::new(histogram, reserved, *colors);
                 let mut gif = physcore_canvas::Gif::new(sink, picture, palette)?;
                 gif.tolerate(*tolerance);
-                *state = State::Writing(Box::new(Background::new(gif)?));
+                *state = WriterState::Writing(Box::new(Background::new(gif)?));
             }
             match state {
-                State::Writing(gif) => gif.frame(picture, delay),
-                _ => Err(Error::Write(io::Error::other("the film is closed"))),
+                WriterState::Writing(gif) => gif.frame(picture, delay),
+                _ => Err(CanvasError::Write(io::Error::other("the film is closed"))),
             }
         });
         written.map_err(python_error)
@@ -91,7 +91,7 @@ impl Gif {
     fn tolerate(&mut self, distance: u8) -> PyResult<()> {
         self.tolerance = distance;
         match &mut self.state {
-            State::Writing(gif) => gif.tolerate(distance).map_err(python_error),
+            WriterState::Writing(gif) => gif.tolerate(distance).map_err(python_error),
             _ => Ok(()),
         }
     }
@@ -99,7 +99,7 @@ impl Gif {
     /// Append a comment extension, which viewers do not show. Allowed only after a frame.
     fn comment(&mut self, text: &str) -> PyResult<()> {
         match &mut self.state {
-            State::Writing(gif) => gif.comment(text).map_err(python_error),
+            WriterState::Writing(gif) => gif.comment(text).map_err(python_error),
             _ => Err(PyValueError::new_err("a film must have a frame")),
         }
     }
@@ -107,17 +107,17 @@ impl Gif {
     /// Size of the frames appended so far [bytes], after waiting for their encoding; 0 before the first.
     fn written(&mut self, py: Python<'_>) -> PyResult<u64> {
         match &mut self.state {
-            State::Writing(gif) => py.detach(|| gif.written()).map_err(python_error),
+            WriterState::Writing(gif) => py.detach(|| gif.written()).map_err(python_error),
             _ => Ok(0),
         }
     }
 
     /// End the film: rename the file to its final name, or return the bytes.
     fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
-        let State::Writing(gif) = std::mem::replace(&mut self.state, State::Closed) else {
+        let WriterState::Writing(gif) = std::mem::replace(&mut self.state, WriterState::Closed) else {
             return Err(PyValueError::new_err("a film must have a frame"));
         };
-        let sink = py.detach(|| -> Result<Sink, Error> {
+        let sink = py.detach(|| -> Result<Sink, CanvasError> {
             let sink = gif.finish()?;
             Ok(match sink {
                 Sink::File(file) => {
@@ -135,7 +135,7 @@ impl Gif {
 
     /// Discard the film. An existing file with this name stays unchanged. No effect after `finish`.
     fn close(&mut self, py: Python<'_>) {
-        py.detach(|| self.state = State::Closed);
+        py.detach(|| self.state = WriterState::Closed);
     }
 }
 

@@ -35,15 +35,15 @@ mod _core {
     }
 
     #[pymodule_export]
-    use super::canvas::{Canvas, Texture, coverage, heatmap, missing_signs, text_width};
+    use super::canvas::{PyCanvas, PyTexture, coverage, heatmap, missing_signs, text_width};
     #[pymodule_export]
     use super::elementary::{arctan2, cos, exp, log, power, sin};
     #[pymodule_export]
-    use super::gif::Gif;
+    use super::gif::PyGif;
     #[pymodule_export]
     use super::hull::convex_hull;
     #[pymodule_export]
-    use super::view::{Projection, norms, tint};
+    use super::view::{PyProjection, norms, tint};
     #[pymodule_export]
     use super::world::{World, available_memory};
 }

@@ -10,13 +10,13 @@ use physcore_engine::scene::{Array, Item, Value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
 
-use crate::callback::Function;
+use crate::callback::PythonFunction;
 use crate::errors::SceneError;
 
 /// Reader of the records of a scene of a given dimension; collects the functions that they hold.
 pub struct Reader {
     pub dimension: usize,
-    pub functions: Vec<Arc<Function>>,
+    pub functions: Vec<Arc<PythonFunction>>,
 }
 
 /// Record of an item. The bodies on which it acts are given by index.
@@ -68,7 +68,7 @@ impl Reader {
             return Ok(Value::Flags(array(&given, |&flag: &bool| flag)?));
         }
         if value.is_callable() {
-            let function = Arc::new(Function::new(value.clone().unbind(), self.dimension));
+            let function = Arc::new(PythonFunction::new(value.clone().unbind(), self.dimension));
             self.functions.push(Arc::clone(&function));
             return Ok(Value::Callback(function));
         }

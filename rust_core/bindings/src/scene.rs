@@ -9,12 +9,12 @@ use physcore_engine::scene::{Body, Scene, corners};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::callback::Function;
+use crate::callback::PythonFunction;
 use crate::errors::{SceneError, exception};
 use crate::record::{Reader, bytes};
 
 /// Reads a scene, with its user-defined functions.
-pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<(Scene, Vec<Arc<Function>>)> {
+pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<(Scene, Vec<Arc<PythonFunction>>)> {
     let (py, dimension) = (scene.py(), entry(scene, "dimension")?.extract()?);
     let arrays = |name: &str| -> PyResult<usize> { entry(scene, name)?.try_iter()?.map(|record| bytes(&record?)).sum() };
     // Vectors have three components in the engine.

@@ -13,8 +13,8 @@ use crate::arrays::{depth, rows};
 type Projected<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>);
 
 /// Projection of points to pixels.
-#[pyclass(module = "physcore._core", frozen)]
-pub struct Projection(Dimension);
+#[pyclass(name = "Projection", module = "physcore._core", frozen)]
+pub struct PyProjection(Dimension);
 
 enum Dimension {
     Flat(physcore_canvas::Projection<2>),
@@ -22,7 +22,7 @@ enum Dimension {
 }
 
 #[pymethods]
-impl Projection {
+impl PyProjection {
     /// Create a projection. `axes` (D, D) point right, up and toward the eye; `center` (D,) has components along them.
     #[new]
     fn new(axes: Vec<Vec<f64>>, center: Vec<f64>, scale: f64, middle: [f64; 2], distance: f64) -> PyResult<Self> {

@@ -10,15 +10,15 @@ use physcore_engine::ledger::{Budget, Class};
 use physcore_engine::memory;
 use physcore_engine::parallel::{Executor, SERIAL, attend};
 use physcore_engine::plan::Stages;
-use physcore_engine::simulation::{Adaptation, Checkpoint, Numerics, Rule, Segment, Simulation, Vigilance};
-use physcore_engine::stability::{Horizon, Kind, Limit};
+use physcore_engine::simulation::{Adaptation, Checkpoint, Numerics, Segment, Simulation, StepSizeRule, Vigilance};
+use physcore_engine::stability::{Horizon, Limit, LimitKind};
 use physcore_engine::systems::Mach;
 use physcore_engine::systems::{Quantity, Sample};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::callback::Function;
+use crate::callback::PythonFunction;
 use crate::errors::{FileError, InternalError, PhyscoreError, SceneError, exception};
 use crate::record::Reader;
 use crate::scene;
@@ -33,7 +33,7 @@ pub struct World {
     /// Whether a thread changes the simulation, or waits for readers.
     changing: Arc<AtomicBool>,
     /// User-defined functions that the engine calls, also for energies. The garbage collector finds them here without a lock.
-    functions: Vec<Arc<Function>>,
+    functions: Vec<Arc<PythonFunction>>,
     dimension: usize,
     threads: usize,
 }
@@ -47,19 +47,19 @@ type EnergyRow = (&'static str, &'static str, f64);
 type BudgetRow = (String, &'static str, f64, Vec<(&'static str, f64)>, Vec<(&'static str, f64)>);
 
 /// Reason for which a request failed.
-enum Failure {
+enum RequestFailure {
     Busy,
     Lost,
     Engine(Error),
 }
 
-impl From<Error> for Failure {
+impl From<Error> for RequestFailure {
     fn from(error: Error) -> Self {
         Self::Engine(error)
     }
 }
 
-impl Failure {
+impl RequestFailure {
     fn raised(self, py: Python<'_>) -> PyErr {
         match self {
             Self::Busy => PhyscoreError::new_err(
@@ -81,10 +81,10 @@ impl Drop for Claim {
 }
 
 /// Locks the world for reading.
-fn looked_at(inner: &RwLock<Simulation>) -> Result<RwLockReadGuard<'_, Simulation>, Failure> {
+fn looked_at(inner: &RwLock<Simulation>) -> Result<RwLockReadGuard<'_, Simulation>, RequestFailure> {
     inner.try_read().map_err(|error| match error {
-        TryLockError::WouldBlock => Failure::Busy,
-        TryLockError::Poisoned(_) => Failure::Lost,
+        TryLockError::WouldBlock => RequestFailure::Busy,
+        TryLockError::Poisoned(_) => RequestFailure::Lost,
     })
 }
 
@@ -92,11 +92,11 @@ fn looked_at(inner: &RwLock<Simulation>) -> Result<RwLockReadGuard<'_, Simulatio
 fn changed<'a>(
     inner: &'a RwLock<Simulation>,
     interrupted: &dyn Fn() -> bool,
-) -> Result<RwLockWriteGuard<'a, Simulation>, Failure> {
+) -> Result<RwLockWriteGuard<'a, Simulation>, RequestFailure> {
     loop {
         match inner.try_write() {
             Ok(guard) => return Ok(guard),
-            Err(TryLockError::Poisoned(_)) => return Err(Failure::Lost),
+            Err(TryLockError::Poisoned(_)) => return Err(RequestFailure::Lost),
             Err(TryLockError::WouldBlock) if interrupted() => return Err(Error::Interrupted.into()),
             Err(TryLockError::WouldBlock) => std::thread::sleep(std::time::Duration::from_millis(1)),
         }
@@ -111,7 +111,7 @@ impl World {
 
     fn claim(&self, py: Python<'_>) -> PyResult<Claim> {
         if self.changing.swap(true, Ordering::Acquire) {
-            return Err(Failure::Busy.raised(py));
+            return Err(RequestFailure::Busy.raised(py));
         }
         Ok(Claim(Arc::clone(&self.changing)))
     }
@@ -131,7 +131,7 @@ impl World {
     /// Reads the world in the engine.
     fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Simulation) -> T + Send) -> PyResult<T> {
         if self.changing.load(Ordering::Acquire) {
-            return Err(Failure::Busy.raised(py));
+            return Err(RequestFailure::Busy.raised(py));
         }
         without_gil(py, || Ok(look(&*looked_at(&self.inner)?)))
     }
@@ -173,7 +173,7 @@ impl World {
 }
 
 /// Runs the engine without the interpreter's lock. A panic becomes an exception.
-fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure> + Send) -> PyResult<T> {
+fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, RequestFailure> + Send) -> PyResult<T> {
     match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
         Ok(result) => result.map_err(|failure| failure.raised(py)),
         Err(panic) => {
@@ -272,7 +272,7 @@ impl World {
         free: f64,
         tolerance: Option<f64>,
     ) -> PyResult<Option<(f64, f64, f64)>> {
-        let rule = Rule { safety, free, tolerance };
+        let rule = StepSizeRule { safety, free, tolerance };
         let mach = self.change(py, |world| world.run(interval, &rule, &interrupted).map(|()| world.mach()))?;
         Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
@@ -477,9 +477,9 @@ fn stages_record<'py>(py: Python<'py>, stages: &Stages) -> PyResult<Bound<'py, P
 fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
     let record = PyDict::new(py);
     let kind = match limit.kind {
-        Kind::Stability => "stability",
-        Kind::Accuracy => "accuracy",
-        Kind::None => "none",
+        LimitKind::Stability => "stability",
+        LimitKind::Accuracy => "accuracy",
+        LimitKind::None => "none",
     };
     record.set_item("dt", limit.dt())?;
     record.set_item("kind", kind)?;

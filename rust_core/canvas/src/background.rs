@@ -6,29 +6,29 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 
 use crate::canvas::Canvas;
-use crate::error::Error;
+use crate::error::CanvasError;
 use crate::gif::Gif;
 
 /// Length of the frame queue. A longer queue takes memory without a gain: the slower side sets the rate.
 const WAITING: usize = 1;
 
 type Pixels = Vec<[u8; 4]>;
-type Job<W> = Box<dyn FnOnce(&mut Gif<W>) -> Result<(), Error> + Send>;
+type BackgroundJob<W> = Box<dyn FnOnce(&mut Gif<W>) -> Result<(), CanvasError> + Send>;
 
 /// A [`Gif`] on a separate thread. Equal calls give equal bytes. A failure is reported by one of the following calls.
 pub struct Background<W> {
     size: (usize, usize),
     /// Job queue; None after a failure.
-    jobs: Option<SyncSender<Job<W>>>,
-    thread: Option<JoinHandle<Result<Gif<W>, Error>>>,
+    jobs: Option<SyncSender<BackgroundJob<W>>>,
+    thread: Option<JoinHandle<Result<Gif<W>, CanvasError>>>,
     /// Pixel buffers of encoded frames, for reuse.
     spare: Arc<Mutex<Vec<Pixels>>>,
 }
 
 impl<W: Write + Send + 'static> Background<W> {
     /// Moves a film to a separate thread.
-    pub fn new(mut gif: Gif<W>) -> Result<Self, Error> {
-        let (jobs, inbox) = sync_channel::<Job<W>>(WAITING);
+    pub fn new(mut gif: Gif<W>) -> Result<Self, CanvasError> {
+        let (jobs, inbox) = sync_channel::<BackgroundJob<W>>(WAITING);
         let size = gif.size();
         let work = move || {
             for job in inbox {
@@ -41,10 +41,10 @@ impl<W: Write + Send + 'static> Background<W> {
     }
 
     /// Queues [`Gif::frame`].
-    pub fn frame(&mut self, canvas: &Canvas, delay: u16) -> Result<(), Error> {
+    pub fn frame(&mut self, canvas: &Canvas, delay: u16) -> Result<(), CanvasError> {
         let (expected, got) = (self.size, (canvas.width(), canvas.height()));
         if expected != got {
-            return Err(Error::FrameSize { expected, got });
+            return Err(CanvasError::FrameSize { expected, got });
         }
         let mut pixels = self.spare.lock().ok().and_then(|mut spare| spare.pop()).unwrap_or_default();
         pixels.clear();
@@ -60,7 +60,7 @@ impl<W: Write + Send + 'static> Background<W> {
     }
 
     /// Queues [`Gif::tolerate`].
-    pub fn tolerate(&mut self, distance: u8) -> Result<(), Error> {
+    pub fn tolerate(&mut self, distance: u8) -> Result<(), CanvasError> {
         self.send(Box::new(move |gif| {
             gif.tolerate(distance);
             Ok(())
@@ -68,13 +68,13 @@ impl<W: Write + Send + 'static> Background<W> {
     }
 
     /// Queues [`Gif::comment`].
-    pub fn comment(&mut self, text: &str) -> Result<(), Error> {
+    pub fn comment(&mut self, text: &str) -> Result<(), CanvasError> {
         let text = text.to_owned();
         self.send(Box::new(move |gif| gif.comment(&text)))
     }
 
     /// Returns [`Gif::written`], after all queued frames.
-    pub fn written(&mut self) -> Result<u64, Error> {
+    pub fn written(&mut self) -> Result<u64, CanvasError> {
         let (reply, answer) = channel();
         self.send(Box::new(move |gif| {
             let _ = reply.send(gif.written());
@@ -84,28 +84,28 @@ impl<W: Write + Send + 'static> Background<W> {
     }
 
     /// Finishes the film like [`Gif::finish`], after all queued frames.
-    pub fn finish(mut self) -> Result<W, Error> {
+    pub fn finish(mut self) -> Result<W, CanvasError> {
         self.end()?.finish()
     }
 
-    fn send(&mut self, job: Job<W>) -> Result<(), Error> {
+    fn send(&mut self, job: BackgroundJob<W>) -> Result<(), CanvasError> {
         match self.jobs.as_ref().map(|jobs| jobs.send(job)) {
             Some(Ok(())) => Ok(()),
             _ => Err(self.failure()),
         }
     }
 
-    fn failure(&mut self) -> Error {
+    fn failure(&mut self) -> CanvasError {
         self.end().err().unwrap_or_else(closed)
     }
 }
 
 impl<W> Background<W> {
     /// Waits until the queue is empty, and ends the thread.
-    fn end(&mut self) -> Result<Gif<W>, Error> {
+    fn end(&mut self) -> Result<Gif<W>, CanvasError> {
         drop(self.jobs.take());
         let thread = self.thread.take().ok_or_else(closed)?;
-        thread.join().unwrap_or_else(|_| Err(Error::Write(io::Error::other("the film's thread has failed"))))
+        thread.join().unwrap_or_else(|_| Err(CanvasError::Write(io::Error::other("the film's thread has failed"))))
     }
 }
 
@@ -116,6 +116,6 @@ impl<W> Drop for Background<W> {
     }
 }
 
-fn closed() -> Error {
-    Error::Write(io::Error::other("the film is closed"))
+fn closed() -> CanvasError {
+    CanvasError::Write(io::Error::other("the film is closed"))
 }

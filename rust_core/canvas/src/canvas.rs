@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use crate::band::{Band, Rectangle};
 use crate::color::{Ink, Rgb};
-use crate::error::Error;
+use crate::error::CanvasError;
 use crate::eye::{Eye, OPEN};
 use crate::ink::Mixing;
 use crate::shapes::{Disc, Halo, Line, Triangle};
@@ -32,17 +32,17 @@ pub struct Canvas {
 
 impl Canvas {
     /// Creates a canvas of one color. Its sides are from 1 to 65535 pixels.
-    pub fn new(width: usize, height: usize, background: Rgb) -> Result<Self, Error> {
+    pub fn new(width: usize, height: usize, background: Rgb) -> Result<Self, CanvasError> {
         Self::supersampled(width, height, background, 1)
     }
 
     /// Creates a canvas that draws `samples` × `samples` pixels for each pixel of a picture of this size. Positions and lengths
     /// are given in pixels of that picture, which is [`Canvas::reduced`].
-    pub fn supersampled(width: usize, height: usize, background: Rgb, samples: usize) -> Result<Self, Error> {
+    pub fn supersampled(width: usize, height: usize, background: Rgb, samples: usize) -> Result<Self, CanvasError> {
         let (width, height) = (width.saturating_mul(samples), height.saturating_mul(samples));
         let sides = 1..=usize::from(u16::MAX);
         if !sides.contains(&width) || !sides.contains(&height) {
-            return Err(Error::Size { width, height });
+            return Err(CanvasError::Size { width, height });
         }
         let pixels = vec![[background[0], background[1], background[2], 0]; width * height];
         let clip = Rectangle { left: 0, top: 0, right: width as i32, bottom: height as i32 };

@@ -4,7 +4,7 @@ use std::io;
 
 /// Error of creating a canvas or writing a film.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum CanvasError {
     /// Invalid size: a GIF stores width and height in 16 bits each, and an empty picture cannot be shown.
     #[error("size: each side must be from 1 to 65535 pixels, got {width} × {height}")]
     Size {

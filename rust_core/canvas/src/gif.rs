@@ -9,7 +9,7 @@ use std::io::Write;
 
 use crate::canvas::Canvas;
 use crate::difference::Patch;
-use crate::error::Error;
+use crate::error::CanvasError;
 use crate::lzw::{Encoder, TRANSPARENT};
 use crate::palette::Palette;
 use crate::quality::Quality;
@@ -40,7 +40,7 @@ pub struct Gif<W> {
 
 impl<W: Write> Gif<W> {
     /// Begins a film of frames with the size of `canvas`, in an endless loop.
-    pub fn new(out: W, canvas: &Canvas, palette: Palette) -> Result<Self, Error> {
+    pub fn new(out: W, canvas: &Canvas, palette: Palette) -> Result<Self, CanvasError> {
         let (width, height) = (canvas.width(), canvas.height());
         // A table holds 2^bits colors; the first is the transparent index.
         let bits = (palette.colors().len() + 1).next_power_of_two().ilog2().max(1);
@@ -86,16 +86,16 @@ impl<W: Write> Gif<W> {
     }
 
     /// Appends a frame and shows it for `delay` hundredths of a second.
-    pub fn frame(&mut self, canvas: &Canvas, delay: u16) -> Result<(), Error> {
+    pub fn frame(&mut self, canvas: &Canvas, delay: u16) -> Result<(), CanvasError> {
         let (expected, got) = (self.size(), (canvas.width(), canvas.height()));
         if expected != got {
-            return Err(Error::FrameSize { expected, got });
+            return Err(CanvasError::FrameSize { expected, got });
         }
         self.append(canvas.pixels(), delay)
     }
 
     /// Appends a comment extension in UTF-8, which viewers do not show.
-    pub fn comment(&mut self, text: &str) -> Result<(), Error> {
+    pub fn comment(&mut self, text: &str) -> Result<(), CanvasError> {
         let mut bytes = b"\x21\xFE".to_vec();
         for block in text.as_bytes().chunks(255) {
             bytes.push(block.len() as u8);
@@ -111,7 +111,7 @@ impl<W: Write> Gif<W> {
     }
 
     /// Ends the film and returns its writer.
-    pub fn finish(mut self) -> Result<W, Error> {
+    pub fn finish(mut self) -> Result<W, CanvasError> {
         self.write(&[0x3B])?;
         self.out.flush()?;
         Ok(self.out)
@@ -123,7 +123,7 @@ impl<W: Write> Gif<W> {
     }
 
     /// Appends a frame of the film's size.
-    pub(crate) fn append(&mut self, pixels: &[[u8; 4]], delay: u16) -> Result<(), Error> {
+    pub(crate) fn append(&mut self, pixels: &[[u8; 4]], delay: u16) -> Result<(), CanvasError> {
         self.palette.indices(pixels, self.width, &mut self.indices);
         if let Some((tolerance, encoder)) = self.tolerance.take() {
             return self.append_about(tolerance, encoder, delay);
@@ -149,7 +149,7 @@ impl<W: Write> Gif<W> {
     }
 
     /// Appends the frame of `indices` within a tolerance.
-    fn append_about(&mut self, tolerance: Tolerance, mut encoder: TolerantEncoder, delay: u16) -> Result<(), Error> {
+    fn append_about(&mut self, tolerance: Tolerance, mut encoder: TolerantEncoder, delay: u16) -> Result<(), CanvasError> {
         let first = self.shown.is_empty();
         self.shown.resize(self.indices.len(), TRANSPARENT);
         self.drawn.resize(self.indices.len(), TRANSPARENT);
@@ -211,7 +211,7 @@ impl<W: Write> Gif<W> {
         bytes.push(0);
     }
 
-    fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+    fn write(&mut self, bytes: &[u8]) -> Result<(), CanvasError> {
         self.written += bytes.len() as u64;
         Ok(self.out.write_all(bytes)?)
     }

@@ -79,7 +79,7 @@ pub use background::Background;
 pub use canvas::Canvas;
 pub use color::{Ink, Rgb};
 pub use density::Exposure;
-pub use error::Error;
+pub use error::CanvasError;
 pub use eye::Eye;
 pub use file::NewFile;
 pub use gif::Gif;

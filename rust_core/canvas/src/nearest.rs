@@ -44,7 +44,7 @@ impl Centers {
 
 /// Look-up table of the nearest color for each cell of colors with equal upper bits, filled on first use.
 #[derive(Clone, Debug)]
-pub(crate) struct Table {
+pub(crate) struct LookupTable {
     bits: u32,
     centers: Centers,
     /// Palette numbers, from 1; 0 if not yet known.
@@ -54,7 +54,7 @@ pub(crate) struct Table {
 /// Number of pixels per group, whose cells are computed by vector instructions.
 const GROUP: usize = 16;
 
-impl Table {
+impl LookupTable {
     /// Creates a table with 2^`bits` levels of each channel.
     pub(crate) fn new(colors: &[Rgb], bits: u32) -> Self {
         let mut numbers = vec![0; 1 << (3 * bits)];

@@ -5,15 +5,15 @@
 
 use crate::canvas::Canvas;
 use crate::color::Rgb;
-use crate::nearest::{Table, cell};
+use crate::nearest::{LookupTable, cell};
 use crate::quality::Quality;
-use crate::quantize::{Sample, quantize};
+use crate::quantize::{WeightedColor, quantize};
 
 /// Histogram of colors, in cells of 8 × 8 × 8 colors or finer.
 #[derive(Clone, Debug)]
 pub struct Histogram {
     quality: Quality,
-    cells: Vec<Tally>,
+    cells: Vec<ColorTally>,
 }
 
 /// Maximum difference of similar colors, approximately, in each channel [levels of 255].
@@ -23,7 +23,7 @@ const INCLUDED: u64 = 100;
 
 /// Number of pixels in a cell and the sums of their channels: a color that is alone in its cell is kept exactly.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
+struct ColorTally {
     count: u64,
     sums: [u64; 3],
 }
@@ -37,7 +37,7 @@ impl Default for Histogram {
 impl Histogram {
     /// Returns an empty histogram with the resolution of a quality.
     pub fn new(quality: Quality) -> Self {
-        Self { quality, cells: vec![Tally::default(); 1 << (3 * quality.histogram_bits())] }
+        Self { quality, cells: vec![ColorTally::default(); 1 << (3 * quality.histogram_bits())] }
     }
 
     /// Counts the pixels of a frame.
@@ -58,7 +58,7 @@ impl Histogram {
         for color in missing {
             let [red, green, blue] = color;
             let tally = &mut self.cells[cell([red, green, blue, 0], self.quality.histogram_bits()) as usize];
-            *tally = Tally { count: INCLUDED, sums: color.map(|channel| INCLUDED * u64::from(channel)) };
+            *tally = ColorTally { count: INCLUDED, sums: color.map(|channel| INCLUDED * u64::from(channel)) };
         }
     }
 
@@ -77,7 +77,7 @@ impl Histogram {
     /// Mean color and count of each occupied cell.
     fn colors(&self) -> impl Iterator<Item = (Rgb, u64)> {
         let seen = self.cells.iter().filter(|tally| tally.count > 0);
-        seen.map(|&Tally { count, sums }| (sums.map(|sum| ((sum + count / 2) / count) as u8), count))
+        seen.map(|&ColorTally { count, sums }| (sums.map(|sum| ((sum + count / 2) / count) as u8), count))
     }
 }
 
@@ -88,7 +88,7 @@ pub struct Palette {
     colors: Vec<Rgb>,
     /// Number of reserved colors, which come first.
     reserved: usize,
-    table: Table,
+    table: LookupTable,
 }
 
 impl Palette {
@@ -109,14 +109,14 @@ impl Palette {
         if others.len() <= room {
             colors.extend(others.iter().map(|(color, _)| color));
         } else {
-            let samples = others.iter().map(|&(color, count)| Sample::new(color, count)).collect();
+            let samples = others.iter().map(|&(color, count)| WeightedColor::new(color, count)).collect();
             quantize(samples, room).into_iter().for_each(|color| add(&mut colors, color));
         }
         if colors.is_empty() {
             colors.push([0; 3]);
         }
         let quality = histogram.quality;
-        Self { table: Table::new(&colors, quality.table_bits()), quality, colors, reserved }
+        Self { table: LookupTable::new(&colors, quality.table_bits()), quality, colors, reserved }
     }
 
     /// Number of reserved colors, which come first.

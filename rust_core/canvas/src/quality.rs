@@ -6,7 +6,7 @@
 
 use std::str::FromStr;
 
-use crate::error::Error;
+use crate::error::CanvasError;
 
 /// Trade-off between encoding time and the color error and size of a film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,13 +36,13 @@ impl Quality {
 }
 
 impl FromStr for Quality {
-    type Err = Error;
+    type Err = CanvasError;
 
-    fn from_str(name: &str) -> Result<Self, Error> {
+    fn from_str(name: &str) -> Result<Self, CanvasError> {
         match name {
             "fast" => Ok(Self::Fast),
             "high" => Ok(Self::High),
-            _ => Err(Error::Quality { got: name.to_owned() }),
+            _ => Err(CanvasError::Quality { got: name.to_owned() }),
         }
     }
 }

@@ -11,12 +11,12 @@ type Color = [f32; 3];
 
 /// Color and its weight.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct WeightedColor {
     color: Color,
     weight: f32,
 }
 
-impl Sample {
+impl WeightedColor {
     /// Weight of a color by area^¾. Least squares would take the area itself, which neglects small bright objects beside a large
     /// dark surface. With `benches/film.py` this weight costs 0.3 dB, and the square root would cost 1.6 dB.
     pub(crate) fn new(color: Rgb, count: u64) -> Self {
@@ -26,7 +26,7 @@ impl Sample {
 }
 
 /// Computes at most `count` colors that minimize the weighted squared distances of the samples.
-pub(crate) fn quantize(mut samples: Vec<Sample>, count: usize) -> Vec<Rgb> {
+pub(crate) fn quantize(mut samples: Vec<WeightedColor>, count: usize) -> Vec<Rgb> {
     let mut centers = variance_cut(&mut samples, count);
     for _ in 0..ROUNDS {
         let mut sums = vec![([0.0; 3], 0.0); centers.len()];
@@ -47,29 +47,29 @@ pub(crate) fn quantize(mut samples: Vec<Sample>, count: usize) -> Vec<Rgb> {
 
 /// Divides the samples repeatedly: cuts the part with the greatest spread at the mean of its widest channel. Returns the means of
 /// the parts.
-fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Color> {
+fn variance_cut(samples: &mut [WeightedColor], count: usize) -> Vec<Color> {
     if count == 0 {
         return Vec::new();
     }
-    let whole = Part::of(samples, 0);
+    let whole = SampleRange::of(samples, 0);
     let mut parts = vec![whole];
     while parts.len() < count {
         let widest = (0..parts.len()).max_by(|&p, &q| parts[p].spread.total_cmp(&parts[q].spread).then(q.cmp(&p)));
         let Some(index) = widest.filter(|&index| parts[index].spread > 0.0) else {
             break;
         };
-        let Part { start, length, channel, mean, .. } = parts.swap_remove(index);
+        let SampleRange { start, length, channel, mean, .. } = parts.swap_remove(index);
         let part = &mut samples[start..start + length];
         part.sort_unstable_by(|p, q| p.color[channel].total_cmp(&q.color[channel]));
         let below = part.partition_point(|sample| sample.color[channel] < mean[channel]).clamp(1, length - 1);
         let (low, high) = part.split_at(below);
-        parts.extend([Part::of(low, start), Part::of(high, start + below)]);
+        parts.extend([SampleRange::of(low, start), SampleRange::of(high, start + below)]);
     }
     parts.iter().map(|part| part.mean).collect()
 }
 
 /// Range of the samples, with its mean color and spread.
-struct Part {
+struct SampleRange {
     start: usize,
     length: usize,
     mean: Color,
@@ -78,8 +78,8 @@ struct Part {
     spread: f32,
 }
 
-impl Part {
-    fn of(samples: &[Sample], start: usize) -> Self {
+impl SampleRange {
+    fn of(samples: &[WeightedColor], start: usize) -> Self {
         let total: f32 = samples.iter().map(|sample| sample.weight).sum();
         let mean = [0, 1, 2].map(|channel| samples.iter().map(|s| s.weight * s.color[channel]).sum::<f32>() / total);
         let square = |channel: usize| samples.iter().map(|s| s.weight * (s.color[channel] - mean[channel]).powi(2)).sum::<f32>();

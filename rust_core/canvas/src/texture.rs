@@ -1,7 +1,7 @@
 //! Texture images of surfaces.
 
 use crate::color::Rgb;
-use crate::error::Error;
+use crate::error::CanvasError;
 
 /// Picture in sRGB with bilinear interpolation.
 #[derive(Clone, Debug)]
@@ -12,10 +12,10 @@ pub struct Texture {
 
 impl Texture {
     /// Creates a texture from its pixels, row by row from the top.
-    pub fn new(width: usize, texels: Vec<Rgb>) -> Result<Self, Error> {
+    pub fn new(width: usize, texels: Vec<Rgb>) -> Result<Self, CanvasError> {
         let height = texels.len().checked_div(width).unwrap_or(0);
         if width == 0 || height == 0 || width * height != texels.len() {
-            return Err(Error::Size { width, height });
+            return Err(CanvasError::Size { width, height });
         }
         Ok(Self { width, texels })
     }

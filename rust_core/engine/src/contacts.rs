@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::boundaries::{self, Boundary, Part, Path, Piece, Wall};
+use crate::boundaries::{self, Boundary, Path, Piece, TerrainPart, Wall};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, Columns, EnergySink, Properties, Span};
@@ -21,8 +21,8 @@ mod clearance;
 mod support;
 mod trajectory;
 
-use clearance::{Sweep, Test};
-use trajectory::Walls;
+use clearance::{ContactSweep, Test};
+use trajectory::ParticleWalls;
 
 /// Contact tolerance in units of rounding. A distance is a sum of four products and differences, each off by half a unit. The
 /// position itself is rounded along each axis.
@@ -39,7 +39,7 @@ const ROUNDS: u32 = 8;
 /// All walls of a scene with their contact parameters.
 #[derive(Debug)]
 pub struct Contacts<V: Vector> {
-    surfaces: Vec<Surface>,
+    surfaces: Vec<ContactWall>,
     tests: Vec<Test<V::Scalar>>,
     /// Particle radii [m], −∞ without contact; one column per set of bodies.
     reach: Vec<Vec<V::Scalar>>,
@@ -52,7 +52,7 @@ pub struct Contacts<V: Vector> {
 
 /// A wall with its contact parameters.
 #[derive(Debug, Clone)]
-pub(crate) struct Surface {
+pub(crate) struct ContactWall {
     wall: Wall,
     /// Coefficient of restitution e.
     restitution: f64,
@@ -64,7 +64,7 @@ pub(crate) struct Surface {
     boundary: usize,
 }
 
-impl Surface {
+impl ContactWall {
     /// Pieces of the wall within reach of a particle in an axis-aligned box.
     fn pieces(&self, rounding: f64, (lower, upper): (DVec3, DVec3), radius: f64) -> impl Iterator<Item = Piece<'_>> {
         let reach = radius + self.slack(rounding, lower.abs().max(upper.abs()), radius);
@@ -80,7 +80,7 @@ impl Surface {
 
 /// Contact geometry of a particle and a wall.
 #[derive(Debug, Clone, Copy)]
-pub struct Gap {
+pub struct ContactGap {
     /// Index of the wall.
     pub wall: usize,
     /// Distance of the particle's surface from the wall [m].
@@ -99,7 +99,7 @@ pub(crate) struct Key {
     /// Index of the surface.
     surface: usize,
     /// Part of the surface, for a wall that has several.
-    part: Option<Part>,
+    part: Option<TerrainPart>,
 }
 
 /// A block's state at the start of the step.
@@ -181,7 +181,7 @@ impl<V: Vector> Contacts<V> {
         }
         let index = self.paths.len();
         self.tests.extend(Test::of(boundary.walls(), set, largest));
-        self.surfaces.extend(boundary.walls().iter().map(|wall| Surface {
+        self.surfaces.extend(boundary.walls().iter().map(|wall| ContactWall {
             wall: wall.clone(),
             restitution,
             friction,
@@ -213,11 +213,11 @@ impl<V: Vector> Contacts<V> {
     }
 
     /// Contact geometry of a particle at `x` and a wall, for numbers with the relative rounding error `rounding`.
-    pub fn gap(&self, wall: usize, x: DVec3, properties: &Properties<V>, index: usize, rounding: f64) -> Gap {
+    pub fn gap(&self, wall: usize, x: DVec3, properties: &Properties<V>, index: usize, rounding: f64) -> ContactGap {
         let (surface, radius) = (&self.surfaces[wall], properties.radius[index]);
         let (distance, normal) = surface.wall.distance(x);
         let slack = surface.slack(rounding, x, radius);
-        Gap { wall, distance: distance - radius, normal, slack, restitution: surface.restitution }
+        ContactGap { wall, distance: distance - radius, normal, slack, restitution: surface.restitution }
     }
 
     /// Curvature of a wall [1/m] at `x` along a unit direction; see [`Wall::curvature`].
@@ -228,7 +228,7 @@ impl<V: Vector> Contacts<V> {
     /// Path and friction coefficient of the first boundary with friction that acts on one of the movable particles; None if
     /// there is none.
     pub fn friction(&self, properties: &Properties<V>, particles: &[u32]) -> Option<(&str, f64)> {
-        let rubs = |surface: &&Surface| {
+        let rubs = |surface: &&ContactWall| {
             surface.friction > 0.0
                 && particles.iter().any(|&index| {
                     !properties.is_fixed(index as usize) && surface.bodies[properties.body[index as usize] as usize]
@@ -263,7 +263,7 @@ impl<V: Vector> Contacts<V> {
         Ok(pushed)
     }
 
-    fn outside(&self, surface: &Surface, properties: &Properties<V>, index: usize, x: DVec3, distance: f64) -> Error {
+    fn outside(&self, surface: &ContactWall, properties: &Properties<V>, index: usize, x: DVec3, distance: f64) -> Error {
         let body = properties.body[index] as usize;
         let index_in_body = properties.caller[index] as usize - self.first[body];
         let (boundary, kind) = (&self.paths[surface.boundary], self.names[surface.boundary]);
@@ -278,7 +278,7 @@ impl<V: Vector> Contacts<V> {
         let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
         let rounded = V::narrow(x).widen();
         let mut surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
-        let distance = |surface: &Surface, x: DVec3| surface.wall.distance_within(x, radius).0;
+        let distance = |surface: &ContactWall, x: DVec3| surface.wall.distance_within(x, radius).0;
         let is_entered = surfaces.any(|surface| distance(surface, x).min(distance(surface, rounded)) < radius);
         is_entered.then(|| self.inside(x, body, radius).widen())
     }
@@ -343,7 +343,7 @@ impl<V: Vector> Contacts<V> {
 
     /// Resolves the contacts of one block after the integrator's step of `h` from the state `before`.
     pub fn resolve(&self, before: &Before<'_, V>, block: &mut Blocks<'_, V>, properties: &Properties<V>, h: f64) {
-        dispatch(Sweep { contacts: self, before, block, properties, h });
+        dispatch(ContactSweep { contacts: self, before, block, properties, h });
     }
 
     /// Integrates one particle's step again, from contact to contact, if the particle touches a wall.
@@ -360,7 +360,7 @@ impl<V: Vector> Contacts<V> {
         let acceleration = (v_new - v_old) / h;
         // The parabola through both positions; its slope is the velocity up to the truncation error of the integrator.
         let path = Path { position: x_old, velocity: (x_new - x_old) / h - acceleration * (0.5 * h), acceleration };
-        let walls = Walls { surfaces: &self.surfaces, body, radius, rounding: V::Scalar::EPSILON };
+        let walls = ParticleWalls { surfaces: &self.surfaces, body, radius, rounding: V::Scalar::EPSILON };
         if let Some(end) = walls.trajectory(&path, v_old, h) {
             block.position.set(lane, self.inside(end.position, body, radius));
             if !block.residual.is_empty() {

@@ -22,7 +22,7 @@ use crate::matter::{EnergySink, Matter, Properties};
 use crate::stability::SpectralBound;
 use network::{Network, Rod};
 
-use supports::{Supports, Walls};
+use supports::{RodWalls, Supports};
 
 pub use network::Unsolved;
 
@@ -103,7 +103,7 @@ impl Rods {
         drift: (f64, usize),
     ) -> Result<(), Unsolved> {
         let Some(supports) = &mut self.supports else { return Ok(()) };
-        let walls = Walls { contacts, properties, particles: &self.particles };
+        let walls = RodWalls { contacts, properties, particles: &self.particles };
         let held = supports.hold_positions(matter, &walls, &self.network.directions, drift);
         held.map_err(|unsolved| self.located(unsolved))
     }
@@ -119,7 +119,7 @@ impl Rods {
         (contacts, properties): (&Contacts<V>, &Properties<V>),
         h: f64,
     ) -> Result<(), Unsolved> {
-        let walls = Walls { contacts, properties, particles: &self.particles };
+        let walls = RodWalls { contacts, properties, particles: &self.particles };
         let touches = match &mut self.supports {
             Some(supports) => supports.hold_velocities(matter, &walls, &self.network.directions, h),
             None => Ok(false),
@@ -253,7 +253,7 @@ impl Rods {
             (direction.dot(other - one) + turning, 2.0 * f64::EPSILON * (one.length() + other.length() + turning))
         };
         if let (Some(supports), Some((contacts, properties))) = (&mut self.supports, walls) {
-            let walls = Walls { contacts, properties, particles: &self.particles };
+            let walls = RodWalls { contacts, properties, particles: &self.particles };
             let state = |index: usize| [position(index), velocity(index), acceleration(index)];
             if let Some(tensions) = supports.tensions(&walls, &self.network.directions, state, along) {
                 return tensions;

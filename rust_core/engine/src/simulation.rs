@@ -6,7 +6,7 @@ mod controlled;
 mod halving;
 mod monitor;
 
-pub use adaptive::{Adaptation, Rule};
+pub use adaptive::{Adaptation, StepSizeRule};
 pub use checkpoint::Checkpoint;
 
 use std::collections::BTreeMap;
@@ -22,8 +22,8 @@ use crate::scene::{Item, Scene};
 use crate::simd::Level;
 use crate::stability::{Horizon, Limit};
 use crate::systems::Mach;
-use crate::systems::{self, FieldInfo, Interval, Record, Sample, System};
-use monitor::{Monitor, Steps};
+use crate::systems::{self, FieldInfo, Interval, RecordedSteps, Sample, System};
+use monitor::{Monitor, StepSizes};
 
 /// The numerical choices of a run.
 #[derive(Debug, Clone)]
@@ -189,7 +189,7 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`Simulation::step`].
-    pub fn run(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+    pub fn run(&mut self, interval: f64, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         self.advance_adaptively(interval, rule, interrupted)
     }
 
@@ -197,7 +197,7 @@ impl Simulation {
         let (mut left, mut polled) = (steps, Instant::now());
         while left > 0 {
             let most = left.min(self.system.most_steps());
-            left -= self.batch(most, Steps::Equal, interrupted).map_err(|error| self.with_hint(error, interrupted))?;
+            left -= self.batch(most, StepSizes::Equal, interrupted).map_err(|error| self.with_hint(error, interrupted))?;
             if left > 0 && polled.elapsed() >= POLL {
                 if interrupted() {
                     return Err(Error::Interrupted);
@@ -209,7 +209,7 @@ impl Simulation {
     }
 
     /// Takes all of the steps, or none.
-    fn advance(&mut self, steps: u64, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
+    fn advance(&mut self, steps: u64, record: RecordedSteps, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
         let Self { system, pool, .. } = self;
         let outcome = if system.cost() * steps as f64 <= SHORT {

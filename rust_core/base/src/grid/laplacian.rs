@@ -31,7 +31,7 @@ pub struct Laplacian<T> {
 }
 
 /// Coefficients of cells, from which those of faces follow.
-pub struct Coefficients<'a> {
+pub struct CellCoefficients<'a> {
     /// Grid of the cells.
     pub grid: &'a Grid,
     /// Boundary conditions of the grid.
@@ -44,7 +44,7 @@ pub struct Coefficients<'a> {
     pub same: bool,
 }
 
-impl Coefficients<'_> {
+impl CellCoefficients<'_> {
     /// Cell above a cell along an axis, if any.
     fn above(&self, row: usize, column: usize, axis: usize) -> Option<(usize, usize)> {
         if axis < 2 {
@@ -104,7 +104,7 @@ impl Coefficients<'_> {
 
 impl<T: Real> Laplacian<T> {
     /// Builds the operator with these coefficients.
-    pub fn new(cells: &Coefficients<'_>) -> Self {
+    pub fn new(cells: &CellCoefficients<'_>) -> Self {
         let face = |axis: usize, row: usize, column: usize| {
             cells.above(row, column, axis).map_or(0.0, |other| cells.between((row, column), other))
         };

@@ -168,7 +168,7 @@ pub fn apply<T: Real>(laplacian: &Laplacian<T>, rows: Window<'_, T>, row: usize,
             }
         }
         let twice = T::from_f64(2.0 * count as f64);
-        let law = Uniform { weight, twice, signs };
+        let law = UniformWeights { weight, twice, signs };
         run(Stencil { law, center, neighbors, ends, range, out }, count);
     } else {
         let nothing: &[T] = &[];
@@ -185,21 +185,21 @@ pub fn apply<T: Real>(laplacian: &Laplacian<T>, rows: Window<'_, T>, row: usize,
             }
         }
         let faces = laplacian.faces[2].row(row);
-        let law = Varying { weights, along: [faces; 2], anchor: laplacian.anchor.row(row) };
+        let law = VaryingWeights { weights, along: [faces; 2], anchor: laplacian.anchor.row(row) };
         run(Stencil { law, center, neighbors, ends, range, out }, count);
     }
 }
 
-fn run<T: Real, L: Law<T>>(stencil: Stencil<'_, T, L>, dimension: usize) {
+fn run<T: Real, L: DifferenceWeights<T>>(stencil: Stencil<'_, T, L>, dimension: usize) {
     match dimension {
-        1 => dispatch(Dimension::<_, 0>(stencil)),
-        2 => dispatch(Dimension::<_, 1>(stencil)),
-        _ => dispatch(Dimension::<_, 2>(stencil)),
+        1 => dispatch(RowPairs::<_, 0>(stencil)),
+        2 => dispatch(RowPairs::<_, 1>(stencil)),
+        _ => dispatch(RowPairs::<_, 2>(stencil)),
     }
 }
 
 /// Weights of the differences of a cell to its neighbors.
-trait Law<T: Real>: Copy {
+trait DifferenceWeights<T: Real>: Copy {
     /// Restricts the weights to the cells `from..to`.
     fn cut(self, from: usize, to: usize) -> Self;
     /// Terms of the two neighbors along one of the first axes.
@@ -212,13 +212,13 @@ trait Law<T: Real>: Copy {
 
 /// Uniform w: L u = w (Σ uⱼ − 2D u). Ghosts beyond edges are the row itself, times a sign.
 #[derive(Clone, Copy)]
-struct Uniform<T> {
+struct UniformWeights<T> {
     weight: T,
     twice: T,
     signs: [[T; 2]; 2],
 }
 
-impl<T: Real> Law<T> for Uniform<T> {
+impl<T: Real> DifferenceWeights<T> for UniformWeights<T> {
     #[inline(always)]
     fn cut(self, _from: usize, _to: usize) -> Self {
         self
@@ -242,7 +242,7 @@ impl<T: Real> Law<T> for Uniform<T> {
 
 /// Varying w, 0 at edges: L u = Σ w (uⱼ − u) − κ u.
 #[derive(Clone, Copy)]
-struct Varying<'a, T> {
+struct VaryingWeights<'a, T> {
     /// Coefficients w at the lower and the upper faces along the first axes.
     weights: [[&'a [T]; 2]; 2],
     /// Coefficients w at the lower and the upper faces along the row.
@@ -251,7 +251,7 @@ struct Varying<'a, T> {
     anchor: &'a [T],
 }
 
-impl<T: Real> Law<T> for Varying<'_, T> {
+impl<T: Real> DifferenceWeights<T> for VaryingWeights<'_, T> {
     /// Cuts the faces along the row. Before the cut, both entries are the upper faces of the whole row.
     #[inline(always)]
     fn cut(self, from: usize, to: usize) -> Self {
@@ -293,9 +293,9 @@ struct Stencil<'a, T, L> {
 }
 
 /// Stencil of `P` pairs of rows.
-struct Dimension<S, const P: usize>(S);
+struct RowPairs<S, const P: usize>(S);
 
-impl<T: Real, L: Law<T>, const P: usize> Kernel for Dimension<Stencil<'_, T, L>, P> {
+impl<T: Real, L: DifferenceWeights<T>, const P: usize> Kernel for RowPairs<Stencil<'_, T, L>, P> {
     type Output = ();
 
     #[inline(always)]
@@ -323,7 +323,7 @@ impl<T: Real, L: Law<T>, const P: usize> Kernel for Dimension<Stencil<'_, T, L>,
 
 /// Computes the cells `range`, given their neighbors in the row.
 #[inline(always)]
-fn span<T: Real, L: Law<T>, const P: usize>(
+fn span<T: Real, L: DifferenceWeights<T>, const P: usize>(
     law: L,
     center: &[T],
     neighbors: [[&[T]; 2]; 2],

@@ -28,14 +28,14 @@ const BLOCK: usize = 1 << 15;
 
 /// Part of a tile that a stage computes, in slabs of the whole grid.
 #[derive(Debug, Clone, Copy)]
-pub enum Shape {
+pub enum TileShape {
     /// Band without the margins that depend on adjacent bands.
     Band { last: usize },
     /// Slabs around the one at which two bands meet.
     Seam(usize),
 }
 
-impl Shape {
+impl TileShape {
     fn slabs(self, stage: usize, all: &Range<usize>) -> Range<usize> {
         match self {
             Self::Band { last } => {
@@ -77,7 +77,7 @@ pub trait Sweep<T: Real, Y: Send>: Sync {
         let size = slabs.div_ceil(bands);
         let mut whole = Block { rows: size * slab, ..block };
         executor.for_each_block(whole.reborrow(), &|mut band: Block<'_, T, Y>| {
-            self.tile(stages, slab, &mut band, Shape::Band { last: slabs }, executor);
+            self.tile(stages, slab, &mut band, TileShape::Band { last: slabs }, executor);
         });
         if bands > 1 {
             let half = size / 2;
@@ -85,14 +85,14 @@ pub trait Sweep<T: Real, Y: Send>: Sync {
             executor.for_each_block(seams, &|mut seam: Block<'_, T, Y>| {
                 let middle = seam.first / slab + size - half;
                 if middle < slabs {
-                    self.tile(stages, slab, &mut seam, Shape::Seam(middle), executor);
+                    self.tile(stages, slab, &mut seam, TileShape::Seam(middle), executor);
                 }
             });
         }
     }
 
     /// Runs stages for the slabs of a tile.
-    fn tile(&self, stages: usize, slab: usize, block: &mut Block<'_, T, Y>, shape: Shape, executor: &Executor) {
+    fn tile(&self, stages: usize, slab: usize, block: &mut Block<'_, T, Y>, shape: TileShape, executor: &Executor) {
         let all = block.first / slab..(block.first + block.count()) / slab;
         T::with_scratch(self.scratch(), |scratch| {
             for front in all.start..all.end + stages {

@@ -36,7 +36,7 @@ macro_rules! with_tableau {
 pub(crate) use with_tableau;
 
 /// Tableau in the form in which first-order steps use it.
-pub trait Explicit: Tableau {
+pub trait ExplicitTableau: Tableau {
     /// Number of slopes on which the step's end depends.
     const EVALUATIONS: usize = {
         let mut last = Self::B.len();
@@ -58,16 +58,16 @@ pub trait Explicit: Tableau {
     };
 }
 
-impl<S: Tableau> Explicit for S {}
+impl<S: Tableau> ExplicitTableau for S {}
 
 /// Coefficients of a tableau.
 #[derive(Debug, Clone, Copy)]
 pub struct Coefficients {
     /// [`Tableau::NAME`].
     pub name: &'static str,
-    /// [`Explicit::EVALUATIONS`].
+    /// [`ExplicitTableau::EVALUATIONS`].
     pub evaluations: usize,
-    /// [`Explicit::ROWS`].
+    /// [`ExplicitTableau::ROWS`].
     pub rows: &'static [&'static [f64]; SLOPES + 1],
     /// [`Tableau::ERRORS`].
     pub errors: &'static [f64],
@@ -130,10 +130,12 @@ pub fn combine_all<N: Number, const D: usize>(weights: &[f64], start: &[N; D], s
 }
 
 /// Tableau for loops that keep a state in registers for a whole step: compiled, or as [`Coefficients`].
-pub trait Rows: Copy + Send + Sync {
-    /// [`Explicit::EVALUATIONS`].
+pub trait TableauRows: Copy + Send + Sync {
+    /// Whether the stages of a step are written out, so that slopes stay in registers.
+    const WRITTEN_OUT: bool;
+    /// [`ExplicitTableau::EVALUATIONS`].
     fn evaluations(self) -> usize;
-    /// [`Explicit::ROWS`].
+    /// [`ExplicitTableau::ROWS`].
     fn row(self, stage: usize) -> &'static [f64];
     /// [`Tableau::ERRORS`].
     fn errors(self) -> &'static [f64];
@@ -156,7 +158,9 @@ impl<S> Clone for CompiledTableau<S> {
 
 impl<S> Copy for CompiledTableau<S> {}
 
-impl<S: Explicit> Rows for CompiledTableau<S> {
+impl<S: ExplicitTableau> TableauRows for CompiledTableau<S> {
+    const WRITTEN_OUT: bool = true;
+
     #[inline(always)]
     fn evaluations(self) -> usize {
         S::EVALUATIONS
@@ -173,7 +177,9 @@ impl<S: Explicit> Rows for CompiledTableau<S> {
     }
 }
 
-impl Rows for Coefficients {
+impl TableauRows for Coefficients {
+    const WRITTEN_OUT: bool = false;
+
     #[inline(always)]
     fn evaluations(self) -> usize {
         self.evaluations
@@ -198,8 +204,8 @@ pub trait Slope<N, const D: usize> {
 
 /// Computes the state after a step of `h` seconds, and the slopes of the step.
 #[inline(always)]
-pub fn step<N: Number, F: Slope<N, D>, const D: usize>(
-    method: impl Rows,
+pub fn step<M: TableauRows, N: Number, F: Slope<N, D>, const D: usize>(
+    method: M,
     f: &F,
     start: &[N; D],
     h: f64,
@@ -212,13 +218,19 @@ pub fn step<N: Number, F: Slope<N, D>, const D: usize>(
             })*
         };
     }
-    stage!(0 1 2 3 4 5 6);
+    if M::WRITTEN_OUT {
+        stage!(0 1 2 3 4 5 6);
+    } else {
+        for stage in 0..method.evaluations() {
+            slopes[stage] = f.slope(stage, combine_all(method.row(stage), start, &slopes, h));
+        }
+    }
     (combine_all(method.row(method.evaluations()), start, &slopes, h), slopes)
 }
 
 /// Computes the estimated error of a step from its slopes, including the slope at its end.
 #[inline(always)]
-pub fn estimate<N: Number, const D: usize>(method: impl Rows, slopes: &[[N; D]; SLOPES], h: f64) -> [N; D] {
+pub fn estimate<N: Number, const D: usize>(method: impl TableauRows, slopes: &[[N; D]; SLOPES], h: f64) -> [N; D] {
     combine_all(method.errors(), &[N::constant(0.0); D], slopes, h)
 }
 
@@ -248,7 +260,7 @@ mod tests {
                     slopes[S::EVALUATIONS.min(SLOPES - 1)] = [-end];
                     let values = Coefficients::named(name).unwrap();
                     assert_eq!(step(values, &Decay(-1.0), &[1.0], h).0, [end], "{name}");
-                    (end - libm::exp(-h), estimate(method, &slopes, h)[0], <S as Explicit>::EVALUATIONS)
+                    (end - libm::exp(-h), estimate(method, &slopes, h)[0], <S as ExplicitTableau>::EVALUATIONS)
                 }, panic!("{name} has none"))
             };
             let order = (run(0.2).0 / run(0.1).0).abs().log2() - 1.0;

@@ -156,7 +156,7 @@ const BINOMIALS: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
 pub const LARGEST_RATIO: f64 = 4.0;
 
 /// Coefficients b or g of a group of lanes.
-pub type Coefficients<const W: usize> = [[f64; W]; COEFFICIENTS];
+pub type PolynomialCoefficients<const W: usize> = [[f64; W]; COEFFICIENTS];
 
 /// Acceleration over a step, in a group of lanes.
 #[derive(Debug, Clone, Copy)]
@@ -164,9 +164,9 @@ pub struct Series<const W: usize> {
     /// Initial acceleration a₀ [m/s²].
     pub start: [f64; W],
     /// Coefficients b [m/s²].
-    pub b: Coefficients<W>,
+    pub b: PolynomialCoefficients<W>,
     /// Coefficients g [m/s²].
-    g: Coefficients<W>,
+    g: PolynomialCoefficients<W>,
 }
 
 impl<const W: usize> Series<W> {
@@ -175,7 +175,7 @@ impl<const W: usize> Series<W> {
 
     /// Returns the series with a₀ and predicted coefficients b.
     #[inline(always)]
-    pub fn new(start: [f64; W], b: Coefficients<W>) -> Self {
+    pub fn new(start: [f64; W], b: PolynomialCoefficients<W>) -> Self {
         let mut series = Self { start, ..Self::ZERO };
         for n in 0..COEFFICIENTS {
             for k in (n..COEFFICIENTS).rev() {
@@ -293,8 +293,8 @@ pub struct Memory<const W: usize> {
     /// Low-order part of the velocities [m/s].
     pub velocity: [f64; W],
     /// Coefficients b of the last step, and their prediction [m/s²].
-    pub b: Coefficients<W>,
-    predicted: Coefficients<W>,
+    pub b: PolynomialCoefficients<W>,
+    predicted: PolynomialCoefficients<W>,
 }
 
 impl<const W: usize> Memory<W> {
@@ -307,7 +307,7 @@ impl<const W: usize> Memory<W> {
     /// Predicts the coefficients of a step that is `ratio` times as long as the last one. They are those of the same polynomial
     /// about the new start, plus the error of the last prediction. Without a `ratio` they are 0.
     #[inline(always)]
-    pub fn predict(&mut self, ratio: Option<f64>) -> Coefficients<W> {
+    pub fn predict(&mut self, ratio: Option<f64>) -> PolynomialCoefficients<W> {
         let mut b = [[0.0; W]; COEFFICIENTS];
         let Some(ratio) = ratio else {
             self.predicted = b;

@@ -71,7 +71,7 @@ const fn ends(drifts: &[f64], stages: usize) -> [f64; MOST] {
 }
 
 /// Layout of a splitting in stages, each a drift followed by a kick.
-trait Layout: Splitting {
+trait SplittingLayout: Splitting {
     const KICKS_FIRST: bool = Self::KICKS.len() > Self::DRIFTS.len();
     const STAGES: usize = if Self::KICKS_FIRST { Self::DRIFTS.len() } else { Self::KICKS.len() };
     const ENDS: &'static [f64; MOST] = &ends(Self::DRIFTS, Self::STAGES);
@@ -79,7 +79,7 @@ trait Layout: Splitting {
     const SPLIT: (&'static [f64], &'static [f64]) = Self::KICKS.split_at(Self::KICKS.len() - Self::STAGES);
 }
 
-impl<S: Splitting> Layout for S {}
+impl<S: Splitting> SplittingLayout for S {}
 
 impl<S: Splitting> Integrator for S {
     type Swept = DriftsAndKicks;

@@ -106,7 +106,7 @@ const fn add_up(weights: &[f64], number: f64) -> bool {
 }
 
 /// State within a step: that of a slope, or the step's end.
-struct Row {
+struct TableauRow {
     /// Node c, in units of h.
     node: f64,
     /// Weights of the accelerations for v, in units of h.
@@ -117,7 +117,7 @@ struct Row {
     is_plain: bool,
 }
 
-impl Row {
+impl TableauRow {
     const fn new(a: &[&[f64]], weights: &[f64], node: f64) -> Self {
         let (mut is_plain, mut slope) = (!weights.is_empty(), 1);
         while slope < weights.len() {
@@ -129,17 +129,17 @@ impl Row {
 }
 
 /// Layout of a tableau in stages, each a state and the slope evaluated there.
-trait Layout: Tableau {
+trait TableauLayout: Tableau {
     /// Whether a step begins with the last slope of the previous step.
     const REUSES: bool = Self::B.len() > 1 && Self::B[Self::B.len() - 1] == 0.0;
     /// Index of the last slope on which the step's end depends.
     const LAST: usize = Self::B.len() - 1 - Self::REUSES as usize;
     /// States of the slopes, then the step's end.
-    const ROWS: &'static [Row; MOST] = &{
-        let mut rows = [const { Row::new(Self::A, Self::B, 1.0) }; MOST];
+    const ROWS: &'static [TableauRow; MOST] = &{
+        let mut rows = [const { TableauRow::new(Self::A, Self::B, 1.0) }; MOST];
         let mut slope = 0;
         while slope <= Self::LAST {
-            rows[slope] = Row::new(Self::A, Self::A[slope], Self::C[slope]);
+            rows[slope] = TableauRow::new(Self::A, Self::A[slope], Self::C[slope]);
             slope += 1;
         }
         rows
@@ -167,7 +167,7 @@ trait Layout: Tableau {
     };
 }
 
-impl<S: Tableau> Layout for S {}
+impl<S: Tableau> TableauLayout for S {}
 
 /// Computes Σ (h wⱼ) aⱼ over the nonzero weights of the first `known` accelerations; None if all weights are 0. Accelerations of
 /// equal weights in a row are added first. The sum is written out, like [`super::for_each_stage`].
@@ -194,7 +194,7 @@ fn sum<T: Number>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize
 
 /// Computes x and v in a state of the step, from the first `known` accelerations. The last known slope has the velocity `last`.
 #[inline(always)]
-fn state<T: Number>(row: &Row, [x, v]: [T; 2], last: T, accelerations: &[T; MOST], known: usize, h: T) -> [T; 2] {
+fn state<T: Number>(row: &TableauRow, [x, v]: [T; 2], last: T, accelerations: &[T; MOST], known: usize, h: T) -> [T; 2] {
     let velocity = match sum(&row.velocity, accelerations, known, h) {
         Some(change) => v + change,
         None => v,

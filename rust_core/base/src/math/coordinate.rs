@@ -76,7 +76,7 @@ impl Coordinate for f32 {
 
 /// Period of an axis and its inverse, for nearest images in f64.
 #[derive(Debug, Clone, Copy)]
-pub struct Image {
+pub struct MinimumImage {
     /// Period [m], 0 for none.
     period: f64,
     /// Inverse of the period [1/m], 0 for none.
@@ -85,19 +85,19 @@ pub struct Image {
 
 impl Coordinate for f64 {
     const WRAPS: bool = false;
-    type Encoding = Image;
+    type Encoding = MinimumImage;
 
-    fn encoding(period: Option<f64>, _support: f64) -> Image {
-        Image { period: period.unwrap_or(0.0), inverse: period.map_or(0.0, |period| 1.0 / period) }
+    fn encoding(period: Option<f64>, _support: f64) -> MinimumImage {
+        MinimumImage { period: period.unwrap_or(0.0), inverse: period.map_or(0.0, |period| 1.0 / period) }
     }
 
     #[inline(always)]
-    fn encode(coordinate: f64, _ruler: Image) -> f64 {
+    fn encode(coordinate: f64, _ruler: MinimumImage) -> f64 {
         coordinate
     }
 
     #[inline(always)]
-    fn separation<const PERIODIC: bool, N: Number<Scalar = f64>>(one: N, other: N, encoding: Image) -> N {
+    fn separation<const PERIODIC: bool, N: Number<Scalar = f64>>(one: N, other: N, encoding: MinimumImage) -> N {
         let difference = one.coordinate_difference(other);
         if !PERIODIC {
             return difference;

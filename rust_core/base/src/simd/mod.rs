@@ -30,7 +30,7 @@ mod selection;
 
 pub use gather::Gather;
 pub use packs::{Number, Pack, Packed};
-pub use records::{Record, Table, WORDS};
+pub use records::{ParticleRecord, RecordTable, WORDS};
 pub use selection::{Group, Selection, at_most};
 
 /// Width of every fixed-lane loop: one AVX-512 register of f32, two of f64.

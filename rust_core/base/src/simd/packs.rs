@@ -11,7 +11,7 @@ use wide::{f32x4, f64x4, i32x4, i64x4};
 
 #[cfg(target_arch = "x86_64")]
 use super::registers::{Double256, Double512, Single256, Single512};
-use super::{Group, LANES, Record, WORDS};
+use super::{Group, LANES, ParticleRecord, WORDS};
 
 /// Number, or vector of numbers in lanes.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + AddAssign {
@@ -64,7 +64,7 @@ pub trait Pack: Number {
     ///
     /// # Panics
     /// If there are fewer records than the bound of the group, or fewer lanes than the part takes.
-    fn transpose(records: &[Record<Self::Scalar>], group: Group<'_>, first: usize) -> Record<Self>;
+    fn transpose(records: &[ParticleRecord<Self::Scalar>], group: Group<'_>, first: usize) -> ParticleRecord<Self>;
 
     /// Sum of all lanes of each register, by a binary tree.
     #[inline(always)]
@@ -118,12 +118,12 @@ pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
 
 /// Part of a group; none of its indices is past the end of the records.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part<'a, const WIDTH: usize>(&'a [u32; WIDTH]);
+pub(super) struct GroupPart<'a, const WIDTH: usize>(&'a [u32; WIDTH]);
 
-impl<'a, const WIDTH: usize> Part<'a, WIDTH> {
+impl<'a, const WIDTH: usize> GroupPart<'a, WIDTH> {
     /// Returns the part of a group from `first` on.
     #[inline(always)]
-    pub fn new<T>(records: &[Record<T>], group: Group<'a>, first: usize) -> Self {
+    pub fn new<T>(records: &[ParticleRecord<T>], group: Group<'a>, first: usize) -> Self {
         assert!(records.len() >= group.bound(), "records that are not there");
         Self(group.indices()[first..].first_chunk().expect("a part of the group"))
     }
@@ -287,8 +287,8 @@ macro_rules! four {
             }
 
             #[inline(always)]
-            fn transpose(records: &[Record<$number>], group: Group<'_>, first: usize) -> Record<Self> {
-                let part = Part::<4>::new(records, group, first);
+            fn transpose(records: &[ParticleRecord<$number>], group: Group<'_>, first: usize) -> ParticleRecord<Self> {
+                let part = GroupPart::<4>::new(records, group, first);
                 let (mut low, mut high) = ([Self::splat(0.0); 4], [Self::splat(0.0); 4]);
                 for lane in 0..4 {
                     let record = &records[part.index(lane)];
@@ -409,7 +409,7 @@ impl<P: Pack<Scalar: Copy>> Pack for Twice<P> {
     }
 
     #[inline(always)]
-    fn transpose(records: &[Record<P::Scalar>], group: Group<'_>, first: usize) -> Record<Self> {
+    fn transpose(records: &[ParticleRecord<P::Scalar>], group: Group<'_>, first: usize) -> ParticleRecord<Self> {
         let (one, other) = (P::transpose(records, group, first), P::transpose(records, group, first + P::WIDTH));
         let mut words = [Self(one[0], other[0]); WORDS];
         for word in 1..WORDS {

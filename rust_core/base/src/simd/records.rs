@@ -6,7 +6,7 @@ use crate::aligned::Aligned;
 pub const WORDS: usize = 8;
 
 /// Input of a pair sum for one particle.
-pub type Record<W> = [W; WORDS];
+pub type ParticleRecord<W> = [W; WORDS];
 
 /// Table of consecutive records, aligned to cache lines: reading a record that straddles two lines costs twice as much.
-pub type Table<W> = Aligned<Record<W>>;
+pub type RecordTable<W> = Aligned<ParticleRecord<W>>;

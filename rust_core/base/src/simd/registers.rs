@@ -4,8 +4,8 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
-use super::packs::{Number, Pack, Part};
-use super::{Group, Record, WORDS};
+use super::packs::{GroupPart, Number, Pack};
+use super::{Group, ParticleRecord, WORDS};
 
 /// Implements [`Number`] for a register. Operations that differ by name are listed; those that differ in kind are closures.
 macro_rules! register {
@@ -124,8 +124,8 @@ macro_rules! register {
             }
 
             #[inline(always)]
-            fn transpose(records: &[Record<$scalar>], group: Group<'_>, first: usize) -> Record<Self> {
-                let part = Part::<$width>::new(records, group, first);
+            fn transpose(records: &[ParticleRecord<$scalar>], group: Group<'_>, first: usize) -> ParticleRecord<Self> {
+                let part = GroupPart::<$width>::new(records, group, first);
                 // SAFETY: all indices are below the bound of the group, which is at most the number of records.
                 let words = unsafe { $transpose(records.as_ptr().cast(), part) };
                 [
@@ -229,7 +229,7 @@ register!(
 /// # Safety
 /// The part belongs to these records, and the CPU has AVX-512 F and DQ.
 #[inline(always)]
-unsafe fn sixteen_singles(records: *const f32, part: Part<'_, 16>) -> [__m512; WORDS] {
+unsafe fn sixteen_singles(records: *const f32, part: GroupPart<'_, 16>) -> [__m512; WORDS] {
     unsafe {
         let mut halves = [[_mm512_setzero_ps(); 4]; 2];
         for half in 0..2 {
@@ -305,7 +305,7 @@ unsafe fn fold_fours<const SUMS: usize>(registers: [__m128; SUMS]) -> [f32; SUMS
 /// # Safety
 /// The part belongs to these records, and the CPU has AVX2.
 #[inline(always)]
-unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORDS] {
+unsafe fn eight_singles(records: *const f32, part: GroupPart<'_, 8>) -> [__m256; WORDS] {
     unsafe {
         let mut words = [_mm256_setzero_ps(); WORDS];
         // Each index is read once. This is a loop, because compilers do not inline `map` over arrays of this length.
@@ -341,7 +341,7 @@ unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORD
 /// # Safety
 /// The part belongs to these records, and the CPU has AVX-512 F and DQ.
 #[inline(always)]
-unsafe fn eight_doubles(records: *const f64, part: Part<'_, 8>) -> [__m512d; WORDS] {
+unsafe fn eight_doubles(records: *const f64, part: GroupPart<'_, 8>) -> [__m512d; WORDS] {
     unsafe {
         let mut words = [_mm512_setzero_pd(); WORDS];
         for pair in 0..WORDS / 2 {
@@ -366,7 +366,7 @@ unsafe fn eight_doubles(records: *const f64, part: Part<'_, 8>) -> [__m512d; WOR
 /// # Safety
 /// The part belongs to these records, and the CPU has AVX2.
 #[inline(always)]
-unsafe fn four_doubles(records: *const f64, part: Part<'_, 4>) -> [__m256d; WORDS] {
+unsafe fn four_doubles(records: *const f64, part: GroupPart<'_, 4>) -> [__m256d; WORDS] {
     unsafe {
         let mut words = [_mm256_setzero_pd(); WORDS];
         for pair in 0..WORDS / 2 {

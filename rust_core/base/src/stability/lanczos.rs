@@ -16,7 +16,7 @@ use crate::math::noise;
 
 /// Spring between two particles: its matrix has the longitudinal value `along` and the transverse value `across`.
 #[derive(Debug, Clone, Copy)]
-pub struct Edge {
+pub struct SpringEdge {
     pub ends: [u32; 2],
     pub direction: DVec3,
     pub along: f64,
@@ -37,7 +37,7 @@ const SQUARABLE: std::ops::Range<f64> = 1e-140..1e140;
 ///
 /// The matrix consists of the springs `edges` and of terms `alone` on single particles [1/s²]. The slice `root` holds the square
 /// roots of the inverse masses, and `rows` the bound by rows at each particle.
-pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f64; 2] {
+pub fn largest(edges: &[SpringEdge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f64; 2] {
     let highest = rows.iter().fold(0.0, |highest: f64, &row| highest.max(row));
     if highest == 0.0 {
         return [0.0; 2];
@@ -76,7 +76,7 @@ pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f6
 }
 
 /// Multiplies a vector by M⁻½ K M⁻½.
-fn multiply(edges: &[Edge], alone: &[f64], root: &[f64], vector: &[DVec3], image: &mut [DVec3]) {
+fn multiply(edges: &[SpringEdge], alone: &[f64], root: &[f64], vector: &[DVec3], image: &mut [DVec3]) {
     image.fill(DVec3::ZERO);
     for edge in edges {
         let [i, j] = edge.ends.map(|end| end as usize);

@@ -4,12 +4,12 @@
 //! smallest where the ray leaves the box: at the highest ω, or at the highest γ. One minimization over ξ remains. A particle
 //! under harmonic wells and linear drag alone is one oscillator, and its box is a point.
 
-use super::rows::Row;
+use super::rows::GershgorinRow;
 use crate::integrators::{Facts, amplification};
 
 /// Stability limits of an integrator for an oscillator.
 #[derive(Debug, Clone, Copy)]
-pub struct Method {
+pub struct OscillatorLimits {
     /// [`Integrator::limit`].
     pub largest: fn(f64) -> f64,
     /// [`Integrator::last`].
@@ -18,7 +18,7 @@ pub struct Method {
     pub coupled: f64,
 }
 
-impl Method {
+impl OscillatorLimits {
     /// Limits of an integrator.
     pub fn of(facts: &Facts) -> Self {
         Self { largest: facts.limit, last: facts.last, coupled: facts.coupled }
@@ -27,18 +27,18 @@ impl Method {
 
 /// Range of a rate, ω² [1/s²] or γ [1/s], over all modes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
+pub struct SpectralRange {
     /// Upper bound.
-    pub highest: Row,
+    pub highest: GershgorinRow,
     /// Lower bound.
     pub least: f64,
     /// Lower bound of the largest rate; 0 if unknown.
     pub reached: f64,
 }
 
-impl Band {
+impl SpectralRange {
     /// Band of a single rate.
-    pub fn exactly(row: Row) -> Self {
+    pub fn exactly(row: GershgorinRow) -> Self {
         Self { highest: row, least: row.rate, reached: row.rate }
     }
 
@@ -52,8 +52,8 @@ impl Band {
 /// Box that encloses the modes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modes {
-    pub stiffness: Band,
-    pub damping: Band,
+    pub stiffness: SpectralRange,
+    pub damping: SpectralRange,
 }
 
 /// Damping ratio that stands for pure damping: here 2ξL(ξ) is within 1e-12 of its limit for ξ → ∞.
@@ -76,14 +76,15 @@ impl Modes {
 
     /// Whether this box contains the other one.
     pub fn enclose(&self, other: &Self) -> bool {
-        let encloses = |band: &Band, inner: &Band| band.highest.rate >= inner.highest.rate && band.least <= inner.least;
+        let encloses =
+            |band: &SpectralRange, inner: &SpectralRange| band.highest.rate >= inner.highest.rate && band.least <= inner.least;
         encloses(&self.stiffness, &other.stiffness) && encloses(&self.damping, &other.damping)
     }
 
     /// Largest stable step of all modes [s], and the term that sets it.
-    pub fn limit(&self, method: &Method) -> (f64, &'static str) {
+    pub fn limit(&self, method: &OscillatorLimits) -> (f64, &'static str) {
         let Self { stiffness, damping } = self;
-        let Method { largest, coupled, .. } = *method;
+        let OscillatorLimits { largest, coupled, .. } = *method;
         let by_damping = 2.0 * PURE_DAMPING * largest(PURE_DAMPING) / damping.highest.rate;
         if stiffness.highest.rate == 0.0 {
             return (by_damping, damping.highest.term);
@@ -108,7 +109,7 @@ impl Modes {
 
     /// Upper bound of the stable steps [s]. It is the largest stable step of the mode with the highest frequency, or with the
     /// highest damping, for any value of its other rate. Infinite if neither is known.
-    pub fn endured(&self, method: &Method) -> f64 {
+    pub fn endured(&self, method: &OscillatorLimits) -> f64 {
         let Self { stiffness, damping } = self;
         let ratio = |damping: f64, square: f64| damping / (2.0 * square.sqrt());
         let ends = |low: f64, high: f64| [low, high].map(|ratio| ratio.clamp(0.0, PURE_DAMPING));
@@ -157,7 +158,7 @@ pub struct LimitCache(Vec<(Modes, (f64, &'static str))>);
 
 impl LimitCache {
     /// Updates the cache to these boxes, computing the limits of new ones. Returns the smallest limit and the term that sets it.
-    pub fn least(&mut self, boxes: &[Modes], method: &Method) -> (f64, &'static str) {
+    pub fn least(&mut self, boxes: &[Modes], method: &OscillatorLimits) -> (f64, &'static str) {
         let known = std::mem::take(&mut self.0);
         let of = |modes: &Modes| {
             let before = known.iter().find(|(other, _)| other == modes);

@@ -22,7 +22,7 @@
 
 /// Largest row, as a rate (ω² [1/s²] or γ [1/s]), and the term that contributes most to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct GershgorinRow {
     pub rate: f64,
     pub term: &'static str,
 }
@@ -70,12 +70,18 @@ impl GershgorinRows {
     }
 
     /// Largest row of each body, over the particles for which `counts` holds.
-    pub fn largest(&self, inverse_mass: &[f64], body: &[u32], bodies: usize, counts: impl Fn(usize) -> bool) -> Vec<Row> {
-        let mut rows = vec![Row { rate: 0.0, term: "" }; bodies];
+    pub fn largest(
+        &self,
+        inverse_mass: &[f64],
+        body: &[u32],
+        bodies: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Vec<GershgorinRow> {
+        let mut rows = vec![GershgorinRow { rate: 0.0, term: "" }; bodies];
         self.visit(inverse_mass, |i, _, rate, term| {
             let row = &mut rows[body[i] as usize];
             if rate > row.rate && counts(i) {
-                *row = Row { rate, term };
+                *row = GershgorinRow { rate, term };
             }
         });
         rows

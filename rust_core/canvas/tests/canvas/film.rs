@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 
-use physcore_canvas::{Background, Canvas, Disc, Error, Gif, Halo, Histogram, NewFile, Palette, Quality};
+use physcore_canvas::{Background, Canvas, CanvasError, Disc, Gif, Halo, Histogram, NewFile, Palette, Quality};
 use proptest::prelude::*;
 
 const BACKGROUND: [u8; 3] = [16, 19, 24];
@@ -283,7 +283,7 @@ fn a_full_disk_is_reported_from_the_other_thread_too() {
     let gif = || Gif::new(Full(100), &frame, palette.clone()).expect("room for the header");
     let mut film = Background::new(gif()).expect("a thread");
     let failure = (0..100).find_map(|_| film.frame(&frame, 3).err()).expect("a full disk");
-    assert!(matches!(failure, Error::Write(cause) if cause.kind() == std::io::ErrorKind::StorageFull));
+    assert!(matches!(failure, CanvasError::Write(cause) if cause.kind() == std::io::ErrorKind::StorageFull));
     assert!(film.frame(&frame, 3).is_err() && film.written().is_err(), "a failed film takes no more");
     assert!(film.finish().is_err());
 

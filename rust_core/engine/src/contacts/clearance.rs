@@ -83,7 +83,7 @@ impl<T: Real> Test<T> {
 }
 
 /// Contacts of one block after one step.
-pub(super) struct Sweep<'a, 'b, 'c, V: Vector> {
+pub(super) struct ContactSweep<'a, 'b, 'c, V: Vector> {
     pub contacts: &'a Contacts<V>,
     pub before: &'a Before<'b, V>,
     pub block: &'a mut Blocks<'c, V>,
@@ -92,9 +92,9 @@ pub(super) struct Sweep<'a, 'b, 'c, V: Vector> {
 }
 
 /// Three Bernstein control points of a group's paths along one axis.
-type Control<T> = [Lanes<T>; 3];
+type ControlPoints<T> = [Lanes<T>; 3];
 
-impl<V: Vector> Kernel for Sweep<'_, '_, '_, V> {
+impl<V: Vector> Kernel for ContactSweep<'_, '_, '_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -121,10 +121,10 @@ impl<V: Vector> Kernel for Sweep<'_, '_, '_, V> {
     }
 }
 
-impl<V: Vector> Sweep<'_, '_, '_, V> {
+impl<V: Vector> ContactSweep<'_, '_, '_, V> {
     /// Control points along one axis: P₀ = x₀, P₁ = x₀ + h v/2 = (x₀ + x₁)/2 − h (v₁ − v₀)/4, P₂ = x₁.
     #[inline(always)]
-    fn control(&self, base: usize, axis: usize) -> Control<V::Scalar> {
+    fn control(&self, base: usize, axis: usize) -> ControlPoints<V::Scalar> {
         let (half, quarter) = (V::Scalar::from_f64(0.5), V::Scalar::from_f64(0.25 * self.h));
         let first = lanes(&self.before.position[axis][base..]);
         let last = lanes(&self.block.position.axes[axis][base..]);

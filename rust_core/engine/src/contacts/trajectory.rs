@@ -21,7 +21,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::support::{Slip, Support};
-use super::{Key, LEFT, Surface, WITHIN};
+use super::{ContactWall, Key, LEFT, WITHIN};
 use crate::boundaries::{Path, Piece, Wall};
 
 /// Maximum number of impacts and slides within one step.
@@ -31,8 +31,8 @@ const MOST_CONTACTS: usize = 12;
 
 /// Walls that one particle can touch.
 #[derive(Clone, Copy)]
-pub(super) struct Walls<'a> {
-    pub surfaces: &'a [Surface],
+pub(super) struct ParticleWalls<'a> {
+    pub surfaces: &'a [ContactWall],
     pub body: usize,
     pub radius: f64,
     /// Machine epsilon ε of the state's precision.
@@ -40,7 +40,7 @@ pub(super) struct Walls<'a> {
 }
 
 /// Final state of a step with contacts.
-pub(super) struct End {
+pub(super) struct TrajectoryEnd {
     pub position: DVec3,
     pub velocity: DVec3,
     /// Kinetic energy per mass dissipated in contacts [J/kg].
@@ -97,12 +97,12 @@ impl ContactSet {
     }
 }
 
-impl<'a> Walls<'a> {
+impl<'a> ParticleWalls<'a> {
     /// Integrates a step of `h` seconds with contacts; None without contact. The integrator took this step along `path` from
     /// the velocity `start`.
-    pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
+    pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<TrajectoryEnd> {
         let Some((time, key)) = self.first(path, h, &self.contacts(path.position, start, None), None) else {
-            return self.buries(path.at(h)).then_some(End { position: path.position, velocity: start, lost: 0.0 });
+            return self.buries(path.at(h)).then_some(TrajectoryEnd { position: path.position, velocity: start, lost: 0.0 });
         };
         let trajectory = Trajectory {
             walls: *self,
@@ -116,7 +116,7 @@ impl<'a> Walls<'a> {
     }
 
     /// Pieces of walls within reach of the particle in an axis-aligned box.
-    fn acting(&self, bounds: (DVec3, DVec3)) -> impl Iterator<Item = (Key, &'a Surface, Piece<'a>)> {
+    fn acting(&self, bounds: (DVec3, DVec3)) -> impl Iterator<Item = (Key, &'a ContactWall, Piece<'a>)> {
         let Self { surfaces, body, radius, rounding } = *self;
         let surfaces = surfaces.iter().enumerate().filter(move |(_, surface)| surface.bodies[body]);
         surfaces.flat_map(move |(index, surface)| {
@@ -209,7 +209,7 @@ pub(super) fn pushes(cosine: f64, first: f64, second: f64) -> [f64; 2] {
 
 /// State of a particle along its trajectory.
 struct Trajectory<'a> {
-    walls: Walls<'a>,
+    walls: ParticleWalls<'a>,
     position: DVec3,
     velocity: DVec3,
     /// Mean acceleration of the step ā [m/s²].
@@ -222,7 +222,7 @@ struct Trajectory<'a> {
 
 impl Trajectory<'_> {
     /// Integrates from the contact with one wall to the end of the step.
-    fn finish(mut self, key: Key) -> End {
+    fn finish(mut self, key: Key) -> TrajectoryEnd {
         let mut hit = Some(key);
         for _ in 0..EVENTS {
             let contacts = self.walls.contacts(self.position, self.velocity, hit);
@@ -235,7 +235,7 @@ impl Trajectory<'_> {
                 break;
             }
         }
-        End { position: self.position, velocity: self.velocity, lost: self.lost }
+        TrajectoryEnd { position: self.position, velocity: self.velocity, lost: self.lost }
     }
 
     /// Rounding error of a normal speed [m/s].
@@ -256,7 +256,7 @@ impl Trajectory<'_> {
     }
 
     fn bounce(&mut self, contact: &Contact) {
-        let Surface { restitution, friction, .. } = self.walls.surfaces[contact.key.surface];
+        let ContactWall { restitution, friction, .. } = self.walls.surfaces[contact.key.surface];
         // Division by n²: a normal whose length is off by rounding must not add energy at every bounce.
         let normal = contact.normal / contact.normal.length_squared();
         let speed = -normal.dot(self.velocity);

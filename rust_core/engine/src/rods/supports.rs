@@ -22,7 +22,7 @@ use glam::DVec3;
 
 use super::network::{Network, Rod, Unsolved, along};
 use super::{SHIFT, SHIFT_OF_TENSIONS, add, count_reactions, resolution};
-use crate::contacts::{Contacts, Gap};
+use crate::contacts::{ContactGap, Contacts};
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Matter, Properties};
 
@@ -33,7 +33,7 @@ const STILL: f64 = 64.0;
 
 /// Contact of a particle of a rod with a wall.
 #[derive(Debug, Clone, Copy)]
-struct Contact {
+struct RodContact {
     /// Index of the particle in the network, of the contact's row, and of the wall.
     particle: usize,
     row: usize,
@@ -54,22 +54,22 @@ struct Contact {
 
 /// Walls of a scene, and the particles that meet them.
 #[derive(Clone, Copy)]
-pub struct Walls<'a, V: Vector> {
+pub struct RodWalls<'a, V: Vector> {
     pub contacts: &'a Contacts<V>,
     pub properties: &'a Properties<V>,
     /// Particles of the network.
     pub particles: &'a [u32],
 }
 
-impl<V: Vector> Walls<'_, V> {
-    fn gap(&self, wall: usize, particle: usize, x: DVec3) -> Gap {
+impl<V: Vector> RodWalls<'_, V> {
+    fn gap(&self, wall: usize, particle: usize, x: DVec3) -> ContactGap {
         self.contacts.gap(wall, x, self.properties, self.particles[particle] as usize, resolution::<V>())
     }
 
     /// Nearest walls of a particle, at most `most`.
-    fn nearest(&self, particle: usize, x: DVec3, most: usize) -> Vec<Gap> {
+    fn nearest(&self, particle: usize, x: DVec3, most: usize) -> Vec<ContactGap> {
         let walls = self.contacts.walls_of(self.properties, self.particles[particle] as usize);
-        let mut gaps: Vec<Gap> = walls.map(|wall| self.gap(wall, particle, x)).collect();
+        let mut gaps: Vec<ContactGap> = walls.map(|wall| self.gap(wall, particle, x)).collect();
         gaps.sort_by(|one, other| one.distance.total_cmp(&other.distance));
         gaps.truncate(most);
         gaps
@@ -84,7 +84,7 @@ pub struct Supports {
     network: Network,
     rods: usize,
     axes: usize,
-    contacts: Vec<Contact>,
+    contacts: Vec<RodContact>,
     /// Positions [m] and velocities [m/s] at the start of the step.
     start: Vec<[DVec3; 2]>,
 }
@@ -115,14 +115,14 @@ impl Supports {
     pub fn hold_positions<V: Vector>(
         &mut self,
         matter: &mut Matter<V>,
-        walls: &Walls<'_, V>,
+        walls: &RodWalls<'_, V>,
         directions: &[DVec3],
         (h, half): (f64, usize),
     ) -> Result<(), Unsolved> {
         self.contacts.clear();
         let from: Vec<DVec3> = walls.particles.iter().map(|&particle| matter.exact_position(particle as usize)).collect();
         let mobile = |particle: &usize| self.network.inverse_mass[*particle] > 0.0;
-        let near: Vec<(usize, Vec<Gap>)> = (0..from.len())
+        let near: Vec<(usize, Vec<ContactGap>)> = (0..from.len())
             .filter(mobile)
             .map(|particle| (particle, walls.nearest(particle, from[particle], self.axes)))
             .collect();
@@ -135,12 +135,12 @@ impl Supports {
             for (place, gap) in gaps.into_iter().enumerate() {
                 let row = self.rods + self.axes * particle + place;
                 let before = walls.gap(gap.wall, particle, self.start[particle][0]).distance;
-                contacts.push(Contact { particle, row, ..meeting(&gap, before, velocity, self.start[particle][1], h) });
+                contacts.push(RodContact { particle, row, ..meeting(&gap, before, velocity, self.start[particle][1], h) });
             }
         }
         self.network.directions[..self.rods].copy_from_slice(directions);
         let epsilon = resolution::<V>();
-        let gap = |contact: &Contact, x: DVec3| walls.gap(contact.wall, contact.particle, x);
+        let gap = |contact: &RodContact, x: DVec3| walls.gap(contact.wall, contact.particle, x);
         self.settle(
             &mut contacts,
             &from,
@@ -173,7 +173,7 @@ impl Supports {
     pub fn hold_velocities<V: Vector>(
         &mut self,
         matter: &mut Matter<V>,
-        walls: &Walls<'_, V>,
+        walls: &RodWalls<'_, V>,
         directions: &[DVec3],
         h: f64,
     ) -> Result<bool, Unsolved> {
@@ -212,7 +212,7 @@ impl Supports {
     /// residual of a rod for accelerations of its ends. A wall of the curvature κ requires n·a ≥ −κ v².
     pub fn tensions<V: Vector>(
         &mut self,
-        walls: &Walls<'_, V>,
+        walls: &RodWalls<'_, V>,
         directions: &[DVec3],
         state: impl Fn(usize) -> [DVec3; 3],
         residual: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64),
@@ -227,7 +227,7 @@ impl Supports {
                     let row = self.rods + self.axes * particle + place;
                     let curvature = walls.contacts.curvature(gap.wall, x, v.normalize_or_zero());
                     let speed = -curvature * v.length_squared();
-                    contacts.push(Contact { particle, row, speed, active: true, ..support(&gap, 0.0) });
+                    contacts.push(RodContact { particle, row, speed, active: true, ..support(&gap, 0.0) });
                 }
             }
         }
@@ -249,18 +249,18 @@ impl Supports {
     }
 
     /// Contacts of the drift, and contacts of particles that touch walls at its end.
-    fn touching<V: Vector>(&self, matter: &Matter<V>, walls: &Walls<'_, V>, h: f64) -> Vec<Contact> {
+    fn touching<V: Vector>(&self, matter: &Matter<V>, walls: &RodWalls<'_, V>, h: f64) -> Vec<RodContact> {
         let mut contacts = Vec::new();
         for particle in (0..walls.particles.len()).filter(|&particle| self.network.inverse_mass[particle] > 0.0) {
             let x = matter.exact_position(walls.particles[particle] as usize);
             let first = contacts.len();
             for known in self.contacts.iter().filter(|contact| contact.particle == particle) {
-                contacts.push(Contact { normal: walls.gap(known.wall, particle, x).normal, ..*known });
+                contacts.push(RodContact { normal: walls.gap(known.wall, particle, x).normal, ..*known });
             }
             for gap in walls.nearest(particle, x, self.axes).into_iter().filter(|gap| gap.distance <= gap.slack) {
-                let known = contacts[first..].iter().any(|contact: &Contact| contact.wall == gap.wall);
+                let known = contacts[first..].iter().any(|contact: &RodContact| contact.wall == gap.wall);
                 if !known && contacts.len() - first < self.axes {
-                    contacts.push(Contact { particle, ..support(&gap, h) });
+                    contacts.push(RodContact { particle, ..support(&gap, h) });
                 }
             }
             for (place, contact) in contacts[first..].iter_mut().enumerate() {
@@ -274,12 +274,12 @@ impl Supports {
     /// the projection.
     fn settle(
         &mut self,
-        contacts: &mut [Contact],
+        contacts: &mut [RodContact],
         from: &[DVec3],
         shift: f64,
         rod: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64),
-        row: impl Fn(&Contact, DVec3) -> (f64, f64),
-        violated: impl Fn(&Contact, DVec3) -> bool,
+        row: impl Fn(&RodContact, DVec3) -> (f64, f64),
+        violated: impl Fn(&RodContact, DVec3) -> bool,
     ) -> Result<(), Unsolved> {
         let Self { network, rods, .. } = self;
         let mut places = vec![usize::MAX; network.links.len()];
@@ -320,8 +320,8 @@ impl Supports {
 }
 
 /// Contact that supports a particle.
-fn support(gap: &Gap, h: f64) -> Contact {
-    Contact {
+fn support(gap: &ContactGap, h: f64) -> RodContact {
+    RodContact {
         particle: 0,
         row: 0,
         wall: gap.wall,
@@ -337,7 +337,7 @@ fn support(gap: &Gap, h: f64) -> Contact {
 
 /// Contact of a particle with the gap `gap` at the end of a drift of `h` seconds with `velocity`. At the start of the step
 /// the gap was `before`, and the velocity `start`.
-fn meeting(gap: &Gap, before: f64, velocity: DVec3, start: DVec3, h: f64) -> Contact {
+fn meeting(gap: &ContactGap, before: f64, velocity: DVec3, start: DVec3, h: f64) -> RodContact {
     let acceleration = 2.0 * (velocity - start) / h;
     let (normal_speed, normal_acceleration) = (gap.normal.dot(start), gap.normal.dot(acceleration));
     let meets = if before > gap.slack {
@@ -345,11 +345,11 @@ fn meeting(gap: &Gap, before: f64, velocity: DVec3, start: DVec3, h: f64) -> Con
     } else if -normal_speed > normal_acceleration.abs() * h {
         0.0
     } else {
-        return Contact { acceleration, ..support(gap, h) };
+        return RodContact { acceleration, ..support(gap, h) };
     };
     let left = h - meets;
     let away = -gap.restitution * (normal_speed + normal_acceleration * meets).min(0.0);
-    Contact {
+    RodContact {
         meets,
         gap: (left * (away + 0.5 * normal_acceleration * left)).max(0.0),
         speed: (away + normal_acceleration * left).max(0.0),
@@ -359,7 +359,7 @@ fn meeting(gap: &Gap, before: f64, velocity: DVec3, start: DVec3, h: f64) -> Con
 }
 
 /// Moves a particle out of its wall, if rounding left it inside.
-fn push_out<V: Vector>(matter: &mut Matter<V>, walls: &Walls<'_, V>, contact: &Contact) {
+fn push_out<V: Vector>(matter: &mut Matter<V>, walls: &RodWalls<'_, V>, contact: &RodContact) {
     let index = walls.particles[contact.particle] as usize;
     for round in 0..8 {
         let x = matter.exact_position(index);

@@ -4,7 +4,7 @@ use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
 use super::SelfContacts;
-use super::tree::{Bounds, Swept};
+use super::tree::{AxisAlignedBox, SweptBox};
 use crate::parallel::Executor;
 
 impl SelfContacts {
@@ -16,8 +16,9 @@ impl SelfContacts {
         self.begin(|index| [position(index), DVec3::ZERO]);
         let x = &self.start;
         let longest = self.mesh.edges.iter().map(|&[a, b]| (x[a as usize] - x[b as usize]).length()).fold(0.0, f64::max);
-        let around = |&x: &DVec3| Swept { from: Bounds::around(x, longest), way: Bounds::around(DVec3::ZERO, 0.0) };
-        let boxes: Vec<Swept> = x.iter().map(around).collect();
+        let around =
+            |&x: &DVec3| SweptBox { from: AxisAlignedBox::around(x, longest), way: AxisAlignedBox::around(DVec3::ZERO, 0.0) };
+        let boxes: Vec<SweptBox> = x.iter().map(around).collect();
         let all = vec![true; x.len()];
         self.mesh.sort(|vertex| self.start[vertex as usize]);
         let mut found = Vec::new();
@@ -37,7 +38,9 @@ impl SelfContacts {
 
 /// Whether an edge passes through a triangle, decided without rounding.
 fn pierces([p, q]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
-    let around = |points: &[DVec3]| points.iter().fold(Bounds::EMPTY, |sum, &point| sum.union(&Bounds::around(point, 0.0)));
+    let around = |points: &[DVec3]| {
+        points.iter().fold(AxisAlignedBox::EMPTY, |sum, &point| sum.union(&AxisAlignedBox::around(point, 0.0)))
+    };
     if !around(&[p, q]).overlaps(&around(&[a, b, c])) {
         return false;
     }

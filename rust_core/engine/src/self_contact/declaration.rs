@@ -1,7 +1,7 @@
 //! Contacts and strain limits as a scene declares them: the bodies that meet, their rules, their triangles and free edges.
 
-use super::limits::Limit;
-use super::mesh::{NONE, Rule};
+use super::limits::StrainLimit;
+use super::mesh::{ContactRule, NONE};
 use super::{KIND, SelfContacts};
 use crate::error::{Error, Result};
 use crate::forces::springs::{self, Spring};
@@ -11,7 +11,7 @@ use crate::scene::{Body, Item, Scene, Value};
 
 /// Triangles and free edges of a body, with the springs along the sides of each.
 #[derive(Debug, Clone, Default)]
-pub struct Surface {
+pub struct BodySurface {
     pub faces: Vec<([u32; 3], Vec<u32>)>,
     pub edges: Vec<([u32; 2], Vec<u32>)>,
 }
@@ -23,7 +23,7 @@ impl SelfContacts {
     /// If a value is wrong, or two items concern the same bodies.
     pub fn build<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<Option<Self>> {
         let items: Vec<&Item> = scene.constraints.iter().filter(|item| item.kind == KIND).collect();
-        let limits = Limit::declared(scene, springs)?;
+        let limits = StrainLimit::declared(scene, springs)?;
         let Some(path) = items.first().map(|item| item.path.as_str()).or((!limits.is_empty()).then_some("strain_limit")) else {
             return Ok(None);
         };
@@ -52,7 +52,7 @@ impl SelfContacts {
                 return Err(item.wrong("thickness", "a number > 0", Some(&Value::Number(thickness))));
             }
             let restitution = item.number("restitution")?;
-            rules.push(Rule { thickness, friction: item.non_negative("friction")?, restitution });
+            rules.push(ContactRule { thickness, friction: item.non_negative("friction")?, restitution });
             let one = place(own);
             for other in item.on.iter().flatten().copied().chain([own]) {
                 pairs.push((item, one, place(other), rules.len() as u32 - 1));
@@ -67,7 +67,7 @@ impl SelfContacts {
             (table[one * size + other], table[other * size + one]) = (rule, rule);
         }
         let engine = properties.engine();
-        let surfaces: Vec<Surface> = bodies.iter().map(|&body| surface(scene, body, &engine)).collect::<Result<_>>()?;
+        let surfaces: Vec<BodySurface> = bodies.iter().map(|&body| surface(scene, body, &engine)).collect::<Result<_>>()?;
         let inverse_mass = properties.mass.iter().map(|mass| 1.0 / mass).collect();
         let start = properties.relative(&scene.positions());
         let mut contacts = Self { rules, table, surfaces, limits, inverse_mass, start, ..Self::default() };
@@ -77,7 +77,7 @@ impl SelfContacts {
 }
 
 /// Triangles of a body, or its springs if it has none, with particles in the engine's order.
-fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<Surface> {
+fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<BodySurface> {
     let first = scene.first(body);
     let networks = scene.bodies[..body].iter().filter(|body| body.item.kind == springs::KIND);
     let spring: usize = networks.map(|body| body.item.tuples::<2>("pairs").map(<[_]>::len)).sum::<Result<usize>>()?;
@@ -99,5 +99,5 @@ fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<Surface> {
     };
     let edge = |ends: &[u32; 2]| (ends.map(|end| number(&end)), along(ends[0], ends[1]));
     let edges = if faces.is_empty() { pairs.iter().map(edge).collect() } else { Vec::new() };
-    Ok(Surface { faces: faces.iter().map(face).collect(), edges })
+    Ok(BodySurface { faces: faces.iter().map(face).collect(), edges })
 }

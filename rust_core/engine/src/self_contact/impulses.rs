@@ -34,7 +34,7 @@ pub enum Origin {
 
 /// Contact of up to four particles.
 #[derive(Debug, Clone, Copy)]
-pub struct Contact {
+pub struct MeshContact {
     pub nodes: [u32; 4],
     /// Weights wᵢ: the relative velocity is Σ wᵢ vᵢ.
     pub weights: [f64; 4],
@@ -53,7 +53,7 @@ pub struct Contact {
     mass: f64,
 }
 
-impl Contact {
+impl MeshContact {
     /// Creates a contact without impulse; None if no particle of it is free to move.
     pub fn new(
         (nodes, origin): ([u32; 4], Origin),
@@ -125,7 +125,7 @@ impl Contact {
 
 /// Applies the initial normal impulses, scaled by the factor from 0 to 1 at which D is largest. On entry `velocities` do not
 /// include them.
-pub fn start(contacts: &mut [Contact], velocities: &mut [DVec3]) {
+pub fn start(contacts: &mut [MeshContact], velocities: &mut [DVec3]) {
     let mut changes = vec![DVec3::ZERO; velocities.len()];
     contacts.iter().for_each(|contact| contact.push(contact.impulse * contact.normal, &mut changes));
     let (mut linear, mut square) = (0.0, 0.0);
@@ -139,8 +139,8 @@ pub fn start(contacts: &mut [Contact], velocities: &mut [DVec3]) {
 }
 
 /// Iterates over the contacts in alternating order. Most iterations skip contacts without impulse.
-pub fn solve(contacts: &mut [Contact], velocities: &mut [DVec3]) {
-    let violation = |contact: &Contact| contact.least - contact.normal.dot(contact.velocity(velocities));
+pub fn solve(contacts: &mut [MeshContact], velocities: &mut [DVec3]) {
+    let violation = |contact: &MeshContact| contact.least - contact.normal.dot(contact.velocity(velocities));
     let carried = contacts.iter().map(|contact| contact.impulse / contact.mass).fold(0.0, f64::max);
     let needed = contacts.iter().map(violation).fold(carried, f64::max);
     if needed <= 0.0 {

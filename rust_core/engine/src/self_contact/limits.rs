@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::impulses::{Contact, Origin};
+use super::impulses::{MeshContact, Origin};
 use crate::error::Result;
 use crate::forces::springs::{self, Spring};
 use crate::scene::Scene;
@@ -21,7 +21,7 @@ const KEY: u64 = 1 << 62;
 
 /// Spring with a strain limit.
 #[derive(Debug, Clone, Copy)]
-pub struct Limit {
+pub struct StrainLimit {
     /// Index of the spring among all springs, as declared.
     pub spring: u32,
     pub ends: [u32; 2],
@@ -29,7 +29,7 @@ pub struct Limit {
     longest: f64,
 }
 
-impl Limit {
+impl StrainLimit {
     /// Strain limits of the springs of a scene.
     ///
     /// # Errors
@@ -70,10 +70,10 @@ impl Limit {
     }
 
     /// Constraint of the spring, with the impulse from the force of the last step [N·s]; None if both ends are fixed.
-    pub fn constraint(&self, (normal, least): (DVec3, f64), impulse: f64, inverse_mass: &[f64]) -> Option<Contact> {
+    pub fn constraint(&self, (normal, least): (DVec3, f64), impulse: f64, inverse_mass: &[f64]) -> Option<MeshContact> {
         let [one, other] = self.ends;
         let nodes = ([one, other, one, other], Origin::Pair(self.key()));
-        let mut contact = Contact::new(nodes, [1.0, -1.0, 0.0, 0.0], -normal, (least, 0.0), inverse_mass)?;
+        let mut contact = MeshContact::new(nodes, [1.0, -1.0, 0.0, 0.0], -normal, (least, 0.0), inverse_mass)?;
         contact.impulse = impulse;
         Some(contact)
     }

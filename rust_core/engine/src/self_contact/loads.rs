@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::SelfContacts;
-use super::impulses::{Contact, Origin};
+use super::impulses::{MeshContact, Origin};
 use crate::error::Result;
 use crate::history::{Archive, History};
 
@@ -18,7 +18,7 @@ pub struct Loads {
 
 impl Loads {
     /// Loads of the contacts of a step of `h` seconds.
-    pub fn new(contacts: &[Contact], h: f64) -> Self {
+    pub fn new(contacts: &[MeshContact], h: f64) -> Self {
         let (mut pairs, mut walls) = (Vec::new(), Vec::new());
         for contact in contacts.iter().filter(|contact| contact.impulse > 0.0) {
             match contact.origin {

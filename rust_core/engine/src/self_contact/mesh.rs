@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3, Vec3A};
 
 use super::distance::{Closest, edge_edge, vertex_face};
-use super::tree::{Swept, Tree};
+use super::tree::{BoundingVolumeTree, SweptBox};
 use crate::adjacency::Adjacency;
 use crate::parallel::{BlockedSlice, Executor};
 
 /// A triangle, or an edge without a triangle. The third vertex of an edge is its second.
 #[derive(Debug, Clone, Copy)]
-pub struct Element {
+pub struct MeshElement {
     /// Vertices, as indices of particles.
     pub vertices: [u32; 3],
     /// Whether the element is a triangle.
@@ -19,18 +19,18 @@ pub struct Element {
     /// Body of the element, as an index among the bodies of the meshes.
     pub body: u32,
     /// Vertices and edges assigned to this element.
-    own_vertices: Few,
-    own_edges: Few,
+    own_vertices: FewNumbers,
+    own_edges: FewNumbers,
 }
 
 /// Up to three numbers.
 #[derive(Debug, Clone, Copy, Default)]
-struct Few {
+struct FewNumbers {
     numbers: [u32; 3],
     count: u32,
 }
 
-impl Few {
+impl FewNumbers {
     fn push(&mut self, number: u32) {
         self.numbers[self.count as usize] = number;
         self.count += 1;
@@ -44,7 +44,7 @@ impl Few {
 
 /// Contact rule of two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rule {
+pub struct ContactRule {
     /// Thickness: the distance at which contact begins [m].
     pub thickness: f64,
     /// Coulomb's coefficient of friction μ.
@@ -55,7 +55,7 @@ pub struct Rule {
 
 /// Two elements that may touch: a vertex and a triangle, or two edges.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair {
+pub struct ElementPair {
     /// Particles: a vertex and the corners of a triangle, or the ends of two edges.
     pub nodes: [u32; 4],
     /// Identifier of the pair in all steps: 0 or 1 for the kind, and the indices of both elements.
@@ -63,7 +63,7 @@ pub struct Pair {
     pub rule: u32,
 }
 
-impl Pair {
+impl ElementPair {
     /// Whether the pair is a vertex and a triangle.
     #[inline(always)]
     pub fn has_face(&self) -> bool {
@@ -92,7 +92,7 @@ impl Pair {
 /// Meshes of all bodies.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
-    pub elements: Vec<Element>,
+    pub elements: Vec<MeshElement>,
     /// Ends of each edge, and the vertices opposite to it in up to two triangles. An end of the edge stands for a missing
     /// vertex.
     pub edges: Vec<[u32; 2]>,
@@ -104,11 +104,11 @@ pub struct Mesh {
     bodies: usize,
     /// Body of each particle.
     body_of: Vec<u32>,
-    tree: Tree,
+    tree: BoundingVolumeTree,
     /// Boxes around the elements in the tree's order; whether a vertex of the element has changed; boxes around the edges.
-    boxes: Vec<Swept>,
+    boxes: Vec<SweptBox>,
     changed: Vec<bool>,
-    edge_boxes: Vec<Swept>,
+    edge_boxes: Vec<SweptBox>,
 }
 
 /// Flag of a vertex and a triangle in the higher half of a key.
@@ -119,12 +119,12 @@ pub const NONE: u32 = u32::MAX;
 const BLOCK: usize = 512;
 
 /// Triangles and free edges of a body, by their vertices.
-pub type Body = (Vec<[u32; 3]>, Vec<[u32; 2]>);
+pub type BodyMesh = (Vec<[u32; 3]>, Vec<[u32; 2]>);
 
 impl Mesh {
     /// Builds the meshes of bodies from their triangles and free edges, between `count` particles. `rules` has a row and a
     /// column for each body.
-    pub fn new(bodies: &[Body], rules: Vec<u32>, count: usize) -> Self {
+    pub fn new(bodies: &[BodyMesh], rules: Vec<u32>, count: usize) -> Self {
         let mut mesh = Self { rules, bodies: bodies.len(), body_of: vec![0; count], ..Self::default() };
         let (mut has_vertex, mut numbers) = (vec![false; count], BTreeMap::<[u32; 2], u32>::new());
         for ((faces, edges), body) in bodies.iter().zip(0..) {
@@ -145,7 +145,8 @@ impl Mesh {
         (has_vertex, numbers): (&mut [bool], &mut BTreeMap<[u32; 2], u32>),
     ) {
         let size = if is_face { 3 } else { 2 };
-        let mut element = Element { vertices, is_face, body, own_vertices: Few::default(), own_edges: Few::default() };
+        let mut element =
+            MeshElement { vertices, is_face, body, own_vertices: FewNumbers::default(), own_edges: FewNumbers::default() };
         for corner in 0..size {
             let [vertex, next] = [vertices[corner], vertices[(corner + 1) % 3]];
             if !std::mem::replace(&mut has_vertex[vertex as usize], true) {
@@ -182,7 +183,7 @@ impl Mesh {
     }
 
     /// Pair with a key; None if there is no such pair any more.
-    pub fn pair(&self, key: u64) -> Option<Pair> {
+    pub fn pair(&self, key: u64) -> Option<ElementPair> {
         let (high, low) = ((key >> 32) as u32 & !HAS_FACE, key as u32);
         let nodes = if key >> 63 == 1 {
             let [a, b, c] = self.elements.get(low as usize).filter(|element| element.is_face)?.vertices;
@@ -195,13 +196,13 @@ impl Mesh {
         let rule = self.rules[one? as usize * self.bodies + other? as usize];
         let apart =
             if key >> 63 == 1 { !nodes[1..].contains(&high) } else { !nodes[2..].iter().any(|end| nodes[..2].contains(end)) };
-        (rule != NONE && apart).then_some(Pair { nodes, key, rule })
+        (rule != NONE && apart).then_some(ElementPair { nodes, key, rule })
     }
 
     /// Sorts the elements in space, for the searches of a step.
     pub fn sort(&mut self, position: impl Fn(u32) -> DVec3) {
         let center =
-            |element: &Element| Vec3A::from(element.vertices.iter().map(|&vertex| position(vertex).as_vec3()).sum::<Vec3>());
+            |element: &MeshElement| Vec3A::from(element.vertices.iter().map(|&vertex| position(vertex).as_vec3()).sum::<Vec3>());
         self.tree.build(&self.elements.iter().map(center).collect::<Vec<_>>());
     }
 
@@ -210,13 +211,13 @@ impl Mesh {
     /// block.
     pub fn pairs<T: Send + Clone>(
         &mut self,
-        boxes: &[Swept],
+        boxes: &[SweptBox],
         changed: &[bool],
         executor: &Executor,
         found: &mut Vec<Vec<T>>,
-        each: &(impl Fn(Pair, &Swept, &Swept) -> Option<T> + Sync),
+        each: &(impl Fn(ElementPair, &SweptBox, &SweptBox) -> Option<T> + Sync),
     ) {
-        let around = |vertices: &[u32]| vertices.iter().fold(Swept::EMPTY, |sum, &vertex| sum.union(&boxes[vertex as usize]));
+        let around = |vertices: &[u32]| vertices.iter().fold(SweptBox::EMPTY, |sum, &vertex| sum.union(&boxes[vertex as usize]));
         let has_changed = |nodes: &[u32]| nodes.iter().any(|&node| changed[node as usize]);
         let elements = self.tree.order().iter().map(|&element| &self.elements[element as usize].vertices);
         self.boxes.clear();
@@ -232,7 +233,7 @@ impl Mesh {
         let work = BlockedSlice::new(found, 1);
         executor.for_each_block(work, &|work: BlockedSlice<'_, Vec<T>>| {
             let first = work.start * BLOCK;
-            let mut take = |pair: Pair, one: &Swept, other: &Swept| {
+            let mut take = |pair: ElementPair, one: &SweptBox, other: &SweptBox| {
                 if has_changed(&pair.nodes) {
                     work.items[0].extend(each(pair, one, other));
                 }
@@ -259,7 +260,7 @@ impl Mesh {
 
     /// Calls `found` with the pairs of two elements, given by their places in the tree's order.
     #[inline]
-    fn pairs_of(&self, places: [usize; 2], boxes: &[Swept], found: &mut impl FnMut(Pair, &Swept, &Swept)) {
+    fn pairs_of(&self, places: [usize; 2], boxes: &[SweptBox], found: &mut impl FnMut(ElementPair, &SweptBox, &SweptBox)) {
         let [one, other] = places.map(|place| self.tree.order()[place]);
         let (first, second) = (&self.elements[one as usize], &self.elements[other as usize]);
         let rule = self.rules[first.body as usize * self.bodies + second.body as usize];
@@ -278,9 +279,9 @@ impl Mesh {
                 let key = |low: u32, high: u32| u64::from(low) << 32 | u64::from(high);
                 let ([a, b], [c, d]) = (ends, far);
                 if edge < facing {
-                    found(Pair { nodes: [a, b, c, d], key: key(edge, facing), rule }, part, opposite);
+                    found(ElementPair { nodes: [a, b, c, d], key: key(edge, facing), rule }, part, opposite);
                 } else {
-                    found(Pair { nodes: [c, d, a, b], key: key(facing, edge), rule }, opposite, part);
+                    found(ElementPair { nodes: [c, d, a, b], key: key(facing, edge), rule }, opposite, part);
                 }
             }
         }
@@ -301,11 +302,11 @@ impl Mesh {
 /// Calls `found` with the vertices of one element that may touch a face.
 #[inline]
 fn vertices_on_face(
-    (one, face): (&Element, &Element),
-    (index, around): (u32, &Swept),
+    (one, face): (&MeshElement, &MeshElement),
+    (index, around): (u32, &SweptBox),
     rule: u32,
-    boxes: &[Swept],
-    found: &mut impl FnMut(Pair, &Swept, &Swept),
+    boxes: &[SweptBox],
+    found: &mut impl FnMut(ElementPair, &SweptBox, &SweptBox),
 ) {
     if !face.is_face {
         return;
@@ -315,7 +316,7 @@ fn vertices_on_face(
         if !face.vertices.contains(&vertex) && point.overlaps(around) {
             let [a, b, c] = face.vertices;
             let key = 1 << 63 | u64::from(vertex) << 32 | u64::from(index);
-            found(Pair { nodes: [vertex, a, b, c], key, rule }, point, around);
+            found(ElementPair { nodes: [vertex, a, b, c], key, rule }, point, around);
         }
     }
 }

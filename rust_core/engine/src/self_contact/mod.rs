@@ -26,13 +26,13 @@ mod tree;
 mod walls;
 mod zones;
 
-use declaration::Surface;
-use limits::Limit;
+use declaration::BodySurface;
+use limits::StrainLimit;
 use loads::Loads;
-use mesh::{Mesh, Rule};
+use mesh::{ContactRule, Mesh};
 use nearby::Nearby;
-pub use resolution::{Step, Unresolved};
-pub use walls::{Inside, Walls};
+pub use resolution::{ContactStep, Unresolved};
+pub use walls::{InsidePosition, WallProjection};
 
 /// Kind of the items.
 pub const KIND: &str = "SelfContact";
@@ -43,13 +43,13 @@ const NOTED: f64 = 0.01;
 /// Contacts of meshes.
 #[derive(Debug, Clone, Default)]
 pub struct SelfContacts {
-    rules: Vec<Rule>,
+    rules: Vec<ContactRule>,
     /// Rule of each pair of bodies, row by row.
     table: Vec<u32>,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<BodySurface>,
     /// All springs with a strain limit, and those that are not broken.
-    limits: Vec<Limit>,
-    limited: Vec<Limit>,
+    limits: Vec<StrainLimit>,
+    limited: Vec<StrainLimit>,
     mesh: Mesh,
     nearby: Nearby,
     /// Vertices of all meshes.
@@ -72,10 +72,10 @@ impl SelfContacts {
     pub fn leave_out(&mut self, broken: &[bool]) {
         let whole = |springs: &[u32]| springs.iter().all(|&spring| !broken.get(spring as usize).copied().unwrap_or(false));
         self.limited = self.limits.iter().filter(|limit| whole(&[limit.spring])).copied().collect();
-        let bodies: Vec<mesh::Body> = self
+        let bodies: Vec<mesh::BodyMesh> = self
             .surfaces
             .iter()
-            .map(|Surface { faces, edges }| {
+            .map(|BodySurface { faces, edges }| {
                 let faces = faces.iter().filter(|(_, sides)| whole(sides)).map(|&(face, _)| face).collect();
                 (faces, edges.iter().filter(|(_, springs)| whole(springs)).map(|&(edge, _)| edge).collect())
             })

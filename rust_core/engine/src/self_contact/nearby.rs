@@ -5,8 +5,8 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::distance::Closest;
-use super::mesh::{Mesh, Pair, Rule};
-use super::tree::{Bounds, Swept};
+use super::mesh::{ContactRule, ElementPair, Mesh};
+use super::tree::{AxisAlignedBox, SweptBox};
 use crate::parallel::Executor;
 
 /// Displacement of a vertex beyond its path, by impulses, that triggers a new search of its pairs; in thicknesses.
@@ -15,7 +15,7 @@ const SLACK: f64 = 0.25;
 /// Pair that may come nearer than the thickness, at the start of the step.
 #[derive(Debug, Clone, Copy)]
 pub struct Near {
-    pub pair: Pair,
+    pub pair: ElementPair,
     /// Direction from the closest point of the second element to the closest point of the first.
     pub normal: DVec3,
     /// Distance of the closest points [m].
@@ -25,7 +25,7 @@ pub struct Near {
 impl Near {
     /// Pair with its closest points.
     #[inline(always)]
-    pub fn new(pair: Pair, closest: &Closest) -> Self {
+    pub fn new(pair: ElementPair, closest: &Closest) -> Self {
         let distance = closest.separation.length();
         let normal = if distance > 0.0 { closest.separation / distance } else { DVec3::ZERO };
         Self { pair, normal, distance }
@@ -67,7 +67,7 @@ pub struct Nearby {
     /// Pairs that each block of a search has found.
     found: Vec<Vec<Near>>,
     /// Particles at the start of the step, and the displacements that the search covers [m].
-    boxes: Vec<Swept>,
+    boxes: Vec<SweptBox>,
     /// Vertices with new displacements.
     changed: Vec<bool>,
     /// Common velocity of all vertices: their mean [m/s].
@@ -83,20 +83,20 @@ impl Nearby {
         self.slack = SLACK * thickness;
         self.drift = vertices.iter().map(|&vertex| velocities[vertex as usize]).sum::<DVec3>() / vertices.len() as f64;
         self.boxes.clear();
-        self.boxes.resize(start.len(), Swept::EMPTY);
+        self.boxes.resize(start.len(), SweptBox::EMPTY);
         self.changed.clear();
         self.changed.resize(start.len(), true);
         self.searched = false;
         for vertex in vertices.iter().map(|&vertex| vertex as usize) {
-            let way = Bounds::around(h * (velocities[vertex] - self.drift), self.slack);
-            self.boxes[vertex] = Swept { from: Bounds::around(start[vertex], 0.5 * thickness), way };
+            let way = AxisAlignedBox::around(h * (velocities[vertex] - self.drift), self.slack);
+            self.boxes[vertex] = SweptBox { from: AxisAlignedBox::around(start[vertex], 0.5 * thickness), way };
         }
     }
 
     /// Searches again the pairs of vertices that leave their paths with these velocities.
     pub fn cover(
         &mut self,
-        (mesh, rules): (&mut Mesh, &[Rule]),
+        (mesh, rules): (&mut Mesh, &[ContactRule]),
         vertices: &[u32],
         (start, velocities): (&[DVec3], &[DVec3]),
         h: f64,
@@ -105,10 +105,10 @@ impl Nearby {
         if self.searched {
             for vertex in vertices.iter().map(|&vertex| vertex as usize) {
                 let (to, way) = (h * (velocities[vertex] - self.drift), &mut self.boxes[vertex].way);
-                self.changed[vertex] = !way.contains(&Bounds::around(to, 0.0));
+                self.changed[vertex] = !way.contains(&AxisAlignedBox::around(to, 0.0));
                 if self.changed[vertex] {
                     // Up to twice the slack, for a vertex that others push repeatedly.
-                    *way = Bounds::around(to, self.slack + way.distance(to).min(self.slack));
+                    *way = AxisAlignedBox::around(to, self.slack + way.distance(to).min(self.slack));
                 }
             }
             if !vertices.iter().any(|&vertex| self.changed[vertex as usize]) {

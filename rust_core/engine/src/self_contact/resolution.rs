@@ -5,10 +5,10 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::distance::Closest;
-use super::impulses::{self, Contact, Origin};
+use super::impulses::{self, MeshContact, Origin};
 use super::loads::Loads;
 use super::nearby::Near;
-use super::walls::Walls;
+use super::walls::WallProjection;
 use super::zones::Zones;
 use super::{SelfContacts, limits};
 use crate::parallel::Executor;
@@ -33,18 +33,18 @@ pub struct Unresolved {
 
 /// Step, with its walls and threads.
 #[derive(Clone, Copy)]
-pub struct Step<'a> {
+pub struct ContactStep<'a> {
     /// Size of the step [s].
     pub h: f64,
     /// Walls around the step.
-    pub walls: &'a Walls<'a>,
+    pub walls: &'a WallProjection<'a>,
     /// Threads for the step.
     pub executor: &'a Executor,
 }
 
 /// Contacts of a step.
 struct Active {
-    contacts: Vec<Contact>,
+    contacts: Vec<MeshContact>,
     /// Keys of the contacts along normals.
     known: HashSet<u64>,
     /// Whether each vertex has a contact with a wall.
@@ -54,7 +54,7 @@ struct Active {
 }
 
 impl Active {
-    fn extend(&mut self, contacts: impl IntoIterator<Item = Contact>) {
+    fn extend(&mut self, contacts: impl IntoIterator<Item = MeshContact>) {
         for contact in contacts {
             match contact.origin {
                 Origin::Pair(key) => _ = self.known.insert(key),
@@ -71,7 +71,7 @@ impl SelfContacts {
     ///
     /// # Errors
     /// If particles that have to keep their velocities pass through each other.
-    pub fn resolve(&mut self, velocities: &mut Vec<DVec3>, step: Step<'_>) -> Result<bool, Unresolved> {
+    pub fn resolve(&mut self, velocities: &mut Vec<DVec3>, step: ContactStep<'_>) -> Result<bool, Unresolved> {
         let h = step.h;
         let finite = |&vertex: &u32| (self.start[vertex as usize] + velocities[vertex as usize]).is_finite();
         if !self.vertices.iter().all(finite) {
@@ -117,7 +117,7 @@ impl SelfContacts {
     }
 
     /// Contacts of the last step, and constraints of the springs that exceed their longest lengths.
-    fn start_from_last(&self, free: &[DVec3], thickness: f64, step: Step<'_>) -> Active {
+    fn start_from_last(&self, free: &[DVec3], thickness: f64, step: ContactStep<'_>) -> Active {
         let (held, taut) = (vec![false; free.len()], vec![None; self.limited.len()]);
         let mut active = Active { contacts: Vec::new(), known: HashSet::new(), held, taut };
         active.extend(self.lasting(free, step));
@@ -151,7 +151,7 @@ impl SelfContacts {
 
     /// Whether contacts that bounce give more kinetic energy than fixed particles supply by the impulses on them. Newton's
     /// law of restitution treats one pair at a time; it may give energy where several pairs act together.
-    fn gains(&self, contacts: &[Contact], free: &[DVec3], velocities: &[DVec3]) -> bool {
+    fn gains(&self, contacts: &[MeshContact], free: &[DVec3], velocities: &[DVec3]) -> bool {
         if contacts.iter().all(|contact| contact.least <= 0.0) {
             return false;
         }
@@ -166,7 +166,7 @@ impl SelfContacts {
     }
 
     /// Ends the paths of vertices at walls, if impulses lead them out, and adds their contacts.
-    fn keep_inside(&self, active: &mut Active, free: &[DVec3], velocities: &mut [DVec3], step: Step<'_>) {
+    fn keep_inside(&self, active: &mut Active, free: &[DVec3], velocities: &mut [DVec3], step: ContactStep<'_>) {
         for &vertex in &self.vertices {
             let index = vertex as usize;
             if velocities[index] == free[index] {
@@ -184,13 +184,18 @@ impl SelfContacts {
     }
 
     /// Finds the pairs that may touch with these velocities.
-    fn cover(&mut self, velocities: &[DVec3], Step { h, executor, .. }: Step<'_>) {
+    fn cover(&mut self, velocities: &[DVec3], ContactStep { h, executor, .. }: ContactStep<'_>) {
         let paths = (self.start.as_slice(), velocities);
         self.nearby.cover((&mut self.mesh, &self.rules), &self.vertices, paths, h, executor);
     }
 
     /// Moves particles together until no pair meets.
-    fn merge(&mut self, mut met: Vec<(Near, Closest)>, velocities: &mut [DVec3], step: Step<'_>) -> Result<(), Unresolved> {
+    fn merge(
+        &mut self,
+        mut met: Vec<(Near, Closest)>,
+        velocities: &mut [DVec3],
+        step: ContactStep<'_>,
+    ) -> Result<(), Unresolved> {
         self.merged += u64::from(!met.is_empty());
         let mut zones = Zones::new(self.start.len());
         let mut last = 0;

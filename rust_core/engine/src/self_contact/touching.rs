@@ -6,10 +6,10 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::distance::{Closest, combined};
-use super::impulses::{Contact, Origin};
-use super::mesh::Pair;
+use super::impulses::{MeshContact, Origin};
+use super::mesh::ElementPair;
 use super::nearby::Near;
-use super::resolution::Step;
+use super::resolution::ContactStep;
 use super::{SelfContacts, advancement};
 use crate::parallel::{BlockedSlice, Executor};
 
@@ -23,7 +23,7 @@ const BLOCK: usize = 1024;
 
 impl SelfContacts {
     /// Contacts of the last step that are not far apart now, with their impulses, the nearest first.
-    pub(super) fn lasting(&self, free: &[DVec3], Step { h, .. }: Step<'_>) -> Vec<Contact> {
+    pub(super) fn lasting(&self, free: &[DVec3], ContactStep { h, .. }: ContactStep<'_>) -> Vec<MeshContact> {
         let contact = |&(key, load): &(u64, f64)| {
             let pair = self.mesh.pair(key)?;
             let closest = pair.measure(&pair.gather(&self.start));
@@ -36,7 +36,12 @@ impl SelfContacts {
     }
 
     /// Indices of the nearby pairs that may come nearer than (1 + `margin`) thicknesses with these velocities.
-    pub(super) fn reached(&self, velocities: &[DVec3], margin: f64, Step { h, executor, .. }: Step<'_>) -> Vec<u32> {
+    pub(super) fn reached(
+        &self,
+        velocities: &[DVec3],
+        margin: f64,
+        ContactStep { h, executor, .. }: ContactStep<'_>,
+    ) -> Vec<u32> {
         let reached = |index: usize| {
             let near = &self.nearby.pairs[index];
             let reach = (1.0 + margin) * self.rules[near.pair.rule as usize].thickness;
@@ -51,8 +56,8 @@ impl SelfContacts {
         reached: &[u32],
         known: &HashSet<u64>,
         motion: (f64, &[DVec3], &[DVec3]),
-        Step { h, executor, .. }: Step<'_>,
-    ) -> Vec<Contact> {
+        ContactStep { h, executor, .. }: ContactStep<'_>,
+    ) -> Vec<MeshContact> {
         let contact = |index: usize| {
             let near = &self.nearby.pairs[reached[index] as usize];
             if known.contains(&near.pair.key) {
@@ -69,7 +74,7 @@ impl SelfContacts {
         &self,
         reached: &[u32],
         velocities: &[DVec3],
-        Step { h, executor, .. }: Step<'_>,
+        ContactStep { h, executor, .. }: ContactStep<'_>,
     ) -> Vec<(Near, Closest)> {
         let meeting = |index: usize| {
             let near = &self.nearby.pairs[reached[index] as usize];
@@ -96,7 +101,7 @@ impl SelfContacts {
         (near, closest): (&Near, &Closest),
         (margin, free, velocities): (f64, &[DVec3], &[DVec3]),
         h: f64,
-    ) -> Option<Contact> {
+    ) -> Option<MeshContact> {
         let (pair, distance, normal) = (&near.pair, near.distance, near.normal);
         let rule = &self.rules[pair.rule as usize];
         let along = |velocities: &[DVec3]| normal.dot(combined(&closest.weights, &pair.gather(velocities)));
@@ -109,20 +114,20 @@ impl SelfContacts {
         let bounces = rule.restitution > 0.0 && approach < least && self.loads.of(pair.key).is_none();
         let least = if bounces { least.max(-rule.restitution * approach) } else { least };
         let origin = Origin::Pair(pair.key);
-        Contact::new((pair.nodes, origin), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+        MeshContact::new((pair.nodes, origin), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
     }
 
     /// Contact of a pair that meets on its path.
-    pub(super) fn on_the_way(&self, &Near { ref pair, distance, .. }: &Near, closest: &Closest, h: f64) -> Option<Contact> {
+    pub(super) fn on_the_way(&self, &Near { ref pair, distance, .. }: &Near, closest: &Closest, h: f64) -> Option<MeshContact> {
         let rule = &self.rules[pair.rule as usize];
         let normal = closest.separation.normalize_or_zero();
         let gap = normal.dot(combined(&closest.weights, &pair.gather(&self.start)));
         let least = ((distance.min(rule.thickness) - gap) / h).min(0.0);
-        Contact::new((pair.nodes, Origin::Way), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+        MeshContact::new((pair.nodes, Origin::Way), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
     }
 
     /// Whether no points near the closest points of a pair are closer.
-    fn is_local(&self, pair: &Pair, closest: &Closest) -> bool {
+    fn is_local(&self, pair: &ElementPair, closest: &Closest) -> bool {
         let x = &self.start;
         let (p, weights) = (closest.separation, &closest.weights);
         let alone = |vertex: u32, toward: DVec3| {

@@ -14,12 +14,12 @@ const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// Axis-aligned box in single precision, rounded outward.
 #[derive(Debug, Clone, Copy)]
-pub struct Bounds {
+pub struct AxisAlignedBox {
     low: Vec3A,
     high: Vec3A,
 }
 
-impl Bounds {
+impl AxisAlignedBox {
     pub const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
 
     /// Box around a point, with a `margin` [m] on all sides.
@@ -61,13 +61,13 @@ impl Bounds {
 
 /// Box around an element at the start of a step, and box around the displacements of its points.
 #[derive(Debug, Clone, Copy)]
-pub struct Swept {
-    pub from: Bounds,
-    pub way: Bounds,
+pub struct SweptBox {
+    pub from: AxisAlignedBox,
+    pub way: AxisAlignedBox,
 }
 
-impl Swept {
-    pub const EMPTY: Self = Self { from: Bounds::EMPTY, way: Bounds::EMPTY };
+impl SweptBox {
+    pub const EMPTY: Self = Self { from: AxisAlignedBox::EMPTY, way: AxisAlignedBox::EMPTY };
 
     #[inline(always)]
     pub fn union(&self, other: &Self) -> Self {
@@ -76,15 +76,15 @@ impl Swept {
 
     /// Box around the element on its path.
     #[inline(always)]
-    pub fn hull(&self) -> Bounds {
+    pub fn hull(&self) -> AxisAlignedBox {
         let (low, high) = (self.way.low.min(Vec3A::ZERO), self.way.high.max(Vec3A::ZERO));
-        Bounds { low: self.from.low + low, high: self.from.high + high }
+        AxisAlignedBox { low: self.from.low + low, high: self.from.high + high }
     }
 
     /// Displacements of another element relative to this one.
     #[inline(always)]
-    pub fn relative(&self, other: &Self) -> Bounds {
-        Bounds { low: other.way.low - self.way.high, high: other.way.high - self.way.low }
+    pub fn relative(&self, other: &Self) -> AxisAlignedBox {
+        AxisAlignedBox { low: other.way.low - self.way.high, high: other.way.high - self.way.low }
     }
 
     /// Whether the elements may touch. A common displacement does not bring them together.
@@ -96,8 +96,8 @@ impl Swept {
 
 /// Node in depth-first order: its box, and the next node that is not below it.
 #[derive(Debug, Clone, Copy)]
-struct Node {
-    bounds: Bounds,
+struct TreeNode {
+    bounds: AxisAlignedBox,
     skip: u32,
     /// Elements of a leaf, in the tree's order; an inner node has none.
     start: u32,
@@ -106,7 +106,7 @@ struct Node {
     changed: bool,
 }
 
-impl Node {
+impl TreeNode {
     /// Places of the node's elements in the tree's order.
     #[inline(always)]
     fn elements(&self) -> Range<usize> {
@@ -116,13 +116,13 @@ impl Node {
 
 /// Bounding-volume tree of elements.
 #[derive(Debug, Clone, Default)]
-pub struct Tree {
-    nodes: Vec<Node>,
+pub struct BoundingVolumeTree {
+    nodes: Vec<TreeNode>,
     /// Elements, leaf by leaf.
     order: Vec<u32>,
 }
 
-impl Tree {
+impl BoundingVolumeTree {
     /// Builds the tree of elements with these centers.
     pub fn build(&mut self, centers: &[Vec3A]) {
         self.nodes.clear();
@@ -137,7 +137,7 @@ impl Tree {
     fn split(&mut self, centers: &[Vec3A], start: usize, end: usize) {
         let at = self.nodes.len();
         let count = if end - start <= LEAF { (end - start) as u32 } else { 0 };
-        self.nodes.push(Node { bounds: Bounds::EMPTY, skip: 0, start: start as u32, count, changed: false });
+        self.nodes.push(TreeNode { bounds: AxisAlignedBox::EMPTY, skip: 0, start: start as u32, count, changed: false });
         if count == 0 {
             let part = &mut self.order[start..end];
             let center = |element: &u32| centers[*element as usize];
@@ -154,12 +154,12 @@ impl Tree {
     }
 
     /// Updates the boxes of the tree from the boxes of its elements, in the tree's order, and whether these have changed.
-    pub fn refit(&mut self, element: impl Fn(usize) -> (Bounds, bool)) {
+    pub fn refit(&mut self, element: impl Fn(usize) -> (AxisAlignedBox, bool)) {
         for at in (0..self.nodes.len()).rev() {
             let node = self.nodes[at];
             let (bounds, changed) = if node.count > 0 {
-                let join = |sum: (Bounds, bool), part: (Bounds, bool)| (sum.0.union(&part.0), sum.1 || part.1);
-                node.elements().map(&element).fold((Bounds::EMPTY, false), join)
+                let join = |sum: (AxisAlignedBox, bool), part: (AxisAlignedBox, bool)| (sum.0.union(&part.0), sum.1 || part.1);
+                node.elements().map(&element).fold((AxisAlignedBox::EMPTY, false), join)
             } else {
                 let [left, right] = [at + 1, self.nodes[at + 1].skip as usize].map(|child| &self.nodes[child]);
                 (left.bounds.union(&right.bounds), left.changed || right.changed)
@@ -182,7 +182,7 @@ impl Tree {
     /// leaves has a changed element. Calls `each` with the elements of both, by their places in the tree's order, and the box
     /// of the second leaf.
     #[inline]
-    pub fn query(&self, node: usize, mut each: impl FnMut(Range<usize>, Range<usize>, &Bounds)) {
+    pub fn query(&self, node: usize, mut each: impl FnMut(Range<usize>, Range<usize>, &AxisAlignedBox)) {
         let leaf = &self.nodes[node];
         let mut at = node;
         while at < self.nodes.len() && leaf.count > 0 {

@@ -6,12 +6,12 @@
 use glam::DVec3;
 
 use super::SelfContacts;
-use super::impulses::{self, Contact, Origin};
-use super::resolution::Step;
+use super::impulses::{self, MeshContact, Origin};
+use super::resolution::ContactStep;
 
 /// A position inside all walls, with the coefficients of the wall in the way.
 #[derive(Debug, Clone, Copy)]
-pub struct Inside {
+pub struct InsidePosition {
     /// Position [m].
     pub position: DVec3,
     /// Coulomb's coefficient of friction μ.
@@ -21,7 +21,7 @@ pub struct Inside {
 }
 
 /// Projection of positions inside walls: for a particle and a position outside, the position inside.
-pub type Walls<'a> = dyn Fn(usize, DVec3) -> Option<Inside> + Sync + 'a;
+pub type WallProjection<'a> = dyn Fn(usize, DVec3) -> Option<InsidePosition> + Sync + 'a;
 
 /// Maximum number of corrections of a zone's velocity at walls.
 const CORRECTIONS: u32 = 8;
@@ -32,8 +32,8 @@ impl SelfContacts {
         &self,
         &(vertex, normal, load): &(u32, DVec3, f64),
         thickness: f64,
-        Step { h, walls, .. }: Step<'_>,
-    ) -> Option<Contact> {
+        ContactStep { h, walls, .. }: ContactStep<'_>,
+    ) -> Option<MeshContact> {
         let from = self.start[vertex as usize];
         let beyond = from - thickness * normal;
         let mut contact = self.wall(vertex, [from, beyond], walls(vertex as usize, beyond)?, h)?;
@@ -42,25 +42,30 @@ impl SelfContacts {
     }
 
     /// Contact of a vertex with the wall that it would pass on a path. A resting vertex stays; an arriving one bounces.
-    pub(super) fn arriving(&self, vertex: u32, [from, to]: [DVec3; 2], inside: Inside, h: f64) -> Option<Contact> {
+    pub(super) fn arriving(&self, vertex: u32, [from, to]: [DVec3; 2], inside: InsidePosition, h: f64) -> Option<MeshContact> {
         let mut contact = self.wall(vertex, [from, to], inside, h)?;
         let approach = contact.normal.dot(to - from) / h;
         contact.least = contact.least.max(-inside.restitution * approach);
         Some(contact)
     }
 
-    fn wall(&self, vertex: u32, [from, to]: [DVec3; 2], inside: Inside, h: f64) -> Option<Contact> {
+    fn wall(&self, vertex: u32, [from, to]: [DVec3; 2], inside: InsidePosition, h: f64) -> Option<MeshContact> {
         let way = (inside.position - to).length();
         let normal = (inside.position - to) / way;
         // The remainder of an iterative solution is no reason for another round.
         (way > impulses::CONVERGED * (to - from).length()).then_some(())?;
         let least = normal.dot(inside.position - from) / h;
         let weights = [1.0, 0.0, 0.0, 0.0];
-        Contact::new(([vertex; 4], Origin::Wall), weights, normal, (least, inside.friction), &self.inverse_mass)
+        MeshContact::new(([vertex; 4], Origin::Wall), weights, normal, (least, inside.friction), &self.inverse_mass)
     }
 
     /// Velocity of particles that move together, corrected so that none leaves the walls; 0 if no such velocity is found.
-    pub(super) fn within_walls(&self, members: &[u32], mut velocity: DVec3, Step { h, walls, .. }: Step<'_>) -> DVec3 {
+    pub(super) fn within_walls(
+        &self,
+        members: &[u32],
+        mut velocity: DVec3,
+        ContactStep { h, walls, .. }: ContactStep<'_>,
+    ) -> DVec3 {
         for _ in 0..CORRECTIONS {
             let way_back = |&vertex: &u32| {
                 let to = self.start[vertex as usize] + h * velocity;

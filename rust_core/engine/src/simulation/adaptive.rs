@@ -19,14 +19,14 @@
 //! **Errors.** With a tolerance the steps follow from error estimates: see [`super::controlled`].
 
 use super::halving::Halvings;
-use super::monitor::Steps;
+use super::monitor::StepSizes;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
 use crate::stability::Horizon;
 
 /// The rule of the step-size control.
 #[derive(Debug, Clone, Copy)]
-pub struct Rule {
+pub struct StepSizeRule {
     /// Safety factor: largest step in units of the present limit.
     pub safety: f64,
     /// Step without a limit [s].
@@ -59,7 +59,12 @@ pub(super) enum Trial {
 
 impl Simulation {
     /// Advances by an interval [s] in steps chosen by the rule.
-    pub(super) fn advance_adaptively(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+    pub(super) fn advance_adaptively(
+        &mut self,
+        interval: f64,
+        rule: &StepSizeRule,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<()> {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("interval", "a finite number > 0", interval));
         }
@@ -75,7 +80,7 @@ impl Simulation {
     }
 
     /// Advances in steps of the interval over powers of two, admissible at both of their ends.
-    fn advance_in_blocks(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+    fn advance_in_blocks(&mut self, interval: f64, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let varies = self.system.limit_varies(Horizon::Present, self.time());
         let (start, finest) = (self.time(), interval / FINEST as f64);
         let mut allowed = self.allowed(rule, interrupted)?;
@@ -127,14 +132,14 @@ impl Simulation {
     }
 
     /// Largest admissible step of the rule in the present state [s].
-    pub(super) fn allowed(&mut self, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<f64> {
+    pub(super) fn allowed(&mut self, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<f64> {
         let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Present, time, executor))?.dt();
         Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
     }
 
     /// Tries one step of the clock's length. After a divergence or an interrupt the clock is reset to `before`.
     pub(super) fn attempt(&mut self, before: Segment, interrupted: &dyn Fn() -> bool) -> Result<Trial> {
-        match self.batch(1, Steps::Adaptive, interrupted) {
+        match self.batch(1, StepSizes::Adaptive, interrupted) {
             Ok(_) => Ok(Trial::Taken),
             Err(Error::Diverged(divergence)) => {
                 let error = self.with_hint(Error::Diverged(divergence), interrupted);

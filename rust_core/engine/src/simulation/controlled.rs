@@ -5,7 +5,7 @@
 
 use super::adaptive::{FINEST, Trial};
 use super::halving::Halvings;
-use super::{Rule, Segment, Simulation};
+use super::{Segment, Simulation, StepSizeRule};
 use crate::error::Result;
 use crate::systems::Control;
 
@@ -14,7 +14,7 @@ impl Simulation {
     pub(super) fn advance_by_errors(
         &mut self,
         interval: f64,
-        rule: &Rule,
+        rule: &StepSizeRule,
         (tolerance, control): (f64, Control),
         interrupted: &dyn Fn() -> bool,
     ) -> Result<()> {

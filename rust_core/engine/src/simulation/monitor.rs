@@ -20,7 +20,7 @@ use crate::error::{Divergence, Error, Result};
 use crate::ledger::{Class, Ledger};
 use crate::parallel::SERIAL;
 use crate::stability::Horizon;
-use crate::systems::{Element, Fault, Record};
+use crate::systems::{Element, Fault, RecordedSteps};
 
 /// Shortest batch after a diagnosis.
 const SHORTEST: u64 = 8;
@@ -31,7 +31,7 @@ const LARGEST: f64 = 1e300;
 
 /// The step sizes of a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Steps {
+pub(super) enum StepSizes {
     Equal,
     Adaptive,
 }
@@ -149,11 +149,11 @@ impl Monitor {
 
 impl Simulation {
     /// Takes up to `most` steps, adaptive or equal, all accepted by the monitor. Returns their number.
-    pub(super) fn batch(&mut self, most: u64, rule: Steps, interrupted: &dyn Fn() -> bool) -> Result<u64> {
+    pub(super) fn batch(&mut self, most: u64, rule: StepSizes, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         let (record, threshold) = self.attention(rule);
         let steps = match (self.monitor.vigilance, record) {
             (Vigilance::EveryStep, _) => 1,
-            (_, Record::LastStep) => most,
+            (_, RecordedSteps::LastStep) => most,
             _ => most.min(self.monitor.quiet.max(SHORTEST)).min(self.system.most_recorded()),
         };
         match self.advance(steps, record, interrupted) {
@@ -185,7 +185,7 @@ impl Simulation {
     fn examine(&mut self, step: u64, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         if step < steps {
             self.rollback(steps);
-            self.advance(step, Record::LastStep, interrupted)?;
+            self.advance(step, RecordedSteps::LastStep, interrupted)?;
         }
         let finding = self.diagnose_or_roll_back(step, interrupted)?;
         let Some(divergence) = finding.divergence() else {
@@ -195,11 +195,11 @@ impl Simulation {
         let (number, time) = (self.steps, self.time());
         self.rollback(step);
         if step > 1 {
-            self.advance(step - 1, Record::LastStep, interrupted)?;
+            self.advance(step - 1, RecordedSteps::LastStep, interrupted)?;
         }
         if matches!(finding, Finding::Risen(_)) && self.is_onset(interrupted)? {
             self.monitor.quiet = 0;
-            self.advance(1, Record::LastStep, interrupted)?;
+            self.advance(1, RecordedSteps::LastStep, interrupted)?;
             return Ok(step);
         }
         Err(Error::Diverged(Box::new(Divergence { step: number, time, ..divergence })))
@@ -208,7 +208,7 @@ impl Simulation {
     /// Whether a rise of the balance in the next step is the onset of a force, and does not persist in the following step. At
     /// an onset the first step tallies none of the work, and a system at rest has no kinetic energy for comparison.
     fn is_onset(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool> {
-        match self.advance(2, Record::LastStep, interrupted) {
+        match self.advance(2, RecordedSteps::LastStep, interrupted) {
             Err(error) if stops_a_step(&error) => return Ok(false),
             outcome => outcome?,
         }
@@ -232,17 +232,17 @@ impl Simulation {
     }
 
     /// Activities to record, and threshold for a diagnosis.
-    fn attention(&self, rule: Steps) -> (Record, f64) {
+    fn attention(&self, rule: StepSizes) -> (RecordedSteps, f64) {
         // In steps that never double the energy only overflow needs a diagnosis.
         let certified = || self.limit(Horizon::Certified, &SERIAL);
         let tame = self.system.is_linear() && certified().is_ok_and(|limit| 2.0 * self.segment.dt <= limit.stability);
         match self.monitor.vigilance {
-            Vigilance::OutOfRange => (Record::LastStep, f64::MAX),
-            Vigilance::EveryStep => (Record::EveryStep, -1.0),
-            Vigilance::Active if tame => (Record::LastStep, LARGEST),
-            Vigilance::Active if self.monitor.max_energy_growth.is_infinite() => (Record::EveryStep, LARGEST),
-            Vigilance::Active if rule == Steps::Adaptive => (Record::EveryStep, self.monitor.threshold),
-            Vigilance::Active => (Record::Sampled, self.monitor.threshold),
+            Vigilance::OutOfRange => (RecordedSteps::LastStep, f64::MAX),
+            Vigilance::EveryStep => (RecordedSteps::EveryStep, -1.0),
+            Vigilance::Active if tame => (RecordedSteps::LastStep, LARGEST),
+            Vigilance::Active if self.monitor.max_energy_growth.is_infinite() => (RecordedSteps::EveryStep, LARGEST),
+            Vigilance::Active if rule == StepSizes::Adaptive => (RecordedSteps::EveryStep, self.monitor.threshold),
+            Vigilance::Active => (RecordedSteps::Sampled, self.monitor.threshold),
         }
     }
 

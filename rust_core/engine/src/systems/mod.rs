@@ -15,7 +15,7 @@ use crate::parallel::Executor;
 use crate::scene::{self, Item, Scene};
 pub use physcore_base::systems::*;
 use physcore_fields::{reaction_diffusion, schrodinger, wave};
-use several::{Part, Several};
+use several::{Several, SystemPart};
 
 /// Builds the systems of a scene as one, in `f32` or `f64`. If there are bodies, they form a system of matter, advanced by
 /// `method`. Further systems are those that items declare. The map `methods` gives their methods by name; the default is
@@ -32,7 +32,7 @@ pub fn build(
 ) -> Result<Box<dyn System>> {
     let mut parts = Vec::new();
     if !scene.bodies.is_empty() || scene.systems.is_empty() {
-        parts.push(Part { name: String::new(), system: matter::build(scene, method, precision, executor)? });
+        parts.push(SystemPart { name: String::new(), system: matter::build(scene, method, precision, executor)? });
     }
     let own = |item: &Item| methods.get(item.name.as_ref().unwrap_or(&item.path)).unwrap_or(method);
     for (index, item) in scene.systems.iter().enumerate().filter(|(_, item)| tracers::leader(item).is_none()) {
@@ -45,15 +45,15 @@ pub fn build(
         }
         parts.push(declared(&items, own(item), precision, executor)?);
     }
-    Ok(match <[Part; 1]>::try_from(parts) {
-        Ok([Part { name, system }]) if name.is_empty() => system,
+    Ok(match <[SystemPart; 1]>::try_from(parts) {
+        Ok([SystemPart { name, system }]) if name.is_empty() => system,
         Ok([part]) => Box::new(Several::new(vec![part])),
         Err(parts) => Box::new(Several::new(parts)),
     })
 }
 
 /// Builds the system that an item declares, with the items that are advanced with it, by a method. Registry of systems.
-fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executor) -> Result<Part> {
+fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executor) -> Result<SystemPart> {
     let item = items[0];
     let system = match item.kind.as_str() {
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
@@ -61,11 +61,11 @@ fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executo
         "Schrodinger" => schrodinger::build(item, method, precision),
         // The system names its sets itself.
         "Tracers" | "PointVortices" => {
-            return Ok(Part { name: String::new(), system: tracers::build(items, method, precision)? });
+            return Ok(SystemPart { name: String::new(), system: tracers::build(items, method, precision)? });
         }
         _ => Err(scene::unknown(item, "a kind of system")),
     };
-    Ok(Part { name: item.name.clone().unwrap_or_else(|| item.path.clone()), system: system? })
+    Ok(SystemPart { name: item.name.clone().unwrap_or_else(|| item.path.clone()), system: system? })
 }
 
 /// Error for an unknown integrator.

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{Element, Fault, FieldInfo, Interval, Record, Sample, System};
+use super::{Element, Fault, FieldInfo, Interval, RecordedSteps, Sample, System};
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::ledger::Ledger;
@@ -15,7 +15,7 @@ use crate::stability::{Horizon, Limit};
 use crate::systems::Mach;
 
 /// A system, and the name of its item in the scene; empty for matter, and for a system of several items.
-pub struct Part {
+pub struct SystemPart {
     /// Name of the item.
     pub name: String,
     /// The system.
@@ -24,14 +24,14 @@ pub struct Part {
 
 /// Systems of a scene, at least one.
 pub struct Several {
-    parts: Vec<Part>,
+    parts: Vec<SystemPart>,
     /// Sums of the systems' activities [J].
     activity: Vec<f64>,
 }
 
 impl Several {
     /// Combines several systems into one.
-    pub fn new(parts: Vec<Part>) -> Self {
+    pub fn new(parts: Vec<SystemPart>) -> Self {
         Self { parts, activity: Vec::new() }
     }
 
@@ -40,17 +40,17 @@ impl Several {
     }
 
     /// Adds the part's name to an element.
-    fn named(part: &Part, element: Element) -> Element {
+    fn named(part: &SystemPart, element: Element) -> Element {
         let name = if part.name.is_empty() { element.name } else { format!("{} of {}", element.name, part.name) };
         Element { name, ..element }
     }
 
-    fn path(part: &Part, field: &str) -> String {
+    fn path(part: &SystemPart, field: &str) -> String {
         if part.name.is_empty() { field.to_owned() } else { format!("{}.{field}", part.name) }
     }
 
     /// Part and field of an index into all fields.
-    fn locate(&self, mut field: usize) -> Option<(&Part, usize)> {
+    fn locate(&self, mut field: usize) -> Option<(&SystemPart, usize)> {
         for part in &self.parts {
             let count = part.system.fields().len();
             if field < count {
@@ -64,7 +64,7 @@ impl Several {
     /// Sums the activities over all systems, if each recorded the same number; otherwise those after the last step.
     fn add_up(&mut self) {
         let Self { parts, activity } = self;
-        let recorded = |part: &Part| part.system.activity().len();
+        let recorded = |part: &SystemPart| part.system.activity().len();
         let steps = parts.iter().map(recorded).min().unwrap_or(0);
         let steps = if parts.iter().all(|part| recorded(part) == steps) { steps } else { steps.min(1) };
         activity.clear();
@@ -96,7 +96,7 @@ impl History for Several {
 
 impl System for Several {
     fn stages(&self) -> Vec<Stages> {
-        let named = |part: &Part| {
+        let named = |part: &SystemPart| {
             let name = part.name.clone();
             let item = move |own: String| if name.is_empty() { own } else { name.clone() };
             part.system.stages().into_iter().map(move |stages| Stages { item: item(stages.item.clone()), ..stages })
@@ -124,7 +124,7 @@ impl System for Several {
         self.parts.iter_mut().try_for_each(|part| part.system.begin(time, executor))
     }
 
-    fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+    fn advance(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         for index in 0..self.parts.len() {
             let outcome = self.parts[index].system.advance(interval, record, executor);
             if outcome.is_err() {
@@ -209,7 +209,7 @@ impl System for Several {
 
     /// Fastest element of the system with the most kinetic energy.
     fn fastest(&self) -> Element {
-        let kinetic = |part: &&Part| part.system.activity().last().copied().unwrap_or_default();
+        let kinetic = |part: &&SystemPart| part.system.activity().last().copied().unwrap_or_default();
         let fastest = self.parts.iter().max_by(|one, other| kinetic(one).total_cmp(&kinetic(other)));
         let none = || Element { name: "nothing".to_owned(), index: 0 };
         fastest.map_or_else(none, |part| Self::named(part, part.system.fastest()))
@@ -220,7 +220,7 @@ impl System for Several {
     }
 
     fn fields(&self) -> Vec<FieldInfo> {
-        let named = |part: &Part| {
+        let named = |part: &SystemPart| {
             let fields = part.system.fields().into_iter();
             let named = |field: FieldInfo| {
                 let rate = field.rate.as_ref().map(|rate| Self::path(part, rate));
@@ -238,7 +238,7 @@ impl System for Several {
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         let names: Vec<Vec<String>> =
             self.parts.iter().map(|part| part.system.fields().into_iter().map(|field| field.name).collect()).collect();
-        let belongs = |part: &Part, names: &[String], name: &str| names.iter().any(|own| Self::path(part, own) == name);
+        let belongs = |part: &SystemPart, names: &[String], name: &str| names.iter().any(|own| Self::path(part, own) == name);
         for (name, _) in fields {
             if !self.parts.iter().zip(&names).any(|(part, names)| belongs(part, names, name)) {
                 return Err(Error::parameter(format!("set.{name}"), "the name of a field", name));

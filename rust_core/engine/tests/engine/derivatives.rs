@@ -1,7 +1,7 @@
 //! Derivatives of forces for implicit methods, compared with differences of the forces themselves.
 
 use glam::{DVec2, DVec3};
-use physcore_engine::forces::derivatives::{Block, Motion, Push};
+use physcore_engine::forces::derivatives::{MatrixBlock, Motion, Push};
 use physcore_engine::forces::{self, Rates, Space, StateView};
 use physcore_engine::matter::{Columns, Power, Properties, SINKS, View};
 use physcore_engine::parallel::SERIAL;
@@ -91,7 +91,7 @@ impl<V: Space<Scalar = f64>> Laboratory<V> {
         let derivatives = self.force.derivatives().expect("derivatives");
         derivatives.arrange(&at, &SERIAL).unwrap();
         let (mut exact, mut definite) = (vec![DVec3::ZERO; 12], vec![DVec3::ZERO; 12]);
-        derivatives.blocks(&at, weights, &mut |block: Block| {
+        derivatives.blocks(&at, weights, &mut |block: MatrixBlock| {
             let [one, other] = block.ends.map(|end| end as usize);
             for (sum, matrix) in [(&mut exact, block.exact), (&mut definite, block.definite)] {
                 if one == other {

@@ -8,7 +8,7 @@ use physcore_engine::integrators::{
     BlanesMoan4, BlanesMoan6, BogackiShampine3, Component, DormandPrince5, ExplicitEuler, Facts, Integrator, McLachlan2, Pefrl,
     RungeKutta4, SemiImplicitEuler, VelocityVerlet,
 };
-use physcore_engine::stability::{Horizon, Kind, Limit, Link, SpectralBound};
+use physcore_engine::stability::{Horizon, Limit, LimitKind, Link, SpectralBound};
 use proptest::prelude::*;
 
 type Matrix = Vec<Vec<f64>>;
@@ -434,7 +434,7 @@ fn nothing_limits_what_feels_nothing() {
         stability: f64::INFINITY,
         accuracy: f64::INFINITY,
         term: "",
-        kind: Kind::None,
+        kind: LimitKind::None,
         certified: f64::INFINITY,
         endured: f64::INFINITY,
     };
@@ -544,7 +544,7 @@ fn bodies_are_bounded_apart() {
     // Verlet: 2/ω = 0.2 s for the first, m/b = 1/9 s for the second.
     let limit = both.limit(&Facts::of::<VelocityVerlet>());
     assert!((limit.dt() * 9.0 - 1.0).abs() < 1e-9);
-    assert_eq!((limit.term, limit.kind), ("drag", Kind::Stability));
+    assert_eq!((limit.term, limit.kind), ("drag", LimitKind::Stability));
 }
 
 #[test]
@@ -557,5 +557,5 @@ fn the_binding_term_is_named() {
     well.accuracy("central", 1e-3);
     well.accuracy("custom", 1e-2);
     let limit = well.limit(&Facts::of::<Pefrl>());
-    assert_eq!((limit.dt(), limit.accuracy, limit.term, limit.kind), (1e-3, 1e-3, "central", Kind::Accuracy));
+    assert_eq!((limit.dt(), limit.accuracy, limit.term, limit.kind), (1e-3, 1e-3, "central", LimitKind::Accuracy));
 }

@@ -2,7 +2,7 @@
 
 use super::ReactionDiffusion;
 use super::kinetics::with_law;
-use super::law::Tally;
+use super::law::SpeciesTally;
 use crate::error::{Error, Result};
 use crate::grid::Window;
 use crate::math::Real;
@@ -34,7 +34,7 @@ impl<T: Real> ReactionDiffusion<T> {
     }
 
     /// Sum of one tally of a species over all rows.
-    pub(super) fn tallied(&self, species: usize, of: fn(&Tally) -> f64) -> f64 {
+    pub(super) fn tallied(&self, species: usize, of: fn(&SpeciesTally) -> f64) -> f64 {
         self.state.tallies.iter().skip(species).step_by(self.law.species.len()).map(of).sum()
     }
 
@@ -95,7 +95,7 @@ impl<T: Real> ReactionDiffusion<T> {
             law => {
                 let values = [0, 1].map(|species| self.species_row(species, row, &self.state.field));
                 for cell in 0..length {
-                    let [one, other] = super::kinetics::Law::rates(*law, [values[0][cell], values[1][cell]]);
+                    let [one, other] = super::kinetics::RateLaw::rates(*law, [values[0][cell], values[1][cell]]);
                     slope[cell] += one;
                     slope[length + cell] += other;
                 }

@@ -7,7 +7,7 @@ use crate::math::Real;
 use crate::scene::{self, Argument, Callback, Item, Value};
 
 /// Reaction kinetics of two species in one cell.
-pub trait Law<T>: Copy + Send + Sync {
+pub trait RateLaw<T>: Copy + Send + Sync {
     /// Reaction rates R(u, v).
     fn rates(self, values: [T; 2]) -> [T; 2];
 
@@ -22,7 +22,7 @@ pub struct GrayScott<T> {
     loss: T,
 }
 
-impl<T: Real> Law<T> for GrayScott<T> {
+impl<T: Real> RateLaw<T> for GrayScott<T> {
     #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let converted = u * (v * v);
@@ -45,7 +45,7 @@ pub struct FitzHughNagumo<T> {
     current: T,
 }
 
-impl<T: Real> Law<T> for FitzHughNagumo<T> {
+impl<T: Real> RateLaw<T> for FitzHughNagumo<T> {
     #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let cubic = u * (T::ONE - T::from_f64(1.0 / 3.0) * (u * u));
@@ -65,7 +65,7 @@ pub struct Brusselator<T> {
     b: T,
 }
 
-impl<T: Real> Law<T> for Brusselator<T> {
+impl<T: Real> RateLaw<T> for Brusselator<T> {
     #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let (formed, turned) = (u * u * v, self.b * u);
@@ -86,7 +86,7 @@ pub struct Schnakenberg<T> {
     b: T,
 }
 
-impl<T: Real> Law<T> for Schnakenberg<T> {
+impl<T: Real> RateLaw<T> for Schnakenberg<T> {
     #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let formed = u * u * v;
@@ -102,12 +102,12 @@ impl<T: Real> Law<T> for Schnakenberg<T> {
 
 /// User-defined function, with its path.
 #[derive(Clone)]
-pub struct Function {
+pub struct ReactionFunction {
     function: Arc<dyn Callback>,
     path: String,
 }
 
-impl Function {
+impl ReactionFunction {
     /// Evaluates the rates of all species from their values in all cells. Both are stored one field after the other.
     ///
     /// # Errors
@@ -137,7 +137,7 @@ pub enum Kinetics<T> {
     Brusselator(Brusselator<T>),
     Schnakenberg(Schnakenberg<T>),
     /// User-defined function of any number of species.
-    Function(Function),
+    Function(ReactionFunction),
 }
 
 /// Evaluates `$body` with built-in kinetics as `$law`, or `$otherwise` with the user-defined function.
@@ -179,7 +179,7 @@ impl<T: Real> Kinetics<T> {
                     Some(Value::Texts(names)) if !names.is_empty() => names.clone(),
                     other => return Err(item.wrong("species", "names", other)),
                 };
-                let function = Function { function: item.callback("function")?, path: format!("{}.function", item.path) };
+                let function = ReactionFunction { function: item.callback("function")?, path: format!("{}.function", item.path) };
                 return Ok((Self::Function(function), species));
             }
             _ => return Err(scene::unknown(item, "a kind of reaction")),

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::kinetics::{Kinetics, with_law};
-use super::stage::{self, Cells, Given, Inside, Stage, Sums};
+use super::stage::{self, ComputedRates, GivenRates, SpeciesCells, SpeciesStage, SpeciesSums};
 use crate::grid::{Block, Edge, Grid, Laplacian, Sweep, Window};
 use crate::math::Real;
 
@@ -12,7 +12,7 @@ const SEGMENT: usize = 1 << 13;
 
 /// Time integrals of gains and losses of one species in one row, in units of a cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Tally {
+pub struct SpeciesTally {
     /// Gain by reactions.
     pub gain: f64,
     /// Loss by reactions.
@@ -24,7 +24,7 @@ pub struct Tally {
 }
 
 /// Equation of motion, without the state.
-pub struct Law<T> {
+pub struct ReactionDiffusionLaw<T> {
     pub grid: Grid,
     pub kinetics: Kinetics<T>,
     /// Names of the species.
@@ -34,10 +34,10 @@ pub struct Law<T> {
 }
 
 /// Stages of a batch, as many as one pass over memory takes.
-pub struct Pass<'a, T> {
-    pub law: &'a Law<T>,
+pub struct SpeciesPass<'a, T> {
+    pub law: &'a ReactionDiffusionLaw<T>,
     /// Stages of a step.
-    pub stages: &'a [Stage<T>],
+    pub stages: &'a [SpeciesStage<T>],
     /// Index in the batch of the first stage of the pass, and of the last stage of the batch.
     pub first: usize,
     pub last: usize,
@@ -47,7 +47,7 @@ pub struct Pass<'a, T> {
     pub given: &'a [T],
 }
 
-impl<T: Real> Law<T> {
+impl<T: Real> ReactionDiffusionLaw<T> {
     /// Number of values in a row of all species.
     pub fn width(&self) -> usize {
         self.species.len() * self.grid.row_length()
@@ -73,14 +73,14 @@ impl<T: Real> Law<T> {
 
 /// Returns cells of `N` species in a row of a block, from species `first` on.
 fn cells<'a, T: Copy, const N: usize>(
-    block: &'a mut Block<'_, T, Tally>,
+    block: &'a mut Block<'_, T, SpeciesTally>,
     index: usize,
     length: usize,
     first: usize,
     range: &Range<usize>,
     before: Window<'a, T>,
     diffusion: &'a [T],
-) -> [Cells<'a, T>; N] {
+) -> [SpeciesCells<'a, T>; N] {
     let row = block.first + index;
     let own = index * block.length + first * length..(index + 1) * block.length;
     let mut next = block.field[own.clone()].chunks_exact_mut(length);
@@ -89,7 +89,7 @@ fn cells<'a, T: Copy, const N: usize>(
         .each_mut()
         .map(|column| if column.is_empty() { &mut [] } else { &mut column[own.clone()] }.chunks_exact_mut(length));
     let mut diffusion = diffusion.chunks_exact(range.len());
-    std::array::from_fn(|species| Cells {
+    std::array::from_fn(|species| SpeciesCells {
         value: &Window { field: first + species, ..before }.row(row)[range.clone()],
         diffusion: diffusion.next().unwrap_or_default(),
         next: next.next().map_or(&mut [], |row| &mut row[range.clone()]),
@@ -97,19 +97,19 @@ fn cells<'a, T: Copy, const N: usize>(
     })
 }
 
-impl<T: Real> Sweep<T, Tally> for Pass<'_, T> {
+impl<T: Real> Sweep<T, SpeciesTally> for SpeciesPass<'_, T> {
     fn scratch(&self) -> usize {
         self.law.species.len() * (SEGMENT / size_of::<T>()).min(self.law.grid.row_length())
     }
 
-    fn row(&self, stage: usize, block: &mut Block<'_, T, Tally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
+    fn row(&self, stage: usize, block: &mut Block<'_, T, SpeciesTally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
         let Self { law, stages, .. } = self;
         let (row, length, count) = (block.first + index, law.grid.row_length(), law.species.len());
         let (number, of) = (self.first + stage, |values| Window { length, fields: count, ..Window::new(values, length) });
         let before = if number == 0 { of(self.start) } else { Window { length, fields: count, ..before } };
         let scaled = &stages[number % stages.len()];
         let mut largest = 0.0_f64;
-        let mut tally = |tallies: &mut [Tally], species: usize, sums: Sums| {
+        let mut tally = |tallies: &mut [SpeciesTally], species: usize, sums: SpeciesSums| {
             let tally = &mut tallies[index * count + species];
             tally.gain += scaled.weight * sums.gain;
             tally.loss += scaled.weight * (sums.gain - sums.net);
@@ -127,14 +127,14 @@ impl<T: Real> Sweep<T, Tally> for Pass<'_, T> {
                 &law.kinetics,
                 kinetics => {
                     let mut cells = cells::<T, 2>(block, index, length, 0, &range, before, scratch);
-                    let sums = stage::run(scaled, Inside(*kinetics), &mut cells);
+                    let sums = stage::run(scaled, ComputedRates(*kinetics), &mut cells);
                     (0..2).for_each(|species| tally(block.tallies, species, sums[species]));
                 },
                 _function => for species in 0..count {
                     let given = &Window { field: species, ..of(self.given) }.row(row)[range.clone()];
                     let diffusion = &scratch[species * range.len()..];
                     let mut cells = cells::<T, 1>(block, index, length, species, &range, before, diffusion);
-                    let [sums] = stage::run(scaled, Given(given), &mut cells);
+                    let [sums] = stage::run(scaled, GivenRates(given), &mut cells);
                     tally(block.tallies, species, sums);
                 }
             );

@@ -5,12 +5,12 @@
 //! stable on the real axis up to the step h at which h (λ + ρ) is its stable interval.
 
 use super::ReactionDiffusion;
-use super::kinetics::{Law, with_law};
+use super::kinetics::{RateLaw, with_law};
 use crate::error::Result;
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, dispatch};
-use crate::stability::{Kind, Limit};
+use crate::stability::{Limit, LimitKind};
 
 /// Difference for numerical derivatives of a user-defined function, as a fraction of the largest value of a species.
 const DIFFERENCE: f64 = 1e-6;
@@ -21,7 +21,7 @@ struct Fastest<'a, T, L> {
     values: [&'a [T]; 2],
 }
 
-impl<T: Real, L: Law<T>> Kernel for Fastest<'_, T, L> {
+impl<T: Real, L: RateLaw<T>> Kernel for Fastest<'_, T, L> {
     type Output = f64;
 
     #[inline(always)]
@@ -72,7 +72,7 @@ impl<T: Real> ReactionDiffusion<T> {
         // The fastest mode decays at least at the rate λ − ρ.
         let known = !self.method.is_stabilized() && diffusion > reaction;
         let endured = if known { self.method.limit(diffusion - reaction, 0.0) } else { f64::INFINITY };
-        Ok(Limit { stability: step, accuracy: f64::INFINITY, term, kind: Kind::Stability, certified: step, endured })
+        Ok(Limit { stability: step, accuracy: f64::INFINITY, term, kind: LimitKind::Stability, certified: step, endured })
     }
 
     /// Largest rate ρ of the reaction in the present state [1/s].

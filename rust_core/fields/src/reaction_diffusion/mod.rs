@@ -13,15 +13,15 @@ use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::grid::{Coefficients, Edge, Edges, Grid, Laplacian, depth};
+use crate::grid::{CellCoefficients, Edge, Edges, Grid, Laplacian, depth};
 use crate::integrators::first_order::{FirstOrder, NAMES};
 use crate::math::Real;
 use crate::memory;
 use crate::scene::Item;
 use crate::systems::System;
 use kinetics::Kinetics;
-use law::{Law, Tally};
-use stage::Stage;
+use law::{ReactionDiffusionLaw, SpeciesTally};
+use stage::SpeciesStage;
 
 /// Compiles a reaction–diffusion system for a method.
 ///
@@ -40,13 +40,13 @@ pub fn build(item: &Item, method: &Item, precision: &str) -> Result<Box<dyn Syst
 /// State: values of all species row by row (a row of the first species, the same row of the next, …), and tallies of gains and
 /// losses.
 #[derive(Debug, Clone)]
-struct State<T> {
+struct SpeciesState<T> {
     field: Vec<T>,
-    tallies: Vec<Tally>,
+    tallies: Vec<SpeciesTally>,
 }
 
 /// Buffers of the stages.
-struct Workspace<T> {
+struct SpeciesWorkspace<T> {
     /// Field at the previous stage, which neighbors still read.
     before: Vec<T>,
     /// Initial state y₀ and the stored slopes.
@@ -56,21 +56,21 @@ struct Workspace<T> {
     /// Largest |value| of each row at each stage of a pass.
     activity: Vec<f64>,
     /// Latest step size [s], with the stages of its steps.
-    stages: (f64, Vec<Stage<T>>),
+    stages: (f64, Vec<SpeciesStage<T>>),
 }
 
 /// Reacting and diffusing species with their equation of motion.
 struct ReactionDiffusion<T> {
-    law: Law<T>,
+    law: ReactionDiffusionLaw<T>,
     method: FirstOrder,
     /// Largest diffusion rate of any species [1/s], and the index of the species.
     fastest: (f64, usize),
     /// Name of the limit by this rate: `diffusion of u`.
     term: &'static str,
-    state: State<T>,
+    state: SpeciesState<T>,
     /// State at the start of the last batch.
-    saved: State<T>,
-    workspace: Workspace<T>,
+    saved: SpeciesState<T>,
+    workspace: SpeciesWorkspace<T>,
     /// Number of stages in one pass over memory.
     depth: usize,
     /// Largest |value| after each step of the last batch.
@@ -99,7 +99,7 @@ impl<T: Real> ReactionDiffusion<T> {
                 let found = coefficients.values.get(name);
                 return Err(coefficients.wrong(name, &format!("a number whose ratio to h² {} holds", T::NAME), found));
             }
-            let cells = Coefficients { grid: &grid, edges, walls: None, of: &|_, _| weight, same: true };
+            let cells = CellCoefficients { grid: &grid, edges, walls: None, of: &|_, _| weight, same: true };
             diffusion.push(Laplacian::new(&cells));
         }
         let mut field = vec![T::ZERO; species * grid.count()];
@@ -118,9 +118,9 @@ impl<T: Real> ReactionDiffusion<T> {
         let depth = if kinetics.calls_back() { 1 } else { depth(&grid, bytes) };
         let rates = diffusion.iter().map(Laplacian::largest).enumerate();
         let fastest = rates.fold((0.0, 0), |most, (index, rate)| if rate > most.0 { (rate, index) } else { most });
-        let state = State { field, tallies: vec![Tally::default(); rows * species] };
+        let state = SpeciesState { field, tallies: vec![SpeciesTally::default(); rows * species] };
         let column = || vec![T::ZERO; species * grid.count()];
-        let workspace = Workspace {
+        let workspace = SpeciesWorkspace {
             before: column(),
             columns: (0..method.columns()).map(|_| column()).collect(),
             given: if given > 0 { column() } else { Vec::new() },
@@ -129,7 +129,7 @@ impl<T: Real> ReactionDiffusion<T> {
         };
         let species: Vec<_> = names.into_iter().map(interned).collect();
         let term = interned(format!("diffusion of {}", species[fastest.1]));
-        let law = Law { grid, kinetics, species, diffusion };
+        let law = ReactionDiffusionLaw { grid, kinetics, species, diffusion };
         Ok(Self { law, method, fastest, term, saved: state.clone(), state, workspace, depth, activity: Vec::new() })
     }
 }

@@ -1,6 +1,6 @@
 //! One stage of a step, cell by cell: reaction rates, diffusion rates and the next state.
 
-use super::kinetics::Law;
+use super::kinetics::RateLaw;
 use crate::grid::{COLUMNS, load};
 use crate::integrators::first_order::{Base, Combination, SLOPES};
 use crate::math::Real;
@@ -8,7 +8,7 @@ use crate::simd::{Isa, Kernel, LANES, dispatch};
 
 /// Stage of a step of h seconds, in the precision of the state.
 #[derive(Debug, Clone, Copy)]
-pub struct Stage<T> {
+pub struct SpeciesStage<T> {
     base: Base,
     /// Coefficients μ and ν.
     own: T,
@@ -23,7 +23,7 @@ pub struct Stage<T> {
     pub weight: f64,
 }
 
-impl<T: Real> Stage<T> {
+impl<T: Real> SpeciesStage<T> {
     /// Returns a stage of a step of `h` seconds.
     pub fn new(combination: &Combination, h: f64) -> Self {
         let scaled = |weight: f64| T::from_f64(h * weight);
@@ -47,7 +47,7 @@ impl<T: Real> Stage<T> {
 
 /// Adjacent cells of a species.
 #[derive(Debug)]
-pub struct Cells<'a, T> {
+pub struct SpeciesCells<'a, T> {
     /// State Y at the stage.
     pub value: &'a [T],
     /// Rate of diffusion at Y.
@@ -59,16 +59,16 @@ pub struct Cells<'a, T> {
 }
 
 /// Reaction rates of `N` species.
-pub trait Rates<T, const N: usize>: Copy {
+pub trait ReactionRates<T, const N: usize>: Copy {
     /// Rates in `W` cells from `at` on.
     fn rates<const W: usize>(self, at: usize, values: &[[T; W]; N]) -> [[T; W]; N];
 }
 
 /// Rates computed by built-in kinetics.
 #[derive(Clone, Copy)]
-pub struct Inside<L>(pub L);
+pub struct ComputedRates<L>(pub L);
 
-impl<T: Real, L: Law<T>> Rates<T, 2> for Inside<L> {
+impl<T: Real, L: RateLaw<T>> ReactionRates<T, 2> for ComputedRates<L> {
     #[inline(always)]
     fn rates<const W: usize>(self, _at: usize, [u, v]: &[[T; W]; 2]) -> [[T; W]; 2] {
         let mut rates = [[T::ZERO; W]; 2];
@@ -83,9 +83,9 @@ impl<T: Real, L: Law<T>> Rates<T, 2> for Inside<L> {
 
 /// Rates given as numbers.
 #[derive(Clone, Copy)]
-pub struct Given<'a, T>(pub &'a [T]);
+pub struct GivenRates<'a, T>(pub &'a [T]);
 
-impl<T: Real> Rates<T, 1> for Given<'_, T> {
+impl<T: Real> ReactionRates<T, 1> for GivenRates<'_, T> {
     #[inline(always)]
     fn rates<const W: usize>(self, at: usize, _values: &[[T; W]; 1]) -> [[T; W]; 1] {
         [load(self.0, at)]
@@ -94,7 +94,7 @@ impl<T: Real> Rates<T, 1> for Given<'_, T> {
 
 /// Sums over the cells of a species.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Sums {
+pub struct SpeciesSums {
     /// Sum Σ max(R, 0).
     pub gain: f64,
     /// Sum Σ R.
@@ -104,14 +104,18 @@ pub struct Sums {
 }
 
 /// Runs a stage for some cells.
-pub fn run<T: Real, R: Rates<T, N>, const N: usize>(stage: &Stage<T>, rates: R, cells: &mut [Cells<'_, T>; N]) -> [Sums; N] {
+pub fn run<T: Real, R: ReactionRates<T, N>, const N: usize>(
+    stage: &SpeciesStage<T>,
+    rates: R,
+    cells: &mut [SpeciesCells<'_, T>; N],
+) -> [SpeciesSums; N] {
     dispatch(Update { stage, rates, cells })
 }
 
 struct Update<'a, 'b, T, R, const N: usize> {
-    stage: &'a Stage<T>,
+    stage: &'a SpeciesStage<T>,
     rates: R,
-    cells: &'a mut [Cells<'b, T>; N],
+    cells: &'a mut [SpeciesCells<'b, T>; N],
 }
 
 #[inline(always)]
@@ -121,26 +125,26 @@ fn store<T: Real, const W: usize>(column: &mut [T], at: usize, lanes: &[T; W]) {
 
 /// Sums by lane: cell i adds to lane i mod 16, whether it is computed in a group or alone.
 #[derive(Clone, Copy)]
-struct LaneSums<T, const W: usize = LANES> {
+struct SpeciesLaneSums<T, const W: usize = LANES> {
     gain: [T; W],
     net: [T; W],
     /// Largest |value|.
     most: [T; W],
 }
 
-impl<T: Real, const W: usize> LaneSums<T, W> {
+impl<T: Real, const W: usize> SpeciesLaneSums<T, W> {
     const ZERO: Self = Self { gain: [T::ZERO; W], net: [T::ZERO; W], most: [T::ZERO; W] };
 
-    fn sums(&self) -> Sums {
+    fn sums(&self) -> SpeciesSums {
         let sum = |lanes: &[T; W]| fold(lanes, |one, other| one + other);
         let (net, largest) = (sum(&self.net), fold(&self.most, f64::max));
-        Sums { gain: sum(&self.gain), net, largest: if net.is_finite() { largest } else { f64::NAN } }
+        SpeciesSums { gain: sum(&self.gain), net, largest: if net.is_finite() { largest } else { f64::NAN } }
     }
 }
 
-impl<T: Real> LaneSums<T> {
+impl<T: Real> SpeciesLaneSums<T> {
     /// Adds the sums of a single cell.
-    fn add(&mut self, lane: usize, cell: &LaneSums<T, 1>) {
+    fn add(&mut self, lane: usize, cell: &SpeciesLaneSums<T, 1>) {
         self.gain[lane] += cell.gain[0];
         self.net[lane] += cell.net[0];
         self.most[lane] = larger(self.most[lane], cell.most[0]);
@@ -163,19 +167,19 @@ fn larger<T: Real>(one: T, other: T) -> T {
     if other > one { other } else { one }
 }
 
-impl<T: Real, R: Rates<T, N>, const N: usize> Kernel for Update<'_, '_, T, R, N> {
-    type Output = [Sums; N];
+impl<T: Real, R: ReactionRates<T, N>, const N: usize> Kernel for Update<'_, '_, T, R, N> {
+    type Output = [SpeciesSums; N];
 
     #[inline(always)]
-    fn run<S: Isa>(mut self, _isa: S) -> [Sums; N] {
+    fn run<S: Isa>(mut self, _isa: S) -> [SpeciesSums; N] {
         if self.stage.is_plain() { self.all::<true>() } else { self.all::<false>() }
     }
 }
 
-impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
+impl<T: Real, R: ReactionRates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
     #[inline(always)]
-    fn all<const PLAIN: bool>(&mut self) -> [Sums; N] {
-        let mut sums = [LaneSums::ZERO; N];
+    fn all<const PLAIN: bool>(&mut self) -> [SpeciesSums; N] {
+        let mut sums = [SpeciesLaneSums::ZERO; N];
         let count = self.cells[0].value.len();
         let whole = count / LANES * LANES;
         for at in (0..whole).step_by(LANES) {
@@ -184,7 +188,7 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
         // A copy whose lanes are indexed at run time: the sums above stay in registers.
         let mut all = sums;
         for at in whole..count {
-            let mut cell = [LaneSums::ZERO; N];
+            let mut cell = [SpeciesLaneSums::ZERO; N];
             self.group::<PLAIN, 1>(at, &mut cell);
             all.iter_mut().zip(&cell).for_each(|(sums, cell)| sums.add(at % LANES, cell));
         }
@@ -193,7 +197,7 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
 
     /// Updates a group of cells of one or two species. The number of species is constant, so sums stay in registers.
     #[inline(always)]
-    fn group<const PLAIN: bool, const W: usize>(&mut self, at: usize, sums: &mut [LaneSums<T, W>; N]) {
+    fn group<const PLAIN: bool, const W: usize>(&mut self, at: usize, sums: &mut [SpeciesLaneSums<T, W>; N]) {
         let mut values = [[T::ZERO; W]; N];
         values[0] = load(self.cells[0].value, at);
         if N > 1 {
@@ -213,7 +217,7 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
         at: usize,
         y: &[T; W],
         reaction: &[T; W],
-        sums: &mut LaneSums<T, W>,
+        sums: &mut SpeciesLaneSums<T, W>,
     ) {
         let cells = &mut self.cells[species];
         let mut slope: [T; W] = load(cells.diffusion, at);
@@ -230,7 +234,7 @@ impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
     }
 }
 
-impl<T: Real> Stage<T> {
+impl<T: Real> SpeciesStage<T> {
     /// Whether the next state depends only on Y and its slope, as in Euler's method.
     fn is_plain(&self) -> bool {
         matches!(self.base, Base::Here { keep: false }) && self.count == 0 && self.keep.is_none()
@@ -246,7 +250,7 @@ impl<T: Real> Stage<T> {
 
     /// Next state from Y, its slope and the stored columns.
     #[inline(always)]
-    fn next<const W: usize>(&self, cells: &mut Cells<'_, T>, at: usize, y: &[T; W], slope: &[T; W]) -> [T; W] {
+    fn next<const W: usize>(&self, cells: &mut SpeciesCells<'_, T>, at: usize, y: &[T; W], slope: &[T; W]) -> [T; W] {
         let mut next = *y;
         match self.base {
             Base::Here { keep: false } => {}

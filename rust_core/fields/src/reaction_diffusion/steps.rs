@@ -1,8 +1,8 @@
 //! Steps of a batch: stages in passes over memory.
 
-use super::law::{Pass, Tally};
-use super::stage::Stage;
-use super::{ReactionDiffusion, State, Workspace};
+use super::law::{SpeciesPass, SpeciesTally};
+use super::stage::SpeciesStage;
+use super::{ReactionDiffusion, SpeciesState, SpeciesWorkspace};
 use crate::error::Result;
 use crate::grid::{Block, Sweep};
 use crate::math::Real;
@@ -11,13 +11,13 @@ use crate::systems::Interval;
 
 /// Block of all rows of a state, for writing by stages.
 fn block<'a, T>(
-    state: &'a mut State<T>,
+    state: &'a mut SpeciesState<T>,
     before: &'a mut Vec<T>,
     columns: &'a mut [Vec<T>],
     activity: &'a mut [f64],
     width: usize,
     stages: usize,
-) -> Block<'a, T, Tally> {
+) -> Block<'a, T, SpeciesTally> {
     let mut columns = columns.iter_mut().map(Vec::as_mut_slice);
     Block {
         first: 0,
@@ -38,7 +38,7 @@ impl<T: Real> ReactionDiffusion<T> {
         self.state.tallies.copy_from_slice(&self.saved.tallies);
         if self.workspace.stages.0 != interval.h {
             let stages = self.method.stages(interval.h, self.fastest.0);
-            self.workspace.stages = (interval.h, stages.iter().map(|stage| Stage::new(stage, interval.h)).collect());
+            self.workspace.stages = (interval.h, stages.iter().map(|stage| SpeciesStage::new(stage, interval.h)).collect());
         }
         let each = self.workspace.stages.1.len();
         let last = interval.steps as usize * each - 1;
@@ -64,8 +64,8 @@ impl<T: Real> ReactionDiffusion<T> {
             self.workspace.given = self.given(latest)?.unwrap_or_default();
         }
         let Self { law, state, saved, workspace, depth, .. } = self;
-        let Workspace { before, columns, activity, given, stages } = workspace;
-        let pass = Pass { law, stages: &stages.1, first, last, start: &saved.field, given };
+        let SpeciesWorkspace { before, columns, activity, given, stages } = workspace;
+        let pass = SpeciesPass { law, stages: &stages.1, first, last, start: &saved.field, given };
         let block = block(state, before, columns, activity, law.width(), *depth);
         if *depth > 1 {
             pass.pass(&law.grid, count, block, executor);

@@ -1,7 +1,7 @@
 //! Reaction–diffusion system: history, plan, budgets and fields.
 
 use super::ReactionDiffusion;
-use super::law::Tally;
+use super::law::SpeciesTally;
 use crate::error::{Error, Result};
 use crate::grid::{Edge, Laplacian};
 use crate::history::{Archive, History};
@@ -11,7 +11,7 @@ use crate::math::Real;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
@@ -127,7 +127,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
         executor.check()
     }
 
-    fn advance(&mut self, interval: Interval, _record: Record, executor: &Executor) -> Result<()> {
+    fn advance(&mut self, interval: Interval, _record: RecordedSteps, executor: &Executor) -> Result<()> {
         self.save();
         self.activity.clear();
         let outcome = self.steps(interval, executor);
@@ -161,7 +161,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
         let content = self.law.grid.content();
         let mut ledger = Ledger::new(0, 1);
         for (species, &name) in self.law.species.iter().enumerate() {
-            let tallied = |of: fn(&Tally) -> f64| content * self.tallied(species, of);
+            let tallied = |of: fn(&SpeciesTally) -> f64| content * self.tallied(species, of);
             ledger.add_budget(Budget {
                 name: name.to_owned(),
                 unit: UNITS[self.law.grid.dimension - 1],
@@ -224,7 +224,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
             return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
         }
         for (tally, &[gain, loss, edges, set]) in self.state.tallies.iter_mut().zip(groups) {
-            *tally = Tally { gain, loss, edges, set };
+            *tally = SpeciesTally { gain, loss, edges, set };
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::parallel::{Executor, ThreadPool};
 use crate::reaction_diffusion::ReactionDiffusion;
 use crate::scene::Item;
 use crate::scenes::reaction_diffusion::*;
-use crate::systems::{Interval, Record, System};
+use crate::systems::{Interval, RecordedSteps, System};
 
 /// Runs 21 steps of a method in passes of `depth` stages; returns the state with the tallies, and the activity.
 fn passes(item: &Item, method: &str, depth: Option<usize>, threads: usize) -> (Vec<f64>, Vec<f64>) {
@@ -15,7 +15,7 @@ fn passes(item: &Item, method: &str, depth: Option<usize>, threads: usize) -> (V
         (system.depth, system.workspace.activity) = (depth, vec![0.0; depth * system.law.grid.rows()]);
     }
     let interval = Interval { start: 0.0, first: 0, h: 0.9, steps: 21 };
-    let advance = |executor: &Executor| system.advance(interval, Record::EveryStep, executor).unwrap();
+    let advance = |executor: &Executor| system.advance(interval, RecordedSteps::EveryStep, executor).unwrap();
     ThreadPool::new(threads).run(&|| false, advance).unwrap();
     let mut archive = Archive::default();
     system.capture(&mut archive);

@@ -50,9 +50,9 @@ pub fn noisy(cells: &[usize], edges: &[&str], reaction: Item) -> Item {
 }
 
 /// Function of two species.
-pub struct Function(pub fn(f64, f64) -> [f64; 2]);
+pub struct SpeciesFunction(pub fn(f64, f64) -> [f64; 2]);
 
-impl Callback for Function {
+impl Callback for SpeciesFunction {
     fn call(&self, arguments: &[Argument<'_>], _what: &str, shape: &[usize]) -> std::result::Result<Vec<f64>, Failure> {
         let &[Argument::Array { numbers: us, .. }, Argument::Array { numbers: vs, .. }] = arguments else {
             return Err(Failure::Refused { expected: "two arrays".to_owned(), found: format!("{arguments:?}") });
@@ -66,6 +66,6 @@ impl Callback for Function {
 /// Kinetics by a function.
 pub fn reaction(species: [&str; 2], function: fn(f64, f64) -> [f64; 2]) -> Item {
     let mut item = Item::new("Reaction", [("species", Value::Texts(species.map(str::to_owned).to_vec()))]);
-    item.values.insert("function".to_owned(), Value::Callback(Arc::new(Function(function))));
+    item.values.insert("function".to_owned(), Value::Callback(Arc::new(SpeciesFunction(function))));
     item
 }

@@ -9,7 +9,7 @@
 
 use std::f64::consts::PI;
 
-use super::fourier::{Complex, Number, product};
+use super::fourier::{Complex, FourierReal, product};
 use crate::error::Result;
 use crate::grid::{Edge, Edges, Padding};
 use crate::math::AXES;
@@ -119,7 +119,7 @@ pub struct Absorption<T> {
     factors: Vec<T>,
 }
 
-impl<T: Number> Absorption<T> {
+impl<T: FourierReal> Absorption<T> {
     /// Returns the absorption of a layer, with `rate` = ħ/2m h² [1/s].
     pub fn new(padding: &Padding, layer: Layer, rate: f64) -> Self {
         let mut inside = vec![false; padding.outer.count()];

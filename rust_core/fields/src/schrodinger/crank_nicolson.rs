@@ -7,7 +7,7 @@
 //! Source: J. Crank, P. Nicolson, Proc. Camb. Phil. Soc. 43, 50 (1947); A. Goldberg, H. M. Schey, J. L. Schwartz, Am. J. Phys.
 //! 35, 177 (1967).
 
-use super::fourier::{Complex, Number, product, square};
+use super::fourier::{Complex, FourierReal, product, square};
 use super::hamiltonian::Hamiltonian;
 use super::passes::Field;
 use crate::grid::Edge;
@@ -27,7 +27,7 @@ fn minus<T: Real>(one: Complex<T>, other: Complex<T>) -> Complex<T> {
 }
 
 /// Linear system of a line: tridiagonal, with a diagonal of 1 plus imaginary numbers, and a constant imaginary number beside it.
-struct Line<T> {
+struct TridiagonalSystem<T> {
     /// Coefficient τ/2ħ times the hopping.
     hopping: T,
     /// Contributions of the boundary conditions at the ends of the line to the diagonal 2.
@@ -35,7 +35,7 @@ struct Line<T> {
     periodic: bool,
 }
 
-impl<T: Real> Line<T> {
+impl<T: Real> TridiagonalSystem<T> {
     fn new(cells: usize, ends: [Edge; 2], hopping: f64) -> Self {
         let own = |end: Edge| {
             T::from_f64(f64::from(match end {
@@ -130,13 +130,13 @@ impl<T: Real> Line<T> {
 }
 
 /// Takes a step with a given potential.
-fn cayley<T: Number>(hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, potential: &[T], h: f64, executor: &Executor) {
+fn cayley<T: FourierReal>(hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, potential: &[T], h: f64, executor: &Executor) {
     let grid = &hamiltonian.padding.outer;
     let (first, last) = (grid.axes().start, grid.axes().end);
     let order = (first + 1..last).rev().chain([first]).chain(first + 1..last);
     for axis in order {
         let part = if axis == first { 0.5 } else { 0.25 } * h / hamiltonian.hbar;
-        let line = Line::new(grid.cells[axis], hamiltonian.ends(axis), part * hamiltonian.hopping);
+        let line = TridiagonalSystem::new(grid.cells[axis], hamiltonian.ends(axis), part * hamiltonian.hopping);
         let share = T::from_f64(part / grid.dimension as f64);
         field.pass(axis, [None, None], 3 * grid.cells[axis], executor, &|place, index, values, memory| {
             let start = place.start(index);
@@ -147,7 +147,7 @@ fn cayley<T: Number>(hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, pot
 }
 
 /// Takes a step of `h`.
-pub fn step<T: Number>(hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) {
+pub fn step<T: FourierReal>(hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) {
     if hamiltonian.interaction == 0.0 {
         return cayley(hamiltonian, field, &hamiltonian.potential, h, executor);
     }

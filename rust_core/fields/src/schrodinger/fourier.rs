@@ -23,18 +23,18 @@ use crate::grid::Edge;
 use crate::math::Real;
 
 /// Number type with Fourier transforms.
-pub trait Number: Real {
+pub trait FourierReal: Real {
     /// Plans the transform of `length` numbers, forward, or backward without the factor 1/length.
     fn plan(length: usize, forward: bool) -> Box<dyn Transform<Self>>;
 }
 
-impl Number for f32 {
+impl FourierReal for f32 {
     fn plan(length: usize, forward: bool) -> Box<dyn Transform<Self>> {
         plan_f32(length, forward)
     }
 }
 
-impl Number for f64 {
+impl FourierReal for f64 {
     fn plan(length: usize, forward: bool) -> Box<dyn Transform<Self>> {
         plan_f64(length, forward)
     }
@@ -85,7 +85,7 @@ impl<T> std::fmt::Debug for Spectrum<T> {
     }
 }
 
-impl<T: Number> Spectrum<T> {
+impl<T: FourierReal> Spectrum<T> {
     /// Returns the modes of `cells` cells between ends. An absorbing layer has a fixed end.
     pub fn new(cells: usize, ends: [Edge; 2]) -> Self {
         let ends = ends.map(|end| if end == Edge::Absorbing { Edge::Fixed } else { end });

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::fourier::{Complex, Number, Spectrum, square};
+use super::fourier::{Complex, FourierReal, Spectrum, square};
 use super::passes::Field;
 use crate::grid::{Edge, Edges, Padding};
 use crate::math::AXES;
@@ -47,7 +47,7 @@ impl Energies {
     }
 }
 
-impl<T: Number> Hamiltonian<T> {
+impl<T: FourierReal> Hamiltonian<T> {
     /// Boundary conditions of an axis; absorbing layers have fixed ends.
     pub fn ends(&self, axis: usize) -> [Edge; 2] {
         self.edges.0[axis].map(|edge| if edge == Edge::Absorbing { Edge::Fixed } else { edge })

@@ -1,24 +1,24 @@
 //! Time-stepping methods for wave functions, and their limits.
 
-use super::fourier::{Complex, Number, norm};
+use super::fourier::{Complex, FourierReal, norm};
 use super::hamiltonian::Hamiltonian;
 use super::passes::Field;
-use super::split_step::{Coefficients, SplitStep};
+use super::split_step::{SplitStep, SplittingCoefficients};
 use super::{crank_nicolson, staggered};
 use crate::error::{Error, Result};
 use crate::parallel::{Executor, SERIAL};
 use crate::scene::Item;
-use crate::stability::{Kind, Limit};
+use crate::stability::{Limit, LimitKind};
 
 /// Time-stepping method.
 #[derive(Debug)]
-pub enum Method<T> {
+pub enum SchrodingerMethod<T> {
     SplitStep { order: u32, steps: SplitStep<T> },
     CrankNicolson,
     Staggered,
 }
 
-impl<T: Number> Method<T> {
+impl<T: FourierReal> SchrodingerMethod<T> {
     /// Reads the method that an item declares.
     ///
     /// # Errors
@@ -31,7 +31,7 @@ impl<T: Number> Method<T> {
                     4.0 => 4,
                     _ => return Err(item.wrong("order", "2 or 4", item.values.get("order"))),
                 };
-                Ok(Self::SplitStep { order, steps: SplitStep::new(Coefficients::of(order)) })
+                Ok(Self::SplitStep { order, steps: SplitStep::new(SplittingCoefficients::of(order)) })
             }
             "CrankNicolson" => Ok(Self::CrankNicolson),
             "Staggered" if hamiltonian.interaction != 0.0 => {
@@ -64,7 +64,7 @@ impl<T: Number> Method<T> {
     /// Number of evaluations of the kinetic energy per step.
     pub fn evaluations(&self, hamiltonian: &Hamiltonian<T>) -> usize {
         match self {
-            Self::SplitStep { order, .. } => Coefficients::of(*order).evaluations(),
+            Self::SplitStep { order, .. } => SplittingCoefficients::of(*order).evaluations(),
             Self::CrankNicolson => 1 + usize::from(hamiltonian.interaction != 0.0),
             Self::Staggered => 3,
         }
@@ -85,7 +85,7 @@ impl<T: Number> Method<T> {
     pub fn limit(&self, hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> Limit {
         let potential = || hamiltonian.potential.iter().map(|value| value.to_f64());
         let (least, most) = potential().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-        let accuracy = |accuracy: f64, term| Limit { accuracy, term, kind: Kind::Accuracy, ..Limit::NONE };
+        let accuracy = |accuracy: f64, term| Limit { accuracy, term, kind: LimitKind::Accuracy, ..Limit::NONE };
         match self {
             Self::SplitStep { .. } if least == most && hamiltonian.interaction == 0.0 => Limit::NONE,
             Self::SplitStep { .. } => {
@@ -98,7 +98,7 @@ impl<T: Number> Method<T> {
             Self::Staggered => {
                 let largest = 4.0 * hamiltonian.hopping * hamiltonian.padding.outer.dimension as f64;
                 let stability = 2.0 * hamiltonian.hbar / (largest + most.max(0.0)).max(-least);
-                Limit { stability, certified: stability, term: "oscillation", kind: Kind::Stability, ..Limit::NONE }
+                Limit { stability, certified: stability, term: "oscillation", kind: LimitKind::Stability, ..Limit::NONE }
             }
         }
     }
@@ -110,7 +110,7 @@ impl<T: Number> Method<T> {
 }
 
 /// Mean square ⟨H²⟩ without interaction [J²].
-fn mean_square<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
+fn mean_square<T: FourierReal>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
     let mut sum = 0.0;
     for part in [|value: &Complex<T>| value.re, |value: &Complex<T>| value.im] {
         let own: Vec<T> = values.iter().map(part).collect();

@@ -19,11 +19,11 @@ use crate::scene::{Item, Value};
 use crate::stability::Limit;
 use crate::systems::System;
 use absorbing::{Absorption, Layer};
-use fourier::{Complex, Number, Spectrum};
+use fourier::{Complex, FourierReal, Spectrum};
 use hamiltonian::{Energies, Hamiltonian};
-use method::Method;
+use method::SchrodingerMethod;
 use passes::Field;
-use state::State;
+use state::QuantumState;
 
 /// Compiles a wave function for an integrator.
 ///
@@ -40,12 +40,12 @@ pub fn build(item: &Item, method: &Item, precision: &str) -> Result<Box<dyn Syst
 /// Wave function with its equation of motion.
 struct Schrodinger<T> {
     hamiltonian: Hamiltonian<T>,
-    method: Method<T>,
+    method: SchrodingerMethod<T>,
     layer: Option<Layer>,
     absorption: Option<Absorption<T>>,
-    state: State<T>,
+    state: QuantumState<T>,
     /// State at the start of the last batch.
-    saved: State<T>,
+    saved: QuantumState<T>,
     /// Second copy of ψ, and the memory of transforms.
     other: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
@@ -56,7 +56,7 @@ struct Schrodinger<T> {
     limit: Limit,
 }
 
-impl<T: Number> Schrodinger<T> {
+impl<T: FourierReal> Schrodinger<T> {
     fn new(item: &Item, method: &Item) -> Result<Self> {
         let grid = Grid::declared(item)?;
         let edges = Edges::declared(item, &grid)?;
@@ -74,13 +74,13 @@ impl<T: Number> Schrodinger<T> {
         inside.iter().enumerate().for_each(|(cell, &value)| values[hamiltonian.padding.outward(cell)] = value);
         let rate = hamiltonian.hopping / hamiltonian.hbar;
         let absorption = layer.map(|layer| Absorption::new(&hamiltonian.padding, layer, rate));
-        let method = Method::declared(method, &hamiltonian)?;
+        let method = SchrodingerMethod::declared(method, &hamiltonian)?;
         if layer.is_some() && method.order() > 2 {
             let expected = "SplitStep(order=2) or CrankNicolson() beside absorbing edges, without substeps backward in time";
             return Err(Error::parameter("integrator", expected, "SplitStep(order=4)"));
         }
         let limit = method.limit(&hamiltonian, &values);
-        let state = State { values, ..State::default() };
+        let state = QuantumState { values, ..QuantumState::default() };
         Ok(Self {
             saved: state.clone(),
             other: state.values.clone(),
@@ -112,7 +112,7 @@ impl<T: Number> Schrodinger<T> {
 }
 
 /// Reads the initial ψ, with real and imaginary parts along a last axis.
-fn initial<T: Number>(item: &Item, grid: &Grid) -> Result<Vec<Complex<T>>> {
+fn initial<T: FourierReal>(item: &Item, grid: &Grid) -> Result<Vec<Complex<T>>> {
     let given = item.values.get("wave_function");
     let shape: Vec<usize> = grid.shape().into_iter().chain([2]).collect();
     let Some(Value::Numbers(array)) = given.filter(|value| matches!(value, Value::Numbers(array) if array.shape == shape)) else {
@@ -122,7 +122,7 @@ fn initial<T: Number>(item: &Item, grid: &Grid) -> Result<Vec<Complex<T>>> {
 }
 
 /// Reads the Hamiltonian that an item declares, on its grid with layers.
-fn declared<T: Number>(item: &Item, padding: Padding, edges: Edges) -> Result<Hamiltonian<T>> {
+fn declared<T: FourierReal>(item: &Item, padding: Padding, edges: Edges) -> Result<Hamiltonian<T>> {
     let positive = |name: &str| match item.number(name)? {
         number if number > 0.0 => Ok(number),
         number => Err(item.wrong(name, "a number > 0", Some(&Value::Number(number)))),
@@ -153,7 +153,7 @@ fn declared<T: Number>(item: &Item, padding: Padding, edges: Edges) -> Result<Ha
 }
 
 /// Wave number of the mean kinetic energy, per spacing.
-fn wave_number<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
+fn wave_number<T: FourierReal>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
     let norm = fourier::norm(values);
     let kinetic = hamiltonian.difference_energy(values, &SERIAL);
     (kinetic / (norm * hamiltonian.hopping)).sqrt()

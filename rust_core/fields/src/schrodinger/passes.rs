@@ -23,10 +23,10 @@ pub struct Field<'a, T> {
 }
 
 /// Factors of the cells.
-type Factors<'a, T> = Option<&'a [Complex<T>]>;
+type CellFactors<'a, T> = Option<&'a [Complex<T>]>;
 
 /// Adjacent lines, their scratch memory, and a number for each line.
-type Block<'a, T> = ((BlockedSlice<'a, Complex<T>>, BlockedSlice<'a, Complex<T>>), BlockedSlice<'a, f64>);
+type LineBlock<'a, T> = ((BlockedSlice<'a, Complex<T>>, BlockedSlice<'a, Complex<T>>), BlockedSlice<'a, f64>);
 
 /// Positions of lines in the initial layout: index of the first cell of each, and distance between neighbors.
 #[derive(Debug, Clone, Copy)]
@@ -66,7 +66,7 @@ impl<'a, T: Real> Field<'a, T> {
     pub fn pass(
         &mut self,
         axis: usize,
-        [before, after]: [Factors<'_, T>; 2],
+        [before, after]: [CellFactors<'_, T>; 2],
         length: usize,
         executor: &Executor,
         work: &(impl Fn(Place, usize, &mut [Complex<T>], &mut [Complex<T>]) -> f64 + Sync),
@@ -87,7 +87,7 @@ impl<'a, T: Real> Field<'a, T> {
         let output = BlockedSlice::new(self.other.as_mut_slice(), LINES * count);
         let scratch = BlockedSlice::new(&mut self.scratch[..blocks * length], length);
         let tally = BlockedSlice::new(&mut sums, LINES);
-        let each = |((block, scratch), tally): Block<'_, T>| {
+        let each = |((block, scratch), tally): LineBlock<'_, T>| {
             let first = block.start / count;
             gather(from, before, [count, post], first, block.items);
             for (index, line) in block.items.chunks_exact_mut(count).enumerate() {
@@ -108,7 +108,7 @@ impl<'a, T: Real> Field<'a, T> {
 /// adjacent. The copy runs tile by tile: whole lines are often a power of two apart and would share few cache lines.
 fn gather<T: Real>(
     from: &[Complex<T>],
-    factors: Factors<'_, T>,
+    factors: CellFactors<'_, T>,
     [count, post]: [usize; 2],
     first: usize,
     lines: &mut [Complex<T>],

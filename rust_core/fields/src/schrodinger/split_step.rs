@@ -8,7 +8,7 @@
 //!
 //! The splitting of order 4 holds here as it does for x'' = a(x), because [V, [V, [V, T]]] = 0.
 
-use super::fourier::{Complex, Number, norm, polar, product, square};
+use super::fourier::{Complex, FourierReal, norm, polar, product, square};
 use super::hamiltonian::Hamiltonian;
 use super::passes::Field;
 use crate::integrators::{BlanesMoan4, Splitting};
@@ -17,12 +17,12 @@ use crate::parallel::{BlockedSlice, Executor};
 
 /// Drifts and kicks of a step, in units of h: a kick before each drift, and one after the last.
 #[derive(Debug, Clone, Copy)]
-pub struct Coefficients {
+pub struct SplittingCoefficients {
     drifts: &'static [f64],
     kicks: &'static [f64],
 }
 
-impl Coefficients {
+impl SplittingCoefficients {
     /// Coefficients of order 2 or 4.
     pub fn of(order: u32) -> Self {
         if order == 2 {
@@ -41,7 +41,7 @@ impl Coefficients {
 /// Phases of all substeps of a step of `h`.
 #[derive(Debug)]
 pub struct SplitStep<T> {
-    coefficients: Coefficients,
+    coefficients: SplittingCoefficients,
     h: f64,
     /// Phases of the modes along each axis in each drift, including the factor of the transform.
     modes: Vec<[Vec<Complex<T>>; AXES]>,
@@ -49,9 +49,9 @@ pub struct SplitStep<T> {
     cells: Vec<Option<Vec<Complex<T>>>>,
 }
 
-impl<T: Number> SplitStep<T> {
+impl<T: FourierReal> SplitStep<T> {
     /// Returns substeps with these coefficients.
-    pub fn new(coefficients: Coefficients) -> Self {
+    pub fn new(coefficients: SplittingCoefficients) -> Self {
         Self { coefficients, h: 0.0, modes: Vec::new(), cells: Vec::new() }
     }
 
@@ -87,7 +87,7 @@ impl<T: Number> SplitStep<T> {
     /// Takes a step of `h`; returns Σ |ψ|² at its end.
     pub fn step(&mut self, hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) -> f64 {
         self.prepare(hamiltonian, h);
-        let Coefficients { drifts, kicks } = self.coefficients;
+        let SplittingCoefficients { drifts, kicks } = self.coefficients;
         let axes = hamiltonian.padding.outer.axes();
         let mut sum = 0.0;
         for drift in 0..drifts.len() {

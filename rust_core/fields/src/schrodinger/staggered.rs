@@ -5,12 +5,12 @@
 //!
 //! Source: P. B. Visscher, Computers in Physics 5, 596 (1991).
 
-use super::fourier::{Complex, Number};
+use super::fourier::{Complex, FourierReal};
 use super::hamiltonian::Hamiltonian;
 use crate::parallel::Executor;
 
 /// Takes a step of `h`.
-pub fn step<T: Number>(hamiltonian: &Hamiltonian<T>, values: &mut [Complex<T>], h: f64, executor: &Executor) {
+pub fn step<T: FourierReal>(hamiltonian: &Hamiltonian<T>, values: &mut [Complex<T>], h: f64, executor: &Executor) {
     let mut real: Vec<T> = values.iter().map(|value| value.re).collect();
     let mut imaginary: Vec<T> = values.iter().map(|value| value.im).collect();
     let rate = h / hamiltonian.hbar;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::fourier::{Complex, Number, norm};
+use super::fourier::{Complex, FourierReal, norm};
 use crate::error::{Error, Result};
 use crate::grid::{Grid, Padding};
 use crate::math::Real;
@@ -14,7 +14,7 @@ pub fn zero<T: Real>() -> Complex<T> {
 
 /// Values of ψ in all cells, and amounts exchanged since the start.
 #[derive(Debug, Clone)]
-pub struct State<T> {
+pub struct QuantumState<T> {
     pub values: Vec<Complex<T>>,
     /// Probability that has left through edges.
     pub removed: f64,
@@ -26,13 +26,13 @@ pub struct State<T> {
     pub work: f64,
 }
 
-impl<T> Default for State<T> {
+impl<T> Default for QuantumState<T> {
     fn default() -> Self {
         Self { values: Vec::new(), removed: 0.0, dissipated: 0.0, supplied: 0.0, work: 0.0 }
     }
 }
 
-impl<T: Real> State<T> {
+impl<T: Real> QuantumState<T> {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         size_of_val(self.values.as_slice())
@@ -62,7 +62,7 @@ pub fn rows(padding: &Padding) -> impl Iterator<Item = Range<usize>> {
 ///
 /// # Errors
 /// If a number is not finite in this precision, or all are 0.
-pub fn narrow<T: Number>(pairs: &[f64], grid: &Grid, path: &str) -> Result<Vec<Complex<T>>> {
+pub fn narrow<T: FourierReal>(pairs: &[f64], grid: &Grid, path: &str) -> Result<Vec<Complex<T>>> {
     let values: Vec<Complex<T>> =
         pairs.as_chunks::<2>().0.iter().map(|pair| Complex { re: T::from_f64(pair[0]), im: T::from_f64(pair[1]) }).collect();
     if let Some(cell) = values.iter().position(|value| !(value.re.is_finite() && value.im.is_finite())) {

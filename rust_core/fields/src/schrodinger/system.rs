@@ -1,7 +1,7 @@
 //! Wave function as a system: steps, history, plan, budgets and fields.
 
 use super::absorbing::Layer;
-use super::fourier::{Number, norm, square};
+use super::fourier::{FourierReal, norm, square};
 use super::passes::Field;
 use super::{Schrodinger, state};
 use crate::error::{Error, Result};
@@ -10,7 +10,7 @@ use crate::ledger::{Budget, Class, Ledger};
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
@@ -19,7 +19,7 @@ const STEPS: u64 = 1023;
 /// Estimated duration of an evaluation of a cell [s].
 const COST: f64 = 2e-8;
 
-impl<T: Number> Schrodinger<T> {
+impl<T: FourierReal> Schrodinger<T> {
     fn element(&self, index: usize) -> Element {
         let padding = &self.hamiltonian.padding;
         let nearest = padding.nearest(index);
@@ -49,7 +49,7 @@ impl<T: Number> Schrodinger<T> {
     }
 }
 
-impl<T: Number> History for Schrodinger<T> {
+impl<T: FourierReal> History for Schrodinger<T> {
     fn save(&mut self) {
         self.saved.clone_from(&self.state);
     }
@@ -71,7 +71,7 @@ impl<T: Number> History for Schrodinger<T> {
     }
 }
 
-impl<T: Number> System for Schrodinger<T> {
+impl<T: FourierReal> System for Schrodinger<T> {
     fn stages(&self) -> Vec<Stages> {
         let hamiltonian = &self.hamiltonian;
         let potential = hamiltonian.potential.iter().any(|value| *value != T::ZERO);
@@ -132,7 +132,7 @@ impl<T: Number> System for Schrodinger<T> {
         Ok(())
     }
 
-    fn advance(&mut self, interval: Interval, _record: Record, executor: &Executor) -> Result<()> {
+    fn advance(&mut self, interval: Interval, _record: RecordedSteps, executor: &Executor) -> Result<()> {
         self.save();
         self.activity.clear();
         for _ in 0..interval.steps {

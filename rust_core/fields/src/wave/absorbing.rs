@@ -17,8 +17,8 @@
 use std::ops::Range;
 
 use super::medium::Medium;
-use super::stage::{Action, BufferedStage, Input};
-use super::state::Cells;
+use super::stage::{BufferedStage, Input, WaveStageAction};
+use super::state::WaveCells;
 use crate::error::{Error, Result};
 use crate::grid::{Edge, Edges, Padding};
 use crate::history::Archive;
@@ -32,12 +32,12 @@ const WIDTH: usize = 20;
 
 /// Requested width [cells] and reflection of the layers.
 #[derive(Debug, Clone, Copy)]
-pub struct Absorption {
+pub struct AbsorptionParameters {
     pub width: usize,
     pub reflection: f64,
 }
 
-impl Absorption {
+impl AbsorptionParameters {
     /// Reads the absorption that an item declares, if an edge absorbs.
     ///
     /// # Errors
@@ -71,7 +71,7 @@ fn runs_backwards(method: &Facts) -> bool {
 }
 
 /// Number of cells added at each edge.
-pub fn layers(edges: Edges, absorption: Option<Absorption>) -> [[usize; 2]; AXES] {
+pub fn layers(edges: Edges, absorption: Option<AbsorptionParameters>) -> [[usize; 2]; AXES] {
     let width = absorption.map_or(0, |absorption| absorption.width);
     edges.0.map(|pair| pair.map(|edge| if edge == Edge::Absorbing { width } else { 0 }))
 }
@@ -108,8 +108,8 @@ pub struct Layers<T> {
     meters: Vec<Meter>,
     /// Index at which the meters of each row begin.
     metered: Vec<usize>,
-    memory: Memory<T>,
-    saved: Memory<T>,
+    memory: MemoryVariables<T>,
+    saved: MemoryVariables<T>,
     /// Registers that do not persist, rates p' and q', and means over a kick.
     registers: Vec<Vec<T>>,
     rates: Vec<T>,
@@ -124,7 +124,7 @@ pub struct Layers<T> {
 
 /// Memory variables p and q with the persistent registers of the integrator.
 #[derive(Debug, Clone)]
-struct Memory<T> {
+struct MemoryVariables<T> {
     values: Vec<T>,
     persistent: Vec<Vec<T>>,
 }
@@ -134,7 +134,7 @@ impl<T: Real> Layers<T> {
     pub fn new(
         padding: &Padding,
         medium: &Medium<T>,
-        absorption: Absorption,
+        absorption: AbsorptionParameters,
         speed: impl Fn(usize) -> f64,
         mass: f64,
         method: &Facts,
@@ -197,7 +197,7 @@ impl<T: Real> Layers<T> {
         let rows = starts(&mut sites.iter().map(|site| site.cell));
         let metered = starts(&mut meters.iter().map(|meter| meter.inside));
         let column = || vec![T::ZERO; 2 * sites.len()];
-        let memory = Memory { values: column(), persistent: vec![column(); method.persistent] };
+        let memory = MemoryVariables { values: column(), persistent: vec![column(); method.persistent] };
         Self {
             rows,
             metered,
@@ -220,10 +220,10 @@ impl<T: Real> Layers<T> {
     }
 
     /// Evaluates p', q' and the forces at a stage, from the displacement at the stage.
-    pub fn evaluate(&mut self, u: &[T], action: Action, h: f64, method: &Facts) {
+    pub fn evaluate(&mut self, u: &[T], action: WaveStageAction, h: f64, method: &Facts) {
         let Self { sites, memory, registers, rates, means, forces, .. } = self;
         let (before, half) = match action {
-            Action::Update { stage, .. } => center(method, stage, h),
+            WaveStageAction::Update { stage, .. } => center(method, stage, h),
             _ => (None, 0.0),
         };
         let before = before.map_or(&memory.values, |register| {
@@ -287,10 +287,10 @@ impl<T: Real> Layers<T> {
     }
 
     /// Advances p and q by the stage that was [evaluated](Self::evaluate).
-    pub fn advance(&mut self, action: Action, h: f64, method: &Facts, kernel: BufferedStage<T>) {
+    pub fn advance(&mut self, action: WaveStageAction, h: f64, method: &Facts, kernel: BufferedStage<T>) {
         let Self { memory, saved, registers, rates, blank, .. } = self;
         let mut columns = memory.persistent.iter_mut().chain(registers).map(Vec::as_mut_slice);
-        let cells = Cells {
+        let cells = WaveCells {
             displacement: blank,
             rate: &mut memory.values,
             registers: std::array::from_fn(|_| columns.next().unwrap_or_default()),

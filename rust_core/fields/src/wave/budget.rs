@@ -1,8 +1,8 @@
 //! Energy of a wave, and other sums over its cells, in double precision.
 
-use super::fourth::{self, Line};
-use super::state::State;
-use super::sweep::Dynamics;
+use super::fourth::{self, LineOperator};
+use super::state::WaveState;
+use super::sweep::WaveLaw;
 use crate::grid::Window;
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
@@ -47,9 +47,9 @@ impl<T: Real> Kernel for Differences<'_, T> {
     }
 }
 
-impl<T: Real> Dynamics<T> {
+impl<T: Real> WaveLaw<T> {
     /// Energies of all rows [J / kg].
-    pub fn energies(&self, state: &State<T>, executor: &Executor) -> Vec<RowEnergy> {
+    pub fn energies(&self, state: &WaveState<T>, executor: &Executor) -> Vec<RowEnergy> {
         let grid = &self.medium.laplacian.grid;
         let mut energies = vec![RowEnergy::default(); grid.rows()];
         executor.for_each_block(BlockedSlice::new(&mut energies, 64), &|block: BlockedSlice<'_, RowEnergy>| {
@@ -65,7 +65,7 @@ impl<T: Real> Dynamics<T> {
     }
 
     /// Sum Σ (|L u| + |s|)² over all cells [m²/s⁴], with the sources at their largest.
-    pub fn squared_accelerations(&self, state: &State<T>) -> f64 {
+    pub fn squared_accelerations(&self, state: &WaveState<T>) -> f64 {
         let grid = &self.medium.laplacian.grid;
         let length = grid.row_length();
         let rows = Window::new(&state.displacement, length);
@@ -84,7 +84,7 @@ impl<T: Real> Dynamics<T> {
         sum
     }
 
-    fn row_energy(&self, state: &State<T>, row: usize, (ones, zeros): (&[T], &[T])) -> RowEnergy {
+    fn row_energy(&self, state: &WaveState<T>, row: usize, (ones, zeros): (&[T], &[T])) -> RowEnergy {
         let (medium, laplacian) = (&self.medium, &self.medium.laplacian);
         let grid = &laplacian.grid;
         let length = grid.row_length();
@@ -112,7 +112,7 @@ impl<T: Real> Dynamics<T> {
         if let Some(fourth) = &medium.fourth {
             let mut second = vec![T::ZERO; length];
             for axis in grid.axes() {
-                Line { medium, fourth }.of(axis, rows, row, &mut second);
+                LineOperator { medium, fourth }.of(axis, rows, row, &mut second);
                 potential += sum(fourth.slowness.row(row), &second, zeros);
             }
         }

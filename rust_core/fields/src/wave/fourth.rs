@@ -16,7 +16,7 @@ pub fn accelerate<T: Real>(
     scratch: &mut [T],
 ) {
     let length = out.len();
-    let line = Line { medium, fourth };
+    let line = LineOperator { medium, fourth };
     let (below, rest) = scratch.split_at_mut(length);
     let (center, rest) = rest.split_at_mut(length);
     let (above, rest) = rest.split_at_mut(length);
@@ -36,12 +36,12 @@ pub fn accelerate<T: Real>(
 
 /// Operators Lₐ.
 #[derive(Clone, Copy)]
-pub struct Line<'a, T> {
+pub struct LineOperator<'a, T> {
     pub medium: &'a Medium<T>,
     pub fourth: &'a Fourth<T>,
 }
 
-impl<T: Real> Line<'_, T> {
+impl<T: Real> LineOperator<'_, T> {
     /// Computes Lₐ of a row, from the rows below and above it along a; for the last axis these are not used.
     fn apply(&self, axis: usize, row: usize, [below, center, above]: [&[T]; 3], out: &mut [T]) {
         let anchor = self.fourth.anchors[axis].row(row);

@@ -3,14 +3,14 @@
 //! With differences of order 4 along each axis, an eigenvalue λₐ of that axis becomes λₐ + λₐ²/(12 w).
 
 use super::medium::Fourth;
-use super::sweep::Dynamics;
+use super::sweep::WaveLaw;
 use crate::grid::Laplacian;
 use crate::integrators::Facts;
 use crate::math::Real;
 use crate::stability::{Horizon, Limit, SpectralBound};
 
 /// Limit for an integrator.
-pub fn limit<T: Real>(dynamics: &Dynamics<T>, method: &Facts) -> Limit {
+pub fn limit<T: Real>(dynamics: &WaveLaw<T>, method: &Facts) -> Limit {
     let medium = &dynamics.medium;
     let square = match &medium.fourth {
         None => medium.laplacian.largest(),

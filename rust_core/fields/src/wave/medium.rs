@@ -8,7 +8,7 @@
 //! need no other rule, and the operator remains symmetric.
 
 use super::parameters::Parameters;
-use crate::grid::{Coefficients, Laplacian, RowTable};
+use crate::grid::{CellCoefficients, Laplacian, RowTable};
 use crate::math::{AXES, Real};
 
 /// Wave operator, with the additional coefficients of differences of order 4.
@@ -32,7 +32,7 @@ impl<T: Real> Medium<T> {
     pub fn new(parameters: &Parameters) -> Self {
         let speed = &parameters.speed;
         let square = |row: usize, column: usize| (speed.row(row)[column] / parameters.grid.spacing).powi(2);
-        let cells = Coefficients {
+        let cells = CellCoefficients {
             grid: &parameters.grid,
             edges: parameters.edges,
             walls: parameters.walls.as_deref(),

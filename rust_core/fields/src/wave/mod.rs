@@ -24,13 +24,13 @@ use crate::memory;
 use crate::scene::Item;
 use crate::stability::Limit;
 use crate::systems::System;
-use absorbing::{Absorption, Layers};
+use absorbing::{AbsorptionParameters, Layers};
 use medium::Medium;
 use parameters::Parameters;
 use source::Sources;
 use stage::Kernels;
-use state::{State, Tally, Workspace};
-use sweep::Dynamics;
+use state::{WaveState, WaveTally, WaveWorkspace};
+use sweep::WaveLaw;
 
 /// Compiles a wave for an integrator.
 ///
@@ -48,14 +48,14 @@ pub fn build<I: Integrator>(item: &Item, precision: &str) -> Result<Box<dyn Syst
 struct Wave<T> {
     method: Facts,
     kernels: Kernels<T>,
-    dynamics: Dynamics<T>,
+    dynamics: WaveLaw<T>,
     /// Mask of wall cells, which are cut out.
     walls: Option<Vec<bool>>,
-    absorption: Option<Absorption>,
-    state: State<T>,
+    absorption: Option<AbsorptionParameters>,
+    state: WaveState<T>,
     /// State at the start of the last batch.
-    saved: State<T>,
-    workspace: Workspace<T>,
+    saved: WaveState<T>,
+    workspace: WaveWorkspace<T>,
     /// Number of stages in one pass over memory.
     depth: usize,
     /// Activity after each step of the last batch [J].
@@ -89,11 +89,11 @@ impl<T: Real> Wave<T> {
                 Err(Error::parameter(path, format!("a number that {} holds", T::NAME), "a larger one"))
             })
         };
-        let state = State {
+        let state = WaveState {
             displacement: narrow("displacement")?,
             rate: narrow("rate")?,
             persistent: vec![vec![T::ZERO; count]; method.persistent],
-            tallies: vec![Tally::default(); rows],
+            tallies: vec![WaveTally::default(); rows],
         };
         let sources = Sources::declared(item, padding, parameters.walls.as_deref())?;
         let damping = RowTable::new(rows, grid.row_length(), T::ZERO, |row, values| {
@@ -110,13 +110,13 @@ impl<T: Real> Wave<T> {
             meters || !sources.in_row(row).is_empty() || damping.row(row).iter().any(|&rate| rate != T::ZERO)
         });
         let dynamics =
-            Dynamics { exchanges: exchanges.collect(), padding: padding.clone(), medium, mass, damping, sources, layers };
+            WaveLaw { exchanges: exchanges.collect(), padding: padding.clone(), medium, mass, damping, sources, layers };
         let sweeps = dynamics.medium.fourth.is_some() || dynamics.layers.is_some();
         let bytes = (2 + stage::columns(&method)) * size_of::<T>();
         let depth = if sweeps { 1 } else { depth(grid, bytes) };
         Ok(Self {
             saved: state.clone(),
-            workspace: Workspace::new(&method, count, rows, depth),
+            workspace: WaveWorkspace::new(&method, count, rows, depth),
             depth,
             state,
             activity: Vec::new(),

@@ -1,6 +1,6 @@
 //! Parameters of a wave, read from its item and checked.
 
-use super::absorbing::{self, Absorption};
+use super::absorbing::{self, AbsorptionParameters};
 use crate::error::Result;
 use crate::grid::{Edges, Grid, Padding, RowTable};
 use crate::integrators::Facts;
@@ -13,7 +13,7 @@ pub struct Parameters {
     pub grid: Grid,
     /// Position of the user's grid within all cells.
     pub padding: Padding,
-    pub absorption: Option<Absorption>,
+    pub absorption: Option<AbsorptionParameters>,
     pub edges: Edges,
     /// Speed c [m/s].
     pub speed: RowTable<f64>,
@@ -35,7 +35,7 @@ impl Parameters {
     pub fn declared(item: &Item, method: &Facts) -> Result<Self> {
         let grid = Grid::declared(item)?;
         let edges = Edges::declared(item, &grid)?;
-        let absorption = Absorption::declared(item, edges, method)?;
+        let absorption = AbsorptionParameters::declared(item, edges, method)?;
         let padding = Padding::new(&grid, absorbing::layers(edges, absorption));
         let density = item.non_negative("density")?;
         if density == 0.0 {

@@ -30,7 +30,7 @@ struct Source {
 
 /// Cells of a source in one row.
 #[derive(Debug, Clone)]
-pub struct Patch {
+pub struct SourceCells {
     /// Index of the source.
     pub source: usize,
     row: usize,
@@ -45,7 +45,7 @@ pub struct Patch {
 pub struct Sources {
     all: Vec<Source>,
     /// Patches of all sources, row by row.
-    patches: Vec<Patch>,
+    patches: Vec<SourceCells>,
     /// Range of the patches of each row.
     rows: Vec<Range<usize>>,
 }
@@ -69,7 +69,7 @@ impl Sources {
                 let (first, last) = (cells[0].0, cells[cells.len() - 1].0);
                 let mut weights = vec![0.0; last - first + 1];
                 cells.iter().for_each(|&(cell, weight)| weights[cell - first] += weight);
-                patches.push(Patch { source, row: first / length, first: first % length, weights });
+                patches.push(SourceCells { source, row: first / length, first: first % length, weights });
             }
         }
         patches.sort_by_key(|patch| patch.row);
@@ -108,7 +108,7 @@ impl Sources {
     }
 
     /// Patches in a row.
-    pub fn in_row(&self, row: usize) -> &[Patch] {
+    pub fn in_row(&self, row: usize) -> &[SourceCells] {
         self.rows.get(row).map_or(&[], |range| &self.patches[range.clone()])
     }
 

@@ -1,6 +1,6 @@
 //! One stage of a step, cell by cell.
 
-use super::state::Cells;
+use super::state::WaveCells;
 use crate::grid::{Groups, PlaneRow, load};
 use crate::integrators::REGISTERS;
 use crate::integrators::{Component, ComponentGroup, Facts, Integrator, Swept};
@@ -9,7 +9,7 @@ use crate::simd::{Isa, Kernel, LANES, dispatch};
 
 /// Operation of a stage on the state.
 #[derive(Debug, Clone, Copy)]
-pub enum Action {
+pub enum WaveStageAction {
     /// Fills the persistent registers at the start of a run.
     Begin,
     /// Computes the state of the first stage.
@@ -43,7 +43,7 @@ impl<'a, T> Input<'a, T, ()> {
 
 /// Sums over the cells.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Sums {
+pub struct WaveSums {
     /// Sum Σ v² at the end of a step; NaN if the batch ends and u is not finite.
     pub squares: f64,
     /// Sum Σ γ v² at the stage.
@@ -51,9 +51,9 @@ pub struct Sums {
 }
 
 /// Stage function for cells whose accelerations are in a buffer.
-pub type BufferedStage<T> = fn(&Facts, Cells<'_, T>, Input<'_, T, &[T]>, f64, Action) -> Sums;
+pub type BufferedStage<T> = fn(&Facts, WaveCells<'_, T>, Input<'_, T, &[T]>, f64, WaveStageAction) -> WaveSums;
 /// Stage function that computes the accelerations of its cells.
-type FusedStage<T> = fn(&Facts, Cells<'_, T>, Input<'_, T, PlaneRow<'_, T>>, f64, Action) -> Sums;
+type FusedStage<T> = fn(&Facts, WaveCells<'_, T>, Input<'_, T, PlaneRow<'_, T>>, f64, WaveStageAction) -> WaveSums;
 
 /// Kernels of an integrator.
 #[derive(Debug)]
@@ -78,12 +78,12 @@ impl<T: Real> Kernels<T> {
 /// Runs a stage for some cells.
 fn run<T: Real, S: Swept, A: Groups<T>>(
     method: &Facts,
-    cells: Cells<'_, T>,
+    cells: WaveCells<'_, T>,
     input: Input<'_, T, A>,
     h: f64,
-    action: Action,
-) -> Sums {
-    dispatch(Stage { cells, input, h: T::from_f64(h), action, stages: method.stages(), swept: S::of(method) })
+    action: WaveStageAction,
+) -> WaveSums {
+    dispatch(WaveStage { cells, input, h: T::from_f64(h), action, stages: method.stages(), swept: S::of(method) })
 }
 
 /// Number of columns besides the displacement that stages hold without damping.
@@ -99,11 +99,11 @@ const fn is_kept<S: Swept>(register: usize) -> bool {
     }
 }
 
-struct Stage<'a, T, S, A> {
-    cells: Cells<'a, T>,
+struct WaveStage<'a, T, S, A> {
+    cells: WaveCells<'a, T>,
     input: Input<'a, T, A>,
     h: T,
-    action: Action,
+    action: WaveStageAction,
     /// Number of stages of a step.
     stages: usize,
     swept: S,
@@ -116,17 +116,17 @@ fn store<T: Real, const W: usize>(column: &mut [T], at: usize, lanes: &[T; W]) {
 
 /// Sums by lane: cell i of a row adds to lane i mod 16, whether it is computed in a group or alone.
 #[derive(Clone, Copy)]
-struct LaneSums<T, const W: usize = LANES> {
+struct WaveLaneSums<T, const W: usize = LANES> {
     squares: [T; W],
     damping: [T; W],
 }
 
-impl<T: Real, const W: usize> LaneSums<T, W> {
+impl<T: Real, const W: usize> WaveLaneSums<T, W> {
     const ZERO: Self = Self { squares: [T::ZERO; W], damping: [T::ZERO; W] };
 
     /// Sums over all lanes, in pairs; the second sum is 0 without damping.
     #[inline(always)]
-    fn sums(self, damped: bool) -> Sums {
+    fn sums(self, damped: bool) -> WaveSums {
         let sum = |lanes: [T; W]| {
             let mut sums = lanes.map(T::to_f64);
             let mut count = W;
@@ -138,30 +138,30 @@ impl<T: Real, const W: usize> LaneSums<T, W> {
             }
             sums[0]
         };
-        Sums { squares: sum(self.squares), damping: if damped { sum(self.damping) } else { 0.0 } }
+        WaveSums { squares: sum(self.squares), damping: if damped { sum(self.damping) } else { 0.0 } }
     }
 }
 
-impl<T: Real> LaneSums<T> {
+impl<T: Real> WaveLaneSums<T> {
     /// Adds the sums of a single cell.
-    fn add(&mut self, lane: usize, cell: LaneSums<T, 1>) {
+    fn add(&mut self, lane: usize, cell: WaveLaneSums<T, 1>) {
         self.squares[lane] += cell.squares[0];
         self.damping[lane] += cell.damping[0];
     }
 }
 
-impl<T: Real, S: Swept, A: Groups<T>> Kernel for Stage<'_, T, S, A> {
-    type Output = Sums;
+impl<T: Real, S: Swept, A: Groups<T>> Kernel for WaveStage<'_, T, S, A> {
+    type Output = WaveSums;
 
     #[inline(always)]
-    fn run<L: Isa>(mut self, _isa: L) -> Sums {
+    fn run<L: Isa>(mut self, _isa: L) -> WaveSums {
         match self.action {
-            Action::Begin => self.begin(),
-            Action::Start => {
+            WaveStageAction::Begin => self.begin(),
+            WaveStageAction::Start => {
                 self.start();
-                Sums::default()
+                WaveSums::default()
             }
-            Action::Update { stage, ends } => match stage.min(S::COMPILED - 1) {
+            WaveStageAction::Update { stage, ends } => match stage.min(S::COMPILED - 1) {
                 0 => self.update::<0>(stage, ends),
                 1 => self.update::<1>(stage, ends),
                 2 => self.update::<2>(stage, ends),
@@ -173,16 +173,16 @@ impl<T: Real, S: Swept, A: Groups<T>> Kernel for Stage<'_, T, S, A> {
     }
 }
 
-impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
+impl<T: Real, S: Swept, A: Groups<T>> WaveStage<'_, T, S, A> {
     #[inline(always)]
-    fn begin(&mut self) -> Sums {
-        let mut sums = LaneSums::<T>::ZERO;
+    fn begin(&mut self) -> WaveSums {
+        let mut sums = WaveLaneSums::<T>::ZERO;
         for at in 0..self.cells.rate.len() {
             let Self { cells, input, .. } = self;
             let (x, v) = (load::<T, 1>(input.displacement, at), load::<T, 1>(cells.rate, at));
             let mut a = input.acceleration.any(at);
             if let Some(gamma) = input.damping {
-                let mut cell = LaneSums::ZERO;
+                let mut cell = WaveLaneSums::ZERO;
                 damp(&mut a, &load(gamma, at), &v, &mut cell.damping);
                 sums.add(at % LANES, cell);
             }
@@ -218,11 +218,11 @@ impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
 
     /// Updates by a stage: the one compiled as `STAGE`, or any stage with coefficients at run time.
     #[inline(always)]
-    fn update<const STAGE: usize>(&mut self, stage: usize, ends: bool) -> Sums {
+    fn update<const STAGE: usize>(&mut self, stage: usize, ends: bool) -> WaveSums {
         const { assert!(S::COMPILED <= 6, "more stages than are written out") };
         // Conditions on constants in blocks, so only existing stages are compiled.
         if const { STAGE >= S::COMPILED } {
-            return Sums::default();
+            return WaveSums::default();
         }
         let stage = if const { S::COMPILED > 1 } { STAGE } else { stage };
         let last = if const { S::COMPILED > 1 } { STAGE + 1 == S::COMPILED } else { stage + 1 == self.stages };
@@ -233,8 +233,8 @@ impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
     }
 
     #[inline(always)]
-    fn update_cells<const LAST: bool, const ENDS: bool>(&mut self, stage: usize) -> Sums {
-        let mut sums = LaneSums::ZERO;
+    fn update_cells<const LAST: bool, const ENDS: bool>(&mut self, stage: usize) -> WaveSums {
+        let mut sums = WaveLaneSums::ZERO;
         let count = self.cells.rate.len();
         let whole = count / LANES * LANES;
         for at in (0..whole).step_by(LANES) {
@@ -247,7 +247,7 @@ impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
             }
         }
         for at in whole..count {
-            let mut cell = LaneSums::ZERO;
+            let mut cell = WaveLaneSums::ZERO;
             self.update_group::<LAST, ENDS, 1>(stage, at, self.input.acceleration.any(at), &mut cell);
             sums.add(at % LANES, cell);
         }
@@ -260,7 +260,7 @@ impl<T: Real, S: Swept, A: Groups<T>> Stage<'_, T, S, A> {
         stage: usize,
         at: usize,
         mut a: [T; W],
-        sums: &mut LaneSums<T, W>,
+        sums: &mut WaveLaneSums<T, W>,
     ) {
         let Self { cells, input, h, swept, .. } = self;
         let (h, swept) = (*h, *swept);
@@ -306,7 +306,7 @@ fn damp<T: Real, const W: usize>(a: &mut [T; W], gamma: &[T; W], v: &[T; W], sum
 
 /// Stores the data that the next stage needs.
 #[inline(always)]
-fn keep<T: Real, S: Swept, const W: usize>(cells: &mut Cells<'_, T>, group: &ComponentGroup<T, W>, at: usize, damped: bool) {
+fn keep<T: Real, S: Swept, const W: usize>(cells: &mut WaveCells<'_, T>, group: &ComponentGroup<T, W>, at: usize, damped: bool) {
     store(cells.displacement, at, &group.x);
     if damped || S::DRIFT_REGISTER.is_none() {
         store(cells.rate, at, &group.v);

@@ -15,7 +15,7 @@ pub const EDGES: usize = 2;
 
 /// Energy through each sink in one row.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Tally {
+pub struct WaveTally {
     /// Time integral of the power [J].
     pub energy: [f64; SINKS],
     /// Power at the last evaluation [W].
@@ -24,14 +24,14 @@ pub struct Tally {
 
 /// Displacement and rate of all cells, the persistent registers of the integrator, and the tallies of all rows.
 #[derive(Debug, Clone)]
-pub struct State<T> {
+pub struct WaveState<T> {
     pub displacement: Vec<T>,
     pub rate: Vec<T>,
     pub persistent: Vec<Vec<T>>,
-    pub tallies: Vec<Tally>,
+    pub tallies: Vec<WaveTally>,
 }
 
-impl<T: Real> State<T> {
+impl<T: Real> WaveState<T> {
     /// Columns of numbers, in a fixed order.
     pub fn columns(&self) -> impl Iterator<Item = &Vec<T>> {
         [&self.displacement, &self.rate].into_iter().chain(&self.persistent)
@@ -50,7 +50,7 @@ impl<T: Real> State<T> {
 
 /// Buffers of the stages.
 #[derive(Debug)]
-pub struct Workspace<T> {
+pub struct WaveWorkspace<T> {
     /// Displacement at the previous stage, which neighbors still read.
     pub before: Vec<T>,
     /// Registers that do not persist.
@@ -61,7 +61,7 @@ pub struct Workspace<T> {
     pub amplitudes: Vec<f64>,
 }
 
-impl<T: Real> Workspace<T> {
+impl<T: Real> WaveWorkspace<T> {
     /// Allocates buffers for an integrator.
     pub fn new(method: &Facts, cells: usize, rows: usize, stages: usize) -> Self {
         let registers = vec![vec![T::ZERO; cells]; method.registers - method.persistent];
@@ -77,11 +77,11 @@ impl<T: Real> Workspace<T> {
 
 /// Block of all rows of a state, for writing by stages. The first column is the rate; the registers follow.
 pub fn block<'a, T>(
-    state: &'a mut State<T>,
-    workspace: &'a mut Workspace<T>,
+    state: &'a mut WaveState<T>,
+    workspace: &'a mut WaveWorkspace<T>,
     length: usize,
     stages: usize,
-) -> Block<'a, T, Tally> {
+) -> Block<'a, T, WaveTally> {
     let rows = state.tallies.len();
     let mut columns =
         std::iter::once(&mut state.rate).chain(&mut state.persistent).chain(&mut workspace.registers).map(Vec::as_mut_slice);
@@ -100,16 +100,16 @@ pub fn block<'a, T>(
 
 /// Adjacent cells of a row, for writing by a stage.
 #[derive(Debug)]
-pub struct Cells<'a, T> {
+pub struct WaveCells<'a, T> {
     pub displacement: &'a mut [T],
     pub rate: &'a mut [T],
     pub registers: [&'a mut [T]; REGISTERS],
 }
 
-impl<'a, T> Cells<'a, T> {
+impl<'a, T> WaveCells<'a, T> {
     /// Returns cells of the row `row` of a block.
     #[inline(always)]
-    pub fn of(block: &'a mut Block<'_, T, Tally>, row: usize, range: Range<usize>) -> Self {
+    pub fn of(block: &'a mut Block<'_, T, WaveTally>, row: usize, range: Range<usize>) -> Self {
         let range = row * block.length + range.start..row * block.length + range.end;
         let [rate, registers @ ..] = &mut block.columns;
         Self {

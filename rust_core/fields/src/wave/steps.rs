@@ -2,9 +2,9 @@
 
 use super::Wave;
 use super::absorbing::Layers;
-use super::stage::Action;
+use super::stage::WaveStageAction;
 use super::state::block;
-use super::sweep::{Dynamics, Pass, Passes};
+use super::sweep::{Passes, WaveLaw, WavePass};
 use crate::error::Result;
 use crate::grid::{DEEPEST, Sweep};
 use crate::math::Real;
@@ -13,7 +13,7 @@ use crate::systems::Interval;
 
 impl<T: Real> Wave<T> {
     /// Runs stages of all rows, as many as one pass over memory takes. The first stage of a batch starts from the saved state.
-    fn pass(&mut self, passes: &[Pass<'_>], executor: &Executor) {
+    fn pass(&mut self, passes: &[WavePass<'_>], executor: &Executor) {
         let Self { dynamics, method, kernels, state, saved, workspace, depth, .. } = self;
         let length = dynamics.medium.laplacian.grid.row_length();
         std::mem::swap(&mut state.displacement, &mut workspace.before);
@@ -29,10 +29,10 @@ impl<T: Real> Wave<T> {
     }
 
     /// Runs a sweep over all rows.
-    pub(super) fn sweep(&mut self, pass: Pass<'_>, executor: &Executor) {
+    pub(super) fn sweep(&mut self, pass: WavePass<'_>, executor: &Executor) {
         let Self { dynamics, method, kernels, state, saved, workspace, .. } = self;
         let length = dynamics.medium.laplacian.grid.row_length();
-        let layers = |dynamics: &mut Dynamics<T>, work: &dyn Fn(&mut Layers<T>)| dynamics.layers.iter_mut().for_each(work);
+        let layers = |dynamics: &mut WaveLaw<T>, work: &dyn Fn(&mut Layers<T>)| dynamics.layers.iter_mut().for_each(work);
         if !pass.starts() {
             layers(dynamics, &|layers| layers.evaluate(&workspace.before, pass.action, pass.h, method));
         }
@@ -67,18 +67,18 @@ impl<T: Real> Wave<T> {
         let (stages, sources) = (self.method.stages(), self.dynamics.sources.count());
         let last = interval.steps as usize * stages;
         let action = |index: usize| match index {
-            0 => Action::Start,
-            _ => Action::Update { stage: (index - 1) % stages, ends: index == last },
+            0 => WaveStageAction::Start,
+            _ => WaveStageAction::Update { stage: (index - 1) % stages, ends: index == last },
         };
         let pass = |index: usize| {
             let first = index.saturating_sub(1) * sources;
-            Pass { action: action(index), h: interval.h, amplitudes: &amplitudes[first..first + sources] }
+            WavePass { action: action(index), h: interval.h, amplitudes: &amplitudes[first..first + sources] }
         };
         // Passes have equal depth, and their number is minimal.
         let depth = (last + 1).div_ceil((last + 1).div_ceil(self.depth));
         for first in (0..=last).step_by(depth) {
             let count = depth.min(last + 1 - first);
-            let passes: [Pass<'_>; DEEPEST] = std::array::from_fn(|index| pass((first + index).min(last)));
+            let passes: [WavePass<'_>; DEEPEST] = std::array::from_fn(|index| pass((first + index).min(last)));
             self.pass(&passes[..count], executor);
             executor.check()?;
             for index in (first..first + count).filter(|&index| index > 0 && index.is_multiple_of(stages)) {

@@ -7,8 +7,8 @@ use super::absorbing::Layers;
 use super::fourth;
 use super::medium::Medium;
 use super::source::Sources;
-use super::stage::{Action, Input, Kernels};
-use super::state::{Cells, DAMPING, EDGES, SINKS, SOURCE, State, Tally};
+use super::stage::{Input, Kernels, WaveStageAction};
+use super::state::{DAMPING, EDGES, SINKS, SOURCE, WaveCells, WaveState, WaveTally};
 use crate::grid::{Block, Padding, RowTable, Sweep, Window};
 use crate::integrators::Facts;
 use crate::integrators::REGISTERS;
@@ -18,7 +18,7 @@ use crate::math::Real;
 const SEGMENT: usize = 1 << 13;
 
 /// Equation of motion: u'' = L u − γ u' + s.
-pub struct Dynamics<T> {
+pub struct WaveLaw<T> {
     pub medium: Medium<T>,
     /// Damping γ [1/s].
     pub damping: RowTable<T>,
@@ -34,38 +34,38 @@ pub struct Dynamics<T> {
 
 /// Stage of a sweep.
 #[derive(Debug, Clone, Copy)]
-pub struct Pass<'a> {
-    pub action: Action,
+pub struct WavePass<'a> {
+    pub action: WaveStageAction,
     /// Step size [s].
     pub h: f64,
     /// Amplitudes of the sources.
     pub amplitudes: &'a [f64],
 }
 
-impl Pass<'_> {
+impl WavePass<'_> {
     /// Whether the stage is the first of a batch, which evaluates nothing.
     pub fn starts(&self) -> bool {
-        matches!(self.action, Action::Start)
+        matches!(self.action, WaveStageAction::Start)
     }
 }
 
 /// Stages of an integrator, as many as one pass over memory takes. The first stage of a batch reads all its input from `saved`.
 pub struct Passes<'a, T> {
-    pub dynamics: &'a Dynamics<T>,
+    pub dynamics: &'a WaveLaw<T>,
     pub method: &'a Facts,
     pub kernels: &'a Kernels<T>,
-    pub stages: &'a [Pass<'a>],
-    pub saved: Option<&'a State<T>>,
+    pub stages: &'a [WavePass<'a>],
+    pub saved: Option<&'a WaveState<T>>,
 }
 
-impl<T: Real> Sweep<T, Tally> for Passes<'_, T> {
+impl<T: Real> Sweep<T, WaveTally> for Passes<'_, T> {
     fn scratch(&self) -> usize {
-        let Dynamics { medium, .. } = self.dynamics;
+        let WaveLaw { medium, .. } = self.dynamics;
         let length = medium.laplacian.grid.row_length();
         if medium.fourth.is_some() { (1 + fourth::SCRATCH) * length } else { (SEGMENT / size_of::<T>()).min(length) }
     }
 
-    fn row(&self, stage: usize, block: &mut Block<'_, T, Tally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
+    fn row(&self, stage: usize, block: &mut Block<'_, T, WaveTally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
         self.stage_of_row(self.stages[stage], block, (index, stage), before, scratch);
     }
 }
@@ -74,8 +74,8 @@ impl<T: Real> Passes<'_, T> {
     /// Runs a stage of a pass for a row, given by its index in the block.
     fn stage_of_row(
         &self,
-        pass: Pass<'_>,
-        block: &mut Block<'_, T, Tally>,
+        pass: WavePass<'_>,
+        block: &mut Block<'_, T, WaveTally>,
         (index, stage): (usize, usize),
         rows: Window<'_, T>,
         scratch: &mut [T],
@@ -91,7 +91,7 @@ impl<T: Real> Passes<'_, T> {
             let range = dynamics.segment(start, &inside);
             start = range.end;
             let own = row * length + range.start..row * length + range.end;
-            let cells = Cells::of(block, index, range.clone());
+            let cells = WaveCells::of(block, index, range.clone());
             let mut input = Input {
                 displacement: &rows.row(row)[range.clone()],
                 rate: &[],
@@ -147,7 +147,7 @@ impl<T: Real> Passes<'_, T> {
     }
 }
 
-impl<T: Real> Dynamics<T> {
+impl<T: Real> WaveLaw<T> {
     /// Cells from `start` on that are computed at once: all inside, or all in layers.
     fn segment(&self, start: usize, inside: &Range<usize>) -> Range<usize> {
         let length = self.medium.laplacian.grid.row_length();
@@ -184,15 +184,15 @@ impl<T: Real> Dynamics<T> {
 #[inline(always)]
 fn mean_velocity<T: Real>(
     method: &Facts,
-    pass: Pass<'_>,
-    cells: &Cells<'_, T>,
+    pass: WavePass<'_>,
+    cells: &WaveCells<'_, T>,
     acceleration: &[T],
     damping: &[T],
     cell: usize,
 ) -> f64 {
     let rate = cells.rate[cell].to_f64();
     match (pass.action, method.drifts_by_register()) {
-        (Action::Update { stage, .. }, Some(velocity)) => {
+        (WaveStageAction::Update { stage, .. }, Some(velocity)) => {
             // The kick that ends a step and the one that begins the next form a single kick.
             let next = if stage + 1 == method.stages() { method.last_weight } else { 0.0 };
             let half = 0.5 * (method.weights[stage] + next) * pass.h;
@@ -203,11 +203,11 @@ fn mean_velocity<T: Real>(
 }
 
 /// Adds the energy through the sinks of a row during a stage.
-fn integrate(method: &Facts, tally: &mut Tally, power: [f64; SINKS], pass: Pass<'_>) {
+fn integrate(method: &Facts, tally: &mut WaveTally, power: [f64; SINKS], pass: WavePass<'_>) {
     match pass.action {
-        Action::Begin => tally.last = power,
-        Action::Start => {}
-        Action::Update { stage, .. } => {
+        WaveStageAction::Begin => tally.last = power,
+        WaveStageAction::Start => {}
+        WaveStageAction::Update { stage, .. } => {
             let [weight, last] = method.weights_at(stage).map(|weight| pass.h * weight);
             for (sink, power) in power.into_iter().enumerate() {
                 tally.energy[sink] += last * tally.last[sink] + weight * power;

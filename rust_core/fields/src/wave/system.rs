@@ -1,9 +1,9 @@
 //! Wave as a system: history, plan, budget and fields.
 
-use super::absorbing::{Absorption, Layers};
-use super::stage::Action;
+use super::absorbing::{AbsorptionParameters, Layers};
+use super::stage::WaveStageAction;
 use super::state::{DAMPING, EDGES, SINKS, SOURCE};
-use super::sweep::Pass;
+use super::sweep::WavePass;
 use super::{Wave, budget, limit};
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
@@ -12,7 +12,7 @@ use crate::math::Real;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
@@ -73,7 +73,7 @@ impl<T: Real> System for Wave<T> {
         names.push("update of displacement and rate".to_owned());
         let open = self.absorption.is_some();
         let absent = [(damped, "damping"), (driven, "sources"), (self.walls.is_some(), "walls"), (open, "absorbing edges")];
-        let note = |Absorption { width, reflection }| {
+        let note = |AbsorptionParameters { width, reflection }| {
             format!("absorbing edges: layers of {width} cells, of which {reflection:e} comes back at normal incidence")
         };
         let layout = match self.depth {
@@ -125,12 +125,12 @@ impl<T: Real> System for Wave<T> {
         dynamics.sources.amplitudes(time, &mut workspace.amplitudes)?;
         let amplitudes = std::mem::take(&mut workspace.amplitudes);
         std::mem::swap(&mut self.state.displacement, &mut self.workspace.before);
-        self.sweep(Pass { action: Action::Begin, h: 0.0, amplitudes: &amplitudes }, executor);
+        self.sweep(WavePass { action: WaveStageAction::Begin, h: 0.0, amplitudes: &amplitudes }, executor);
         self.workspace.amplitudes = amplitudes;
         executor.check()
     }
 
-    fn advance(&mut self, interval: Interval, _record: Record, executor: &Executor) -> Result<()> {
+    fn advance(&mut self, interval: Interval, _record: RecordedSteps, executor: &Executor) -> Result<()> {
         self.save();
         self.activity.clear();
         let outcome = self.steps(interval, executor);

@@ -8,7 +8,7 @@ use crate::integrators::{Integrator, Pefrl, RungeKutta4, VelocityVerlet};
 use crate::parallel::{Executor, SERIAL, ThreadPool};
 use crate::scene::{Item, Value};
 use crate::scenes::wave::*;
-use crate::systems::{Interval, Record, System};
+use crate::systems::{Interval, RecordedSteps, System};
 use crate::wave::Wave;
 
 /// Runs 21 steps of an integrator in passes of `depth` stages on `threads` threads; returns the state and the activity.
@@ -20,7 +20,7 @@ fn passes<I: Integrator>(item: &Item, depth: Option<usize>, threads: usize) -> (
     }
     wave.begin(0.0, &SERIAL).unwrap();
     let interval = Interval { start: 0.0, first: 0, h: 0.02, steps: 21 };
-    let advance = |executor: &Executor| wave.advance(interval, Record::EveryStep, executor).unwrap();
+    let advance = |executor: &Executor| wave.advance(interval, RecordedSteps::EveryStep, executor).unwrap();
     ThreadPool::new(threads).run(&|| false, advance).unwrap();
     let mut archive = Archive::default();
     wave.capture(&mut archive);

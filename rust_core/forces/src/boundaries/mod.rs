@@ -30,7 +30,7 @@ pub use plane::Plane;
 pub use polytope::{Feature, Nearest, Polytope};
 pub use solid::Solid;
 pub use sphere::Sphere;
-pub use terrain::{Part, Terrain};
+pub use terrain::{Terrain, TerrainPart};
 pub use wall::Wall;
 
 /// A domain that confines particles.

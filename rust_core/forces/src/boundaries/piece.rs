@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::terrain::{Part, Terrain};
+use super::terrain::{Terrain, TerrainPart};
 use super::{Gap, Path, Wall};
 
 /// A wall, or a part of one.
@@ -11,7 +11,7 @@ pub enum Piece<'a> {
     /// A convex wall, or a hollow round one.
     Whole(&'a Wall),
     /// A part of a height field.
-    Part(&'a Terrain, Part),
+    Part(&'a Terrain, TerrainPart),
 }
 
 impl Wall {
@@ -28,7 +28,7 @@ impl Wall {
     }
 
     /// Piece with a given part.
-    pub fn piece(&self, part: Option<Part>) -> Piece<'_> {
+    pub fn piece(&self, part: Option<TerrainPart>) -> Piece<'_> {
         match (self, part) {
             (Self::Terrain(terrain), Some(part)) => Piece::Part(terrain, part),
             _ => Piece::Whole(self),
@@ -38,7 +38,7 @@ impl Wall {
 
 impl Piece<'_> {
     /// Part of the wall; None for a whole wall.
-    pub fn part(&self) -> Option<Part> {
+    pub fn part(&self) -> Option<TerrainPart> {
         match *self {
             Self::Whole(_) => None,
             Self::Part(_, part) => Some(part),

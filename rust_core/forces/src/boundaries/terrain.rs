@@ -4,10 +4,10 @@
 //! nodes of a cell span two triangles that meet along the higher diagonal. These are the upper side of the nodes' convex hull, so
 //! that a cell has the same surface in its mirror image.
 //!
-//! The surface consists of [`Part`]s: *faces* (triangles, in 2D segments, and strips of the sides), and *rims* (edges and nodes).
-//! Each part has a region, in which it is the nearest part locally. The region of a rim is the cone of the normals between its
-//! faces. It is empty along a valley or on flat ground. A ball that rolls from one cell to the next therefore feels no edge
-//! between them, as it would between neighboring solids.
+//! The surface consists of [`TerrainPart`]s: *faces* (triangles, in 2D segments, and strips of the sides), and *rims* (edges
+//! and nodes). Each part has a region, in which it is the nearest part locally. The region of a rim is the cone of the normals
+//! between its faces. It is empty along a valley or on flat ground. A ball that rolls from one cell to the next therefore feels
+//! no edge between them, as it would between neighboring solids.
 
 use std::ops::RangeInclusive;
 
@@ -44,14 +44,14 @@ pub struct Terrain {
 
 /// Part of the surface, identified by its kind and the first of its nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Part {
-    kind: Kind,
+pub struct TerrainPart {
+    kind: PartKind,
     node: [u32; 2],
 }
 
 /// Kind of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum PartKind {
     /// Triangle of a cell with its lower edge along x; in 2D the segment.
     Low,
     /// Other triangle of a cell.
@@ -71,8 +71,8 @@ enum Kind {
     Corner,
 }
 
-const FACES: [Kind; 4] = [Kind::Low, Kind::High, Kind::SideX, Kind::SideY];
-const RIMS: [Kind; 5] = [Kind::Node, Kind::AlongX, Kind::AlongY, Kind::Diagonal, Kind::Corner];
+const FACES: [PartKind; 4] = [PartKind::Low, PartKind::High, PartKind::SideX, PartKind::SideY];
+const RIMS: [PartKind; 5] = [PartKind::Node, PartKind::AlongX, PartKind::AlongY, PartKind::Diagonal, PartKind::Corner];
 
 /// Part of the surface as seen from a point.
 #[derive(Debug, Clone, Copy)]
@@ -138,7 +138,7 @@ impl Terrain {
     }
 
     /// Parts of the surface that a particle of `radius` may touch within a box along the axes. A point touches faces alone.
-    pub fn parts(&self, lower: DVec3, upper: DVec3, radius: f64) -> impl Iterator<Item = Part> {
+    pub fn parts(&self, lower: DVec3, upper: DVec3, radius: f64) -> impl Iterator<Item = TerrainPart> {
         let rounding = self.rounding(lower.abs().max(upper.abs()));
         let rims = radius > ROUND * rounding;
         let (lower, upper) = (lower - rounding, upper + rounding);
@@ -158,7 +158,7 @@ impl Terrain {
                 && self.height_of(at, last) >= lowest
                 && self.is_there(kind, at)
         })
-        .map(|(kind, node)| Part { kind, node: node.map(|index| index as u32) })
+        .map(|(kind, node)| TerrainPart { kind, node: node.map(|index| index as u32) })
     }
 
     /// Cells along a horizontal axis that have a part between two coordinates.
@@ -183,29 +183,29 @@ impl Terrain {
     }
 
     /// Last of the nodes of a part.
-    fn last(&self, kind: Kind, [i, j]: [usize; 2]) -> [usize; 2] {
+    fn last(&self, kind: PartKind, [i, j]: [usize; 2]) -> [usize; 2] {
         let next = usize::from(self.nodes[1] > 1);
         match kind {
-            Kind::Low | Kind::High | Kind::Diagonal => [i + 1, j + next],
-            Kind::SideX | Kind::AlongY => [i, j + next],
-            Kind::SideY | Kind::AlongX => [i + 1, j],
-            Kind::Node | Kind::Corner => [i, j],
+            PartKind::Low | PartKind::High | PartKind::Diagonal => [i + 1, j + next],
+            PartKind::SideX | PartKind::AlongY => [i, j + next],
+            PartKind::SideY | PartKind::AlongX => [i + 1, j],
+            PartKind::Node | PartKind::Corner => [i, j],
         }
     }
 
     /// Whether a part of a kind exists at nodes of the grid. An edge exists where the ground is bent outward.
-    fn is_there(&self, kind: Kind, at: [usize; 2]) -> bool {
+    fn is_there(&self, kind: PartKind, at: [usize; 2]) -> bool {
         let is_spatial = self.nodes[1] > 1;
         let ends = [0, 1].map(|axis| at[axis] == 0 || at[axis] == self.nodes[axis] - 1);
         match kind {
-            Kind::Low | Kind::Node => true,
-            Kind::SideX => ends[0],
-            Kind::High => is_spatial,
-            Kind::SideY => is_spatial && ends[1],
-            Kind::Corner => is_spatial && ends[0] && ends[1],
-            Kind::AlongX => is_spatial && self.is_ridge(at, [1, 0]),
-            Kind::AlongY => is_spatial && self.is_ridge(at, [0, 1]),
-            Kind::Diagonal => {
+            PartKind::Low | PartKind::Node => true,
+            PartKind::SideX => ends[0],
+            PartKind::High => is_spatial,
+            PartKind::SideY => is_spatial && ends[1],
+            PartKind::Corner => is_spatial && ends[0] && ends[1],
+            PartKind::AlongX => is_spatial && self.is_ridge(at, [1, 0]),
+            PartKind::AlongY => is_spatial && self.is_ridge(at, [0, 1]),
+            PartKind::Diagonal => {
                 let [a, b, c, d] = self.corners(at).map(|node| self.height(node));
                 is_spatial && ((a + d) - (b + c)).abs() > self.flat()
             }

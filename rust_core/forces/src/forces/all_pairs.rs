@@ -23,7 +23,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::derivatives::Derivatives;
-use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity};
+use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity};
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
@@ -43,7 +43,7 @@ const STEPS_PER_TURN: f64 = 100.0;
 const BLOCK: usize = 4096;
 
 /// Pairs of targets and sources.
-struct Group {
+struct PairGroup {
     /// Particles that feel the force.
     targets: Vec<usize>,
     /// Particles that exert the force.
@@ -64,7 +64,7 @@ struct AllPairs<V: Vector> {
     softening: f64,
     /// Charge c of each particle.
     charge: Vec<f64>,
-    groups: Vec<Group>,
+    groups: Vec<PairGroup>,
     /// Opening angle θ of the tree; 0 for the exact sum.
     angle: f64,
     /// Relative rms error of the acceleration in the initial state.
@@ -86,23 +86,23 @@ struct AllPairs<V: Vector> {
 }
 
 /// Entry of gravitation in the registry of forces.
-pub fn gravitation<V: Vector>() -> Kind<V> {
+pub fn gravitation<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         let mass: Vec<f64> = declared.scene.bodies.iter().flat_map(|body| &body.mass).copied().collect();
         let mass = declared.properties.caller.iter().map(|&caller| mass[caller as usize]).collect();
         let constant = declared.item.non_negative("constant")?;
         Ok(vec![Box::new(AllPairs::<V>::new(declared, "gravitation", constant, mass)?)])
     };
-    Kind { name: "Gravitation", reach: Reach::Far, charges: false, build }
+    ForceKind { name: "Gravitation", reach: Reach::Far, charges: false, build }
 }
 
 /// Entry of Coulomb's law in the registry of forces.
-pub fn coulomb<V: Vector>() -> Kind<V> {
+pub fn coulomb<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         let constant = declared.item.non_negative("constant")?;
         Ok(vec![Box::new(AllPairs::<V>::new(declared, "coulomb", -constant, declared.properties.charge.clone())?)])
     };
-    Kind { name: "Coulomb", reach: Reach::Far, charges: true, build }
+    ForceKind { name: "Coulomb", reach: Reach::Far, charges: true, build }
 }
 
 /// Whether each particle belongs to a body that an item names as a source, in the engine's order.
@@ -125,12 +125,12 @@ fn unit(numbers: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The interacting groups: the particles that are both targets and sources, and those of one-sided sources.
-fn groups(targets: &[bool], sources: &[bool]) -> Vec<Group> {
+fn groups(targets: &[bool], sources: &[bool]) -> Vec<PairGroup> {
     let of = |fits: &dyn Fn(bool, bool) -> bool| -> Vec<usize> {
         (0..targets.len()).filter(|&index| fits(targets[index], sources[index])).collect()
     };
     let [both, only_targets, only_sources] = [of(&|t, s| t && s), of(&|t, s| t && !s), of(&|t, s| !t && s)];
-    let group = |targets: &[usize], sources: Vec<usize>, mutual| Group { targets: targets.to_vec(), sources, mutual };
+    let group = |targets: &[usize], sources: Vec<usize>, mutual| PairGroup { targets: targets.to_vec(), sources, mutual };
     let all = [group(&both, both.clone(), true), group(&both, only_sources, false), group(&only_targets, of(&|_, s| s), false)];
     all.into_iter().filter(|group| !group.targets.is_empty() && !group.sources.is_empty()).collect()
 }
@@ -171,7 +171,7 @@ impl<V: Vector> AllPairs<V> {
 
     /// Calls `each` with every target of a group and its energy in units of [`AllPairs::energy_unit`]. The energy is the sum of
     /// cᵢcⱼ/s over all sources except the target itself.
-    fn energies(&self, group: &Group, at: &StateView<'_, V>, mut each: impl FnMut(usize, f64)) {
+    fn energies(&self, group: &PairGroup, at: &StateView<'_, V>, mut each: impl FnMut(usize, f64)) {
         let sums = self.attraction::<f64>(group, at, at.executor);
         for (target, &index) in group.targets.iter().enumerate() {
             let charge = self.charge[index] / self.units[0];
@@ -182,7 +182,7 @@ impl<V: Vector> AllPairs<V> {
     }
 
     /// The error of a target that coincides with a source.
-    fn coincidence(&self, group: &Group, target: usize, at: &StateView<'_, V>) -> Error {
+    fn coincidence(&self, group: &PairGroup, target: usize, at: &StateView<'_, V>) -> Error {
         let one = group.targets[target];
         let same = |index: usize| index != one && at.position.get(index) == at.position.get(one);
         let other = group.sources.iter().copied().find(|&index| same(index));

@@ -10,10 +10,10 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::derivatives::{Block, Derivatives, Directed, Motion, Push};
+use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
-use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity};
+use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::{AXES, Real, Vector};
@@ -44,11 +44,11 @@ pub struct Central<V: Vector> {
 }
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         Ok(vec![Box::new(Central::<V>::new(declared.item, declared.mask())?)])
     };
-    Kind { name: NAME, reach: Reach::Pointwise, charges: false, build }
+    ForceKind { name: NAME, reach: Reach::Pointwise, charges: false, build }
 }
 
 /// Speed [m/s] of particles of this mass that fall to the center from the particle farthest from it. If the potential is
@@ -216,11 +216,11 @@ impl<V: Vector> Derivatives for Central<V> {
         }
     }
 
-    fn blocks(&self, at: &Motion<'_>, [position, _]: [f64; 2], add: &mut dyn FnMut(Block)) {
+    fn blocks(&self, at: &Motion<'_>, [position, _]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
         for (particle, d, stiffness) in self.stiffness(at) {
             let [exact, definite] =
                 [stiffness, stiffness.definite()].map(|stiffness| position * stiffness.matrix(d.normalize_or_zero()));
-            add(Block::of(particle, exact, definite));
+            add(MatrixBlock::of(particle, exact, definite));
         }
     }
 }
@@ -236,7 +236,7 @@ fn half_power(q: f64, n: f64) -> f64 {
 }
 
 /// The power law q ↦ q^((p−1)/2).
-pub trait Power<T>: Copy {
+pub trait PowerLaw<T>: Copy {
     /// Returns a factor times the power of q; 0 at q = 0 and for a factor of 0. The power is always computed, because a selection
     /// can be vectorized and a branch cannot.
     fn times(self, factor: T, q: T) -> T;
@@ -255,7 +255,7 @@ impl InverseCube {
     }
 }
 
-impl<T: Real> Power<T> for InverseCube {
+impl<T: Real> PowerLaw<T> for InverseCube {
     #[inline(always)]
     fn times(self, factor: T, q: T) -> T {
         Self::times(factor, q)
@@ -266,7 +266,7 @@ impl<T: Real> Power<T> for InverseCube {
 #[derive(Clone, Copy)]
 struct General(f64);
 
-impl<T: Real> Power<T> for General {
+impl<T: Real> PowerLaw<T> for General {
     #[inline(always)]
     fn times(self, factor: T, q: T) -> T {
         let power = T::from_f64(libm::pow(q.to_f64(), self.0));
@@ -312,7 +312,7 @@ pub struct CentralLaw<T, P> {
     power: P,
 }
 
-impl<V: Vector, P: Power<V::Scalar>> ForceField<V> for CentralLaw<V::Scalar, P> {
+impl<V: Vector, P: PowerLaw<V::Scalar>> ForceField<V> for CentralLaw<V::Scalar, P> {
     #[inline(always)]
     fn at(&self, weight: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
         let mut d = [V::Scalar::ZERO; AXES];

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
-use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
@@ -18,7 +18,7 @@ use crate::parallel::Executor;
 use crate::scene::{Argument, Callback};
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
-use gradient::{Gradient, Probe};
+use gradient::{Gradient, GradientInput};
 
 /// Steps per rotation period of the velocities at an automatic time step. Integrators follow this rotation without damping it.
 const STEPS_PER_TURN: f64 = 100.0;
@@ -46,9 +46,9 @@ const FUNCTION: &str = "function";
 const POTENTIAL: &str = "potential";
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Custom::<V>::new(declared)?)]) };
-    Kind { name: "CustomForce", reach: Reach::Whole, charges: false, build }
+    ForceKind { name: "CustomForce", reach: Reach::Whole, charges: false, build }
 }
 
 impl<V: Vector> Custom<V> {
@@ -114,10 +114,12 @@ impl<V: Vector> Custom<V> {
         };
         let (step, length) = gradient::displacement(&positions);
         let at_places = |way: &[DVec3], h: f64| self.given(time, &moved(&positions, way, h), &velocities);
-        let by_position = Probe { given: &at_places, force: &force, root: &root, dimension: V::DIMENSION, step }.gradient()?;
+        let by_position =
+            GradientInput { given: &at_places, force: &force, root: &root, dimension: V::DIMENSION, step }.gradient()?;
         let step = gradient::velocity_increment(&velocities, length * by_position.norm.sqrt());
         let at_speeds = |way: &[DVec3], h: f64| self.given(time, &positions, &moved(&velocities, way, h));
-        let by_velocity = Probe { given: &at_speeds, force: &force, root: &root, dimension: V::DIMENSION, step }.gradient()?;
+        let by_velocity =
+            GradientInput { given: &at_speeds, force: &force, root: &root, dimension: V::DIMENSION, step }.gradient()?;
         Ok([by_position, by_velocity])
     }
 

@@ -31,7 +31,7 @@ impl<V: Vector> Drift<'_, V> {
 
 /// The scheme of the density: by summation or continuity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scheme {
+pub enum DensityScheme {
     /// Summed over the positions at every evaluation of the forces.
     Summation,
     /// Advanced over each drift by the equation of continuity.
@@ -50,7 +50,7 @@ pub struct Fields {
 /// Evolution of density by a force.
 pub trait DensityEvolution<V: Vector> {
     /// The scheme of the density: by summation or continuity.
-    fn scheme(&self) -> Scheme;
+    fn scheme(&self) -> DensityScheme;
 
     /// Sums density over the positions at the end of a step without an evaluation of forces.
     ///

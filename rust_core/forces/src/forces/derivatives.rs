@@ -5,7 +5,7 @@
 //! part of other matrices is used, such as those of position-dependent damping and friction. Newton's method then converges more
 //! slowly, to the same solution.
 //!
-//! Every symmetric matrix K of 3×3 blocks is a sum of two kinds of [`Block`]. The block of a pair, −Kᵢⱼ, responds to the
+//! Every symmetric matrix K of 3×3 blocks is a sum of two kinds of [`MatrixBlock`]. The block of a pair, −Kᵢⱼ, responds to the
 //! difference of two displacements. The block of a single particle, Σⱼ Kᵢⱼ, vanishes where the force is invariant to translation.
 
 use glam::{DMat3, DVec3};
@@ -27,7 +27,7 @@ pub struct Motion<'a> {
 /// Part of a symmetric matrix, for displacements u. On a single particle it acts as B u. On a pair it acts as B (u₁ − u₂) on the
 /// first particle and Bᵀ (u₂ − u₁) on the second.
 #[derive(Debug, Clone, Copy)]
-pub struct Block {
+pub struct MatrixBlock {
     /// Particles of the pair; twice the same index for a single particle.
     pub ends: [u32; 2],
     /// The block B.
@@ -36,7 +36,7 @@ pub struct Block {
     pub definite: DMat3,
 }
 
-impl Block {
+impl MatrixBlock {
     /// Block of a single particle.
     pub fn of(particle: usize, exact: DMat3, definite: DMat3) -> Self {
         Self { ends: [particle as u32; 2], exact, definite }
@@ -68,7 +68,7 @@ pub trait Derivatives: Send + Sync {
     fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push));
 
     /// Passes the blocks of s K + r C to `add`, for weights [s, r].
-    fn blocks(&self, at: &Motion<'_>, weights: [f64; 2], add: &mut dyn FnMut(Block));
+    fn blocks(&self, at: &Motion<'_>, weights: [f64; 2], add: &mut dyn FnMut(MatrixBlock));
 }
 
 /// Stiffness or damping along and across a direction n: a nnᵀ + b (1 − nnᵀ).

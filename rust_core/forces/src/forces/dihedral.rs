@@ -29,8 +29,8 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::corners::Corners;
-use super::derivatives::{Block, Derivatives, Motion, Push, outer};
-use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use super::derivatives::{Derivatives, MatrixBlock, Motion, Push, outer};
+use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::Vector;
@@ -48,9 +48,9 @@ pub struct Dihedral<V: Vector> {
 }
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Dihedral::<V>::new(declared)?)]) };
-    Kind { name: "Dihedral", reach: Reach::Network, charges: false, build }
+    ForceKind { name: "Dihedral", reach: Reach::Network, charges: false, build }
 }
 
 impl<V: Vector> Dihedral<V> {
@@ -181,13 +181,13 @@ impl<V: Vector> Derivatives for Dihedral<V> {
         }
     }
 
-    fn blocks(&self, at: &Motion<'_>, [position, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+    fn blocks(&self, at: &Motion<'_>, [position, rate]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
         for (hinge, x, Bent { gradient, torque, .. }) in self.bent(at) {
             let (weight, bending) = (position * hinge.stiffness + rate * hinge.damping, hessian(x));
             for (other, one) in (0..4).flat_map(|other| (0..other).map(move |one| (other, one))) {
                 let definite = -weight * outer(gradient[one], gradient[other]);
                 let exact = definite - position * torque * bending[one][other];
-                add(Block { ends: [hinge.corners[one], hinge.corners[other]], exact, definite });
+                add(MatrixBlock { ends: [hinge.corners[one], hinge.corners[other]], exact, definite });
             }
         }
     }

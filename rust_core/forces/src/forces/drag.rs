@@ -6,10 +6,10 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::derivatives::{Block, Derivatives, Directed, Motion, Push};
+use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
-use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::{AXES, Real, Vector};
@@ -32,11 +32,11 @@ pub struct Drag<V: Vector> {
 }
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         Ok(Drag::<V>::parts(declared.item, &declared.mask())?.into_iter().map(|part| Box::new(part) as _).collect())
     };
-    Kind { name: "Drag", reach: Reach::Pointwise, charges: false, build }
+    ForceKind { name: "Drag", reach: Reach::Pointwise, charges: false, build }
 }
 
 impl<V: Vector> Drag<V> {
@@ -114,13 +114,13 @@ impl<V: Vector> Derivatives for Drag<V> {
         }
     }
 
-    fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+    fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
         for particle in (0..at.velocity.len()).filter(|&index| self.acts_on(index)) {
             let u = at.velocity[particle] - self.wind;
             let per_speed = self.quadratic * u.length();
             let damping = Directed { along: self.linear + 2.0 * per_speed, across: self.linear + per_speed };
             let matrix = rate * damping.matrix(u.normalize_or_zero());
-            add(Block::of(particle, matrix, matrix));
+            add(MatrixBlock::of(particle, matrix, matrix));
         }
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::linear::Fusion;
-use super::{About, Declared, Force, Forces, Kind, Reach, StateView, Validity};
+use super::{About, Declared, Force, ForceKind, Forces, Reach, StateView, Validity};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::Vector;
@@ -26,10 +26,10 @@ const NAME: &str = "Gravity";
 const ACCELERATION: &str = "acceleration";
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build =
         |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Gravity::new(declared.item, declared.mobile())?)]) };
-    Kind { name: NAME, reach: Reach::Pointwise, charges: false, build }
+    ForceKind { name: NAME, reach: Reach::Pointwise, charges: false, build }
 }
 
 /// Acceleration of a body by all uniform gravity of a scene [m/s²].

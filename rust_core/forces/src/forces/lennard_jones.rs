@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::derivatives::Directed;
 use super::pairs::{Interaction, Pairs, Response, SUMS};
-use super::{Declared, Forces, Kind, Reach, StateView, VelocityDependence};
+use super::{Declared, ForceKind, Forces, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::Properties;
@@ -54,12 +54,12 @@ fn uncut(epsilon: f64, sigma: f64, distance: f64) -> [f64; 3] {
 }
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         let law = LennardJones::<V::Scalar>::new(declared.item)?;
         Ok(vec![Box::new(Pairs::<V, _>::new(declared.scene, declared.properties, &declared.chosen, law)?)])
     };
-    Kind { name: "LennardJones", reach: Reach::Pairs, charges: false, build }
+    ForceKind { name: "LennardJones", reach: Reach::Pairs, charges: false, build }
 }
 
 impl<T: Real> LennardJones<T> {

@@ -37,7 +37,7 @@ impl Fusion {
 
 /// The coefficients of one particle along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coefficients<T> {
+pub struct LinearCoefficients<T> {
     /// Constant acceleration a₀ [m/s²].
     pub a0: T,
     /// Velocity coefficient b [1/s].
@@ -52,7 +52,7 @@ pub struct Coefficients<T> {
 /// per particle, because its padding must not move.
 #[derive(Debug)]
 pub struct LinearForce<V: Vector> {
-    uniform: Option<[Coefficients<V::Scalar>; AXES]>,
+    uniform: Option<[LinearCoefficients<V::Scalar>; AXES]>,
     /// First particle of the arrays.
     first: usize,
     a0: [Vec<V::Scalar>; AXES],
@@ -68,14 +68,14 @@ pub struct LinearForce<V: Vector> {
 #[derive(Debug, Clone, Copy)]
 pub enum AxisLaw<'a, T> {
     /// Common coefficients, without wind or well.
-    Uniform(Coefficients<T>),
+    Uniform(LinearCoefficients<T>),
     /// Coefficients per particle.
-    Varying(Varying<'a, T>),
+    Varying(VaryingCoefficients<'a, T>),
 }
 
 /// Coefficients per particle, for one axis of one block.
 #[derive(Debug, Clone, Copy)]
-pub struct Varying<'a, T> {
+pub struct VaryingCoefficients<'a, T> {
     /// Constant acceleration a₀ [m/s²].
     pub a0: &'a [Lanes<T>],
     /// Velocity coefficient b [1/s].
@@ -95,7 +95,7 @@ impl<V: Vector> LinearForce<V> {
         let coefficients = |index: usize| {
             let a0 = (fusion.acceleration[index] + properties.origin * fusion.well[index]).to_array();
             let [b, c, drag] = [fusion.rate[index], fusion.well[index], fusion.drag[index]].map(V::Scalar::from_f64);
-            a0.map(|a0| Coefficients { a0: V::Scalar::from_f64(a0), b, c, drag })
+            a0.map(|a0| LinearCoefficients { a0: V::Scalar::from_f64(a0), b, c, drag })
         };
         let wind = fusion.wind.unwrap_or(DVec3::ZERO);
         let mut uniform = (count > 0).then(|| coefficients(0));
@@ -131,7 +131,7 @@ impl<V: Vector> LinearForce<V> {
                 let range = start - self.first..start - self.first + length;
                 let [a0, b, c, drag] =
                     [&self.a0[axis], &self.b, &self.c, &self.drag].map(|values| values[range.clone()].as_chunks().0);
-                AxisLaw::Varying(Varying { a0, b, c, drag, wind: self.wind[axis] })
+                AxisLaw::Varying(VaryingCoefficients { a0, b, c, drag, wind: self.wind[axis] })
             }
         }
     }

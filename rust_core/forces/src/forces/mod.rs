@@ -36,10 +36,10 @@ mod strength;
 mod wind;
 
 pub use central::{InverseSquare, InverseSquareLaw};
-pub use density::{DensityEvolution, Drift, Fields, Scheme};
+pub use density::{DensityEvolution, DensityScheme, Drift, Fields};
 use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;
-pub use electromagnetic::{Affine, FieldLaw, Law, Use, times};
+pub use electromagnetic::{Affine, ElectromagneticLaw, FieldLaw, Use, times};
 use linear::Fusion;
 pub use pointwise::ForceField;
 use springs::{Spring, Springs};
@@ -309,7 +309,7 @@ impl<V: Vector> Declared<'_, V> {
 type Forces<V> = Vec<Box<dyn Force<V>>>;
 
 /// A kind of force that a scene can declare.
-struct Kind<V: Vector> {
+struct ForceKind<V: Vector> {
     /// Name in the scene.
     name: &'static str,
     /// Range of the force.
@@ -321,7 +321,7 @@ struct Kind<V: Vector> {
 }
 
 /// The registry of forces.
-fn kinds<V: Vector>() -> [Kind<V>; 11] {
+fn kinds<V: Vector>() -> [ForceKind<V>; 11] {
     [
         gravity::kind(),
         drag::kind(),

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::derivatives::{Block, Derivatives, Directed, Motion, Push};
+use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
 use super::neighbor_list::NeighborList;
 use super::springs;
 use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
@@ -21,7 +21,7 @@ use crate::neighbors::Neighbors;
 use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
-use crate::simd::{LANES, Number, Record};
+use crate::simd::{LANES, Number, ParticleRecord};
 use crate::stability::{Horizon, SpectralBound};
 
 /// Number of pair sums of a particle: the force along each axis [N], and the dissipated power of its pairs [W].
@@ -94,7 +94,7 @@ fn largest(matrix: &DMat3, dimension: usize) -> f64 {
 
 /// Attribute stored in a record.
 #[inline(always)]
-pub fn attribute<V: Vector, N: Copy>(record: &Record<N>) -> N {
+pub fn attribute<V: Vector, N: Copy>(record: &ParticleRecord<N>) -> N {
     record[2 * V::DIMENSION]
 }
 
@@ -327,13 +327,13 @@ impl<V: Vector, L: Interaction<V>> Derivatives for Pairs<V, L> {
         });
     }
 
-    fn blocks(&self, at: &Motion<'_>, [position, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+    fn blocks(&self, at: &Motion<'_>, [position, rate]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
         self.respond(at, |ends, separation, Response { stiffness, damping, .. }| {
             let direction = separation.normalize_or_zero();
             let [exact, definite] =
                 [stiffness, stiffness.definite()].map(|stiffness| position * stiffness.matrix(direction) + rate * damping);
             if definite != DMat3::ZERO || exact != DMat3::ZERO {
-                add(Block { ends: ends.map(|end| end as u32), exact, definite });
+                add(MatrixBlock { ends: ends.map(|end| end as u32), exact, definite });
             }
         });
     }

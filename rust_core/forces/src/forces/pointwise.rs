@@ -33,10 +33,17 @@ pub fn accumulate<V: Vector>(
     at: &StateView<'_, V>,
     rates: &mut Rates<'_, V>,
 ) {
-    dispatch(Loop { law, members: &members[block.clone()], block, at, force: rates.force.reborrow(), power: rates.power });
+    dispatch(PointwiseLoop {
+        law,
+        members: &members[block.clone()],
+        block,
+        at,
+        force: rates.force.reborrow(),
+        power: rates.power,
+    });
 }
 
-struct Loop<'a, V: Vector, L> {
+struct PointwiseLoop<'a, V: Vector, L> {
     law: L,
     members: &'a [V::Scalar],
     block: Range<usize>,
@@ -45,7 +52,7 @@ struct Loop<'a, V: Vector, L> {
     power: &'a mut Power,
 }
 
-impl<V: Vector, L: ForceField<V>> Kernel for Loop<'_, V, L> {
+impl<V: Vector, L: ForceField<V>> Kernel for PointwiseLoop<'_, V, L> {
     type Output = ();
 
     #[inline(always)]

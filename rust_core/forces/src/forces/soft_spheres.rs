@@ -14,7 +14,7 @@ use glam::{DMat3, DVec3};
 
 use super::derivatives::{Directed, outer};
 use super::pairs::{Interaction, Pairs, Response, SUMS, attribute, relative_velocity};
-use super::{Declared, Forces, Kind, Reach, StateView, VelocityDependence};
+use super::{Declared, ForceKind, Forces, Reach, StateView, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
@@ -45,8 +45,8 @@ pub struct SoftSpheres<T, const HERTZIAN: bool> {
 const OVERLAP: f64 = 0.01;
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
-    Kind { name: "SoftSpheres", reach: Reach::Pairs, charges: false, build }
+pub fn kind<V: Vector>() -> ForceKind<V> {
+    ForceKind { name: "SoftSpheres", reach: Reach::Pairs, charges: false, build }
 }
 
 /// Builds the force of an item.

@@ -16,8 +16,8 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use super::corners::Corners;
-use super::derivatives::{Block, Derivatives, Directed, Motion, Push, outer};
-use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push, outer};
+use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::Vector;
@@ -51,9 +51,9 @@ pub struct Wind<V: Vector> {
 }
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Wind::<V>::new(declared)?)]) };
-    Kind { name: "Wind", reach: Reach::Network, charges: false, build }
+    ForceKind { name: "Wind", reach: Reach::Network, charges: false, build }
 }
 
 /// Positions or velocities of the corners of a face.
@@ -212,12 +212,14 @@ impl<V: Vector> Derivatives for Wind<V> {
         }
     }
 
-    fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+    fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
         for (face, area, relative) in self.met(at) {
             let matrix = rate / 9.0 * self.air.damping(area, relative);
             for (place, &corner) in face.iter().enumerate() {
-                add(Block::of(corner as usize, 3.0 * matrix, 3.0 * matrix));
-                face[..place].iter().for_each(|&other| add(Block { ends: [corner, other], exact: -matrix, definite: -matrix }));
+                add(MatrixBlock::of(corner as usize, 3.0 * matrix, 3.0 * matrix));
+                face[..place]
+                    .iter()
+                    .for_each(|&other| add(MatrixBlock { ends: [corner, other], exact: -matrix, definite: -matrix }));
             }
         }
     }

@@ -88,7 +88,7 @@ impl Extent {
 
 /// Consecutive slots of a block in the same coarse cell.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct SlotRun {
     /// End of the slots.
     end: u32,
     cell: u32,
@@ -109,7 +109,7 @@ pub struct Displacements {
     /// Size of a cell [m].
     size: f64,
     /// Runs of each block of slots.
-    runs: Vec<Vec<Run>>,
+    runs: Vec<Vec<SlotRun>>,
     /// Displacements in each cell; displacements in the cells around each cell, along the axes so far; and a copy during their
     /// computation.
     of_cells: Vec<Extent>,
@@ -136,7 +136,7 @@ impl Displacements {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let boxes = self.of_cells.capacity() + self.around.capacity() + self.copy.capacity();
-        boxes * size_of::<Extent>() + self.runs.iter().map(|runs| runs.capacity() * size_of::<Run>()).sum::<usize>()
+        boxes * size_of::<Extent>() + self.runs.iter().map(|runs| runs.capacity() * size_of::<SlotRun>()).sum::<usize>()
     }
 
     /// Largest displacement with which lists may serve [m].
@@ -204,7 +204,7 @@ impl Displacements {
                         if runs.len() == runs.capacity() {
                             runs.reserve_exact(runs.len() / 8 + 16);
                         }
-                        runs.push(Run {
+                        runs.push(SlotRun {
                             end,
                             cell,
                             reflections: Reflections::default(),
@@ -307,7 +307,7 @@ fn widen(around: &mut [Extent], of: &[Extent], cells: usize, stride: usize, peri
 
 /// Kernel for the displacements of the runs of one block.
 struct Measure<'a> {
-    runs: &'a mut [Run],
+    runs: &'a mut [SlotRun],
     start: usize,
     positions: Positions<'a>,
     order: &'a [u32],

@@ -64,7 +64,7 @@ impl Bounds {
 
 /// One axis of the table.
 #[derive(Debug, Clone, Copy)]
-struct Axis {
+struct BucketAxis {
     /// Lower end of cell 0 [m].
     low: f64,
     /// Cells per meter [1/m].
@@ -77,7 +77,7 @@ struct Axis {
     reach: u32,
 }
 
-impl Axis {
+impl BucketAxis {
     /// An axis past the dimension.
     const NONE: Self = Self { low: 0.0, inverse: 0.0, size: 0.0, buckets: 1, reach: 0 };
 
@@ -118,13 +118,13 @@ impl Axis {
 
 /// Table of buckets.
 #[derive(Debug, Clone, Copy)]
-pub struct Grid {
-    axes: [Axis; AXES],
+pub struct BucketGrid {
+    axes: [BucketAxis; AXES],
 }
 
 /// Rows of buckets that contain all neighbors of the particles of one bucket.
 #[derive(Debug, Clone, Copy)]
-pub struct Rows {
+pub struct BucketRows {
     /// First bucket of each row, and the indices of its gaps along y and z.
     starts: [(u32, usize, usize); ROWS],
     count: usize,
@@ -132,7 +132,7 @@ pub struct Rows {
     column: u32,
 }
 
-impl Rows {
+impl BucketRows {
     /// No rows.
     pub const NONE: Self = Self { starts: [(0, 0, 0); ROWS], count: 0, column: 0 };
 }
@@ -164,9 +164,9 @@ impl Runs {
     }
 }
 
-impl Grid {
+impl BucketGrid {
     /// A table without buckets.
-    pub const NONE: Self = Self { axes: [Axis::NONE; AXES] };
+    pub const NONE: Self = Self { axes: [BucketAxis::NONE; AXES] };
 
     /// Builds the table for `count` particles.
     pub fn new(count: usize, dimension: usize, periods: &[Option<(f64, f64)>; AXES], support: f64, bounds: &Bounds) -> Self {
@@ -200,9 +200,9 @@ impl Grid {
                 }
                 None => (bounds.low[axis], f64::from(reach) / size),
             };
-            Axis { low, inverse, size: 1.0 / inverse, buckets: buckets[axis], reach }
+            BucketAxis { low, inverse, size: 1.0 / inverse, buckets: buckets[axis], reach }
         };
-        Self { axes: std::array::from_fn(|index| if index < dimension { axis(index) } else { Axis::NONE }) }
+        Self { axes: std::array::from_fn(|index| if index < dimension { axis(index) } else { BucketAxis::NONE }) }
     }
 
     /// Number of buckets.
@@ -223,12 +223,12 @@ impl Grid {
 
     /// Rows around a bucket.
     #[inline(always)]
-    pub fn rows(&self, bucket: u32) -> Rows {
+    pub fn rows(&self, bucket: u32) -> BucketRows {
         let [x, y, z] = self.axes;
         let row = bucket / x.buckets;
         let (first_y, number_y) = y.neighborhood(row % y.buckets);
         let (first_z, number_z) = z.neighborhood(row / y.buckets);
-        let mut rows = Rows { column: bucket % x.buckets, ..Rows::NONE };
+        let mut rows = BucketRows { column: bucket % x.buckets, ..BucketRows::NONE };
         for layer in 0..number_z {
             for line in 0..number_y {
                 let row = (first_z + layer) % z.buckets * y.buckets + (first_y + line) % y.buckets;
@@ -242,7 +242,7 @@ impl Grid {
     /// Finds the runs of slots that contain all neighbors of a point within a distance of the given `square` [m²]. The first slot
     /// of each bucket is in `starts`.
     #[inline(always)]
-    pub fn runs(&self, rows: &Rows, point: [f64; AXES], square: f64, starts: &[u32], runs: &mut Runs) {
+    pub fn runs(&self, rows: &BucketRows, point: [f64; AXES], square: f64, starts: &[u32], runs: &mut Runs) {
         runs.count = 0;
         let [x, y, z] = self.axes;
         let (gaps_y, gaps_z) = (y.gaps(point[1]), z.gaps(point[2]));
@@ -303,7 +303,7 @@ mod tests {
                 for shape in [[1.0, 1.0, 1.0], [1.0, 0.0, 1e-3], [1e-2, 1e-5, 1.0]] {
                     for periods in [[None; AXES], [None, Some((0.0, 2.5)), Some((-1e5, 1e5))]] {
                         let bounds = Bounds { low: [0.0; AXES], high: shape.map(|side| side * extent) };
-                        let grid = Grid::new(count, 3, &periods, 1.0, &bounds);
+                        let grid = BucketGrid::new(count, 3, &periods, 1.0, &bounds);
                         assert!(grid.buckets() <= (BUCKETS * count).max(64), "{} for {count}", grid.buckets());
                         let corners = [bounds.low, bounds.high].map(|corner| grid.bucket(corner) as usize);
                         assert!(corners.iter().all(|&bucket| bucket < grid.buckets()));

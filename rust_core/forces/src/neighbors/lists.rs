@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::displacements::Displacements;
-use super::grid::{Grid, Rows, Runs};
+use super::grid::{BucketGrid, BucketRows, Runs};
 use super::{BLOCK, Metric};
 use crate::adjacency::Adjacency;
 use crate::error::Result;
@@ -42,7 +42,7 @@ pub struct Ends {
 #[derive(Debug)]
 pub struct Lists {
     /// Lists of each block, one after the other.
-    segments: Vec<Segment>,
+    segments: Vec<ListSegment>,
     ends: Vec<Ends>,
     /// Whether pair sums take all neighbors of a slot at present.
     whole: Vec<bool>,
@@ -50,13 +50,13 @@ pub struct Lists {
 
 /// Lists of consecutive slots, one after the other.
 #[derive(Debug)]
-pub struct Segment {
+pub struct ListSegment {
     lists: Selection,
     /// Neighbors of one slot that are not near, during its search.
     far: Selection,
 }
 
-impl Segment {
+impl ListSegment {
     /// Empty segment for lists of `count` slots.
     pub fn new(count: usize) -> Self {
         let empty = || Selection::new(count + LANES);
@@ -74,7 +74,7 @@ impl Segment {
 #[derive(Debug, Clone, Copy)]
 pub struct Candidates<'a> {
     /// Table of buckets.
-    pub grid: &'a Grid,
+    pub grid: &'a BucketGrid,
     /// First slot of each bucket, first slot of the particles that are not finite, and end.
     pub starts: &'a [u32],
     /// Coordinates in the order of slots, longer than the number of slots by at least a group of lanes.
@@ -89,7 +89,7 @@ pub struct Candidates<'a> {
 impl Lists {
     /// Empty lists for `count` slots.
     pub fn new(count: usize) -> Self {
-        let segments = (0..count.div_ceil(BLOCK)).map(|_| Segment::new(count)).collect();
+        let segments = (0..count.div_ceil(BLOCK)).map(|_| ListSegment::new(count)).collect();
         Self { segments, ends: vec![Ends::default(); count], whole: vec![false; count] }
     }
 
@@ -207,7 +207,7 @@ pub fn list(
     dimension: usize,
     start: usize,
     ends: &mut [Ends],
-    segment: &mut Segment,
+    segment: &mut ListSegment,
     executor: &Executor,
 ) {
     let search = Search { candidates, start, ends, segment, executor };
@@ -224,7 +224,7 @@ struct Search<'a> {
     candidates: Candidates<'a>,
     start: usize,
     ends: &'a mut [Ends],
-    segment: &'a mut Segment,
+    segment: &'a mut ListSegment,
     executor: &'a Executor,
 }
 
@@ -239,9 +239,9 @@ impl<const DIMENSION: usize, const PERIODIC: bool> Kernel for Flat<'_, DIMENSION
         let Search { candidates, start, ends, segment, executor } = self.0;
         let Candidates { grid, starts, columns, order, excluded, .. } = candidates;
         let nowhere = starts[starts.len() - 2] as usize;
-        let Segment { lists, far } = segment;
+        let ListSegment { lists, far } = segment;
         lists.clear();
-        let (mut last, mut rows, mut runs) = (u32::MAX, Rows::NONE, Runs::NONE);
+        let (mut last, mut rows, mut runs) = (u32::MAX, BucketRows::NONE, Runs::NONE);
         for (slot, ends) in (start..).zip(ends) {
             let from = lists.len();
             far.clear();

@@ -1,10 +1,10 @@
 //! Neighbor lists (Verlet lists): for every particle, all others within a cutoff and a skin.
 //!
-//! The particles are sorted by cell ([`Sort`], over the table of [`Grid`]). Lists are built from the runs of candidates around
-//! each particle ([`Lists`]). With a skin, they serve until the displacements of two neighboring particles differ by more than
-//! the skin ([`displacements`]). A *slot* is a particle's index in the sorted order. Lists hold slots, and so do pair sums
-//! ([`sums`]), so that their reads are local. Lists and their order depend on the positions alone, and are the same for any
-//! number of threads.
+//! The particles are sorted by cell ([`Sort`], over the table of [`BucketGrid`]). Lists are built from the runs of candidates
+//! around each particle ([`Lists`]). With a skin, they serve until the displacements of two neighboring particles differ by
+//! more than the skin ([`displacements`]). A *slot* is a particle's index in the sorted order. Lists hold slots, and so do pair
+//! sums ([`sums`]), so that their reads are local. Lists and their order depend on the positions alone, and are the same for
+//! any number of threads.
 //!
 //! **Exactness.** A pair is listed if its distance, computed in f64, is at most cutoff + skin. A cell is larger than that by
 //! 1e-6. Positions are rejected where f64 numbers are further apart than 1e-7 cutoffs. The error of a cell number is then 2e-7,
@@ -37,8 +37,8 @@ use displacements::Displacements;
 pub use displacements::Reflections;
 use domain::{check_lengths, check_spacing};
 pub use grid::Bounds;
-use grid::Grid;
-use lists::{Candidates, Ends, Lists, NEAR, Segment};
+use grid::BucketGrid;
+use lists::{Candidates, Ends, ListSegment, Lists, NEAR};
 use sort::Sort;
 
 /// Number of slots in a block of lists and sums.
@@ -78,7 +78,7 @@ pub struct Neighbors {
     cutoff: f64,
     skin: f64,
     metric: Metric,
-    grid: Grid,
+    grid: BucketGrid,
     sort: Sort,
     lists: Lists,
     /// Positions of the last build, by slot, with zeros as padding [m].
@@ -116,7 +116,7 @@ impl Neighbors {
             cutoff,
             skin,
             metric,
-            grid: Grid::NONE,
+            grid: BucketGrid::NONE,
             sort: Sort::new(count),
             lists: Lists::new(count),
             sorted: std::array::from_fn(|axis| vec![0.0; if axis < dimension { count + LANES } else { 0 }]),
@@ -188,7 +188,7 @@ impl Neighbors {
 
     /// An empty buffer for [`Neighbors::list_slots`].
     pub fn listed(&self) -> Listed {
-        Listed { ends: Vec::new(), segment: Segment::new(self.count) }
+        Listed { ends: Vec::new(), segment: ListSegment::new(self.count) }
     }
 
     /// Rebuilds the lists at the positions `anchors`, so that all later sums have the same bits.
@@ -304,7 +304,7 @@ impl Neighbors {
         });
         let bounds = self.bounds.iter().fold(Bounds::EMPTY, Bounds::with);
         check_spacing(bounds.low.iter().chain(&bounds.high), self.cutoff)?;
-        self.grid = Grid::new(count, self.dimension, &self.domain.period, self.support(), &bounds);
+        self.grid = BucketGrid::new(count, self.dimension, &self.domain.period, self.support(), &bounds);
         self.sort.sort(&self.grid, positions, executor);
         let order = &self.sort.order;
         for (sorted, axis) in self.sorted.iter_mut().zip(positions.axes).take(self.dimension) {
@@ -318,7 +318,7 @@ impl Neighbors {
 
 /// Input of a list build.
 fn candidates<'a>(
-    grid: &'a Grid,
+    grid: &'a BucketGrid,
     (sort, sorted): (&'a Sort, &'a [Vec<f64>; AXES]),
     metric: &'a Metric,
     excluded: &'a Adjacency,
@@ -330,7 +330,7 @@ fn candidates<'a>(
 #[derive(Debug)]
 pub struct Listed {
     ends: Vec<Ends>,
-    segment: Segment,
+    segment: ListSegment,
 }
 
 impl Listed {

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::grid::Grid;
+use super::grid::BucketGrid;
 use super::{BLOCK, Positions};
 use crate::parallel::{BlockedSlice, Executor};
 
@@ -50,7 +50,7 @@ impl Sort {
     }
 
     /// Sorts the particles.
-    pub fn sort(&mut self, grid: &Grid, positions: Positions<'_>, executor: &Executor) {
+    pub fn sort(&mut self, grid: &BucketGrid, positions: Positions<'_>, executor: &Executor) {
         let count = self.order.len();
         let buckets = grid.buckets() + 1;
         let parts = executor.threads().min(PARTS).min(count.div_ceil(BLOCK)).max(1);

@@ -1,23 +1,23 @@
 //! Sums over neighbors: the loop of all pair laws.
 //!
-//! A law's input of a particle is one [`Record`], in the order of slots. The neighbors of a particle are processed in groups of
-//! lanes. Their records are interleaved into registers, and the law computes its terms for every lane. Each lane has its own
-//! sums. At the end the lanes are added in one tree. The bits are therefore the same at every SIMD level and for any number of
-//! threads.
+//! A law's input of a particle is one [`ParticleRecord`], in the order of slots. The neighbors of a particle are processed in
+//! groups of lanes. Their records are interleaved into registers, and the law computes its terms for every lane. Each lane has
+//! its own sums. At the end the lanes are added in one tree. The bits are therefore the same at every SIMD level and for any
+//! number of threads.
 
 use super::{BLOCK, List, Neighbors};
 use crate::aligned::filled;
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Group, Isa, Kernel, LANES, Lanes, Number, Pack, Record, Table, WORDS, dispatch, dispatch_wide};
+use crate::simd::{Group, Isa, Kernel, LANES, Lanes, Number, Pack, ParticleRecord, RecordTable, WORDS, dispatch, dispatch_wide};
 
 /// A particle and its neighbor, or several neighbors, one in each lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<N> {
     /// Record of the particle. Its first words, one per axis, are undefined here.
-    pub own: Record<N>,
+    pub own: ParticleRecord<N>,
     /// Record of the neighbor.
-    pub other: Record<N>,
+    pub other: ParticleRecord<N>,
     /// Separation d = xᵢ − xⱼ [m].
     pub separation: [N; AXES],
     /// Squared distance |d|² [m²].
@@ -31,7 +31,7 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
     /// Law for all pairs of one particle, with precomputed values of that particle.
     #[must_use]
     #[inline(always)]
-    fn for_particle(self, _own: &Record<V::Scalar>) -> Self {
+    fn for_particle(self, _own: &ParticleRecord<V::Scalar>) -> Self {
         self
     }
 
@@ -46,10 +46,10 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
 #[derive(Debug)]
 pub struct Records<V: Vector> {
     /// One record per slot, and a group of lanes as padding.
-    words: Table<V::Scalar>,
+    words: RecordTable<V::Scalar>,
     /// Records by particle, while they are written. Their words come from many columns, which are read in order. Whole records
     /// are then sorted.
-    unsorted: Table<V::Scalar>,
+    unsorted: RecordTable<V::Scalar>,
     encodings: [<V::Scalar as Coordinate>::Encoding; AXES],
     periodic: bool,
 }
@@ -77,7 +77,7 @@ impl<V: Vector> Records<V> {
         neighbors: &Neighbors,
         positions: [&[f64]; AXES],
         executor: &Executor,
-        each: &(impl Fn(usize, &mut Record<V::Scalar>) + Sync),
+        each: &(impl Fn(usize, &mut ParticleRecord<V::Scalar>) + Sync),
     ) {
         let Self { words, unsorted, encodings, .. } = self;
         executor.for_each_block(BlockedSlice::new(unsorted, BLOCK), &|mine| {
@@ -108,7 +108,7 @@ impl<V: Vector> Records<V> {
         let count = neighbors.count();
         assert!(self.words.len() == count + LANES && sums.len() == count, "one record and sum per particle");
         executor.for_each_block(BlockedSlice::new(sums, BLOCK), &|mine| {
-            dispatch_wide(Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items, executor });
+            dispatch_wide(BlockSweep { records: self, neighbors, law, start: mine.start, sums: mine.items, executor });
         });
     }
 
@@ -121,20 +121,20 @@ impl<V: Vector> Records<V> {
         law: impl Fn(&D) -> L,
         take: impl FnMut(usize, [V::Scalar; SUMS]),
     ) {
-        dispatch(Few::<V, _, _, _, SUMS> { records: self, each: few, law, take });
+        dispatch(ParticleSweep::<V, _, _, _, SUMS> { records: self, each: few, law, take });
     }
 }
 
 /// Kernel that writes the records of one block of particles. It is dispatched by SIMD level because scalar rounding is slow.
 struct Fill<'a, V: Vector, F> {
-    records: &'a mut [Record<V::Scalar>],
+    records: &'a mut [ParticleRecord<V::Scalar>],
     start: usize,
     positions: [&'a [f64]; AXES],
     encodings: [<V::Scalar as Coordinate>::Encoding; AXES],
     each: &'a F,
 }
 
-impl<V: Vector, F: Fn(usize, &mut Record<V::Scalar>)> Kernel for Fill<'_, V, F> {
+impl<V: Vector, F: Fn(usize, &mut ParticleRecord<V::Scalar>)> Kernel for Fill<'_, V, F> {
     type Output = ();
 
     #[inline(always)]
@@ -150,7 +150,7 @@ impl<V: Vector, F: Fn(usize, &mut Record<V::Scalar>)> Kernel for Fill<'_, V, F> 
 }
 
 /// Kernel for the sums of one block.
-struct Sweep<'a, V: Vector, L, const SUMS: usize> {
+struct BlockSweep<'a, V: Vector, L, const SUMS: usize> {
     records: &'a Records<V>,
     neighbors: &'a Neighbors,
     law: L,
@@ -159,7 +159,7 @@ struct Sweep<'a, V: Vector, L, const SUMS: usize> {
     executor: &'a Executor,
 }
 
-impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize> Kernel for Sweep<'_, V, L, SUMS> {
+impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize> Kernel for BlockSweep<'_, V, L, SUMS> {
     type Output = ();
 
     #[inline(always)]
@@ -172,14 +172,14 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize> Kernel for Sweep<'_, V, 
 }
 
 /// Kernel for the sums of a few particles.
-struct Few<'r, V: Vector, S, F, T, const SUMS: usize> {
+struct ParticleSweep<'r, V: Vector, S, F, T, const SUMS: usize> {
     records: &'r Records<V>,
     each: S,
     law: F,
     take: T,
 }
 
-impl<'a, V, D, L, S, F, T, const SUMS: usize> Kernel for Few<'_, V, S, F, T, SUMS>
+impl<'a, V, D, L, S, F, T, const SUMS: usize> Kernel for ParticleSweep<'_, V, S, F, T, SUMS>
 where
     V: Vector,
     L: PairLaw<V, SUMS>,
@@ -253,7 +253,7 @@ fn add<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUMS: 
 
 /// Record with the same number in every lane.
 #[inline(always)]
-fn splat<P: Pack>(own: &Record<P::Scalar>) -> Record<P>
+fn splat<P: Pack>(own: &ParticleRecord<P::Scalar>) -> ParticleRecord<P>
 where
     P::Scalar: Copy,
 {
@@ -267,7 +267,7 @@ where
 /// A particle paired with a group of neighbors, of which the first `number` are valid.
 #[inline(always)]
 fn pair<V: Vector, P: Pack<Scalar = V::Scalar>>(
-    own: Record<P>,
+    own: ParticleRecord<P>,
     records: &Records<V>,
     group: Group<'_>,
     number: usize,

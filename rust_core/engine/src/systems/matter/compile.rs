@@ -4,14 +4,14 @@ use glam::DVec3;
 
 use super::MatterSystem;
 use super::dynamics::{Dynamics, Treatment};
-use super::method::{About as MethodAbout, Method};
+use super::method::{Method, MethodProperties as MethodAbout};
 use super::tearing::Tearing;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::linear::Fusion;
 use crate::forces::springs::{self, Spring};
-use crate::forces::{self, About, Force, Reach, Scheme, VelocityDependence, sph};
+use crate::forces::{self, About, DensityScheme, Force, Reach, VelocityDependence, sph};
 use crate::integrators::{BlanesMoan4, BlanesMoan6, Facts, Integrator};
 use crate::math::Real;
 use crate::matter::{Columns, Matter, Properties};
@@ -111,7 +111,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let rods_meet_walls = dynamics.rods.is_some() && dynamics.contacts.is_some();
     let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() || rods_meet_walls { 1 } else { nominal };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
-    notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
+    notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(DensityScheme::Continuity)));
     executor.check()?;
     let stages = Stages {
         item: String::new(),
@@ -145,7 +145,7 @@ fn fluid<V: Space>(
     if [Treatment::Projections, Treatment::Solved].contains(&about.springs) {
         return Err(cannot_take(about, sph::KIND));
     }
-    let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
+    let continuity = fluid.density().is_some_and(|density| density.scheme() == DensityScheme::Continuity);
     if let (true, Some(reason)) = (continuity, about.refuses_fields) {
         let fits = |other: &Facts| other.refuses_fields.is_none() && !other.gyrates;
         let fit: Vec<_> = Facts::all().iter().filter(|other| fits(other)).map(|other| format!("{}()", other.name)).collect();

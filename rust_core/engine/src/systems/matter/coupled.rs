@@ -4,7 +4,7 @@
 use crate::contacts::Before;
 use crate::error::Result;
 use crate::forces::Space;
-use crate::forces::{Rates, Scheme};
+use crate::forces::{DensityScheme, Rates};
 use crate::matter::{Blocks, Columns, Matter, SINKS, Span};
 use crate::parallel::{BlockedSlice, Executor, Split};
 use crate::simd::LANES;
@@ -12,7 +12,7 @@ use crate::systems::Interval;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::displacement::displace;
 use crate::systems::matter::dynamics::{Dynamics, Impulses};
-use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
+use crate::systems::matter::kernels::{self, Evaluation, StageAction, kicked};
 use crate::systems::matter::stepper::Stepper;
 
 /// Buffers of the sweeps.
@@ -59,8 +59,8 @@ pub fn advance<V: Space>(
     let stages = method.stages();
     // The last stage's sweep also computes the state of the next step's first stage, unless an operation intervenes at the
     // end of the step.
-    let drifts = method.drift_kick.filter(|_| dynamics.scheme == Some(Scheme::Continuity));
-    let sums = dynamics.scheme == Some(Scheme::Summation) && !method.ends_with_forces;
+    let drifts = method.drift_kick.filter(|_| dynamics.scheme == Some(DensityScheme::Continuity));
+    let sums = dynamics.scheme == Some(DensityScheme::Summation) && !method.ends_with_forces;
     let moves_on = workspace.before.is_none() && !sums && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
     for step in 0..interval.steps {
         dynamics.begin_self_contacts(matter);
@@ -69,7 +69,7 @@ pub fn advance<V: Space>(
             velocity.copy_from(&matter.velocity);
         }
         if step == 0 || !moves_on {
-            sweep(stepper, dynamics, matter, workspace, interval, 0.0, Action::StageState, executor)?;
+            sweep(stepper, dynamics, matter, workspace, interval, 0.0, StageAction::StageState, executor)?;
         }
         if method.drifts_first {
             collisions(stepper, dynamics, matter, workspace, interval.h, executor)?;
@@ -87,7 +87,7 @@ pub fn advance<V: Space>(
                 )?;
             }
             let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
-            sweep(stepper, dynamics, matter, workspace, interval, time, Action::StageUpdate(stage, next), executor)?;
+            sweep(stepper, dynamics, matter, workspace, interval, time, StageAction::StageUpdate(stage, next), executor)?;
         }
         activity.push(workspace.activity.iter().sum());
         if let Some(&last) = drifts.and_then(|drift_kick| drift_kick.drifts.get(stages)) {
@@ -112,7 +112,7 @@ pub fn begin<V: Space>(
     interval: Interval,
     executor: &Executor,
 ) -> Result<()> {
-    sweep(stepper, dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
+    sweep(stepper, dynamics, matter, workspace, interval, interval.start, StageAction::Begin, executor)
 }
 
 /// Advances density over the preceding drift of `h` seconds, which ends at `time`. The velocity of the drift is in a
@@ -146,18 +146,18 @@ pub fn sweep<V: Space>(
     workspace: &mut Workspace<V>,
     interval: Interval,
     time: f64,
-    action: Action,
+    action: StageAction,
     executor: &Executor,
 ) -> Result<()> {
-    let evaluates = !matches!(action, Action::StageState);
+    let evaluates = !matches!(action, StageAction::StageState);
     if evaluates {
         dynamics.prepare(matter, time, executor)?;
     }
     std::mem::swap(&mut matter.position, &mut workspace.position);
     std::mem::swap(&mut matter.velocity, &mut workspace.velocity);
     let dynamics = &*dynamics;
-    let ends_step = matches!(action, Action::StageUpdate(stage, _) if stage + 1 == stepper.facts.stages());
-    let ends_run = ends_step && matches!(action, Action::StageUpdate(_, None));
+    let ends_step = matches!(action, StageAction::StageUpdate(stage, _) if stage + 1 == stepper.facts.stages());
+    let ends_run = ends_step && matches!(action, StageAction::StageUpdate(_, None));
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
     let before = workspace.before.as_ref().filter(|_| ends_step && !stepper.facts.drifts_first);
     let work = (
@@ -171,7 +171,7 @@ pub fn sweep<V: Space>(
     executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
         let BlocksWithForces { mut blocks, mut force, mut damping } = work;
         let range = blocks.range();
-        if matches!(action, Action::Begin) {
+        if matches!(action, StageAction::Begin) {
             // A rotation in a magnetic field kicks from this velocity at the start of a run.
             blocks.velocity.copy_from(&at.velocity, range.start);
         }

@@ -11,14 +11,15 @@ use crate::forces::derivatives::Derivatives;
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::springs::{self, Spring};
 use crate::forces::{
-    DensityEvolution, Drift, Force, InverseSquare, Law, Rates, Reach, ReadyField, Scheme, StateView, Strength, VelocityDependence,
+    DensityEvolution, DensityScheme, Drift, ElectromagneticLaw, Force, InverseSquare, Rates, Reach, ReadyField, StateView,
+    Strength, VelocityDependence,
 };
 use crate::ledger::{Class, Ledger};
 use crate::math::Real;
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::rods::{self, Rods};
-use crate::self_contact::{Inside, SelfContacts, Step};
+use crate::self_contact::{ContactStep, InsidePosition, SelfContacts};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
 use crate::systems::matter::tearing::Tearing;
@@ -62,8 +63,8 @@ pub enum Treatment {
 /// Electric and magnetic field of a scene without other forces.
 #[derive(Debug, Clone, Copy)]
 pub struct LoneFields<'a, T> {
-    pub electric: Law,
-    pub magnetic: Law,
+    pub electric: ElectromagneticLaw,
+    pub magnetic: ElectromagneticLaw,
     /// Charges [C]; 0 for particles outside the fields.
     pub charges: &'a [T],
 }
@@ -77,7 +78,7 @@ pub struct Dynamics<V: Space> {
     /// Contact stage, if there are boundaries.
     pub contacts: Option<Contacts<V>>,
     /// Scheme of density, if there is a fluid.
-    pub scheme: Option<Scheme>,
+    pub scheme: Option<DensityScheme>,
     /// Whether a force shifts particles.
     pub shifts: bool,
     /// Dependence of the forces on velocity.
@@ -212,9 +213,9 @@ impl<V: Space> Dynamics<V> {
             let walls = walls.as_ref()?;
             let position = walls.confine(x, properties, index)?;
             let [friction, restitution] = walls.coefficients(x, properties, index)?;
-            Some(Inside { position, friction, restitution })
+            Some(InsidePosition { position, friction, restitution })
         };
-        let touched = meshes.resolve(&mut velocities, Step { h, walls: &inside, executor }).map_err(|unresolved| {
+        let touched = meshes.resolve(&mut velocities, ContactStep { h, walls: &inside, executor }).map_err(|unresolved| {
             let index = properties.caller[unresolved.particle] as usize;
             Error::unsolved(
                 index,
@@ -290,7 +291,7 @@ impl<V: Space> Dynamics<V> {
         if self.angle != Some(Angle::Boris) {
             return None;
         }
-        let none = Law::Uniform(DVec3::ZERO);
+        let none = ElectromagneticLaw::Uniform(DVec3::ZERO);
         match self.forces.as_slice() {
             [magnetic] => {
                 let ReadyField { law, charges, is_magnetic } = magnetic.ready_field()?;

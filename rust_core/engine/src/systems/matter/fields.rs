@@ -7,7 +7,7 @@ use super::compile::out_of_range;
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::sph::Gauges;
-use crate::forces::{Fields, Scheme};
+use crate::forces::{DensityScheme, Fields};
 use crate::math::AXES;
 use crate::matter::{Columns, EnergySink};
 use crate::parallel::{Executor, SERIAL};
@@ -60,7 +60,7 @@ impl<V: Space> MatterSystem<V> {
             };
             let rate = (name == "positions").then(|| "velocities".to_owned());
             // Density by continuity is a part of the state; density by summation follows from the positions.
-            let continuity = name == "densities" && self.dynamics.scheme == Some(Scheme::Continuity);
+            let continuity = name == "densities" && self.dynamics.scheme == Some(DensityScheme::Continuity);
             FieldInfo { name: name.to_owned(), unit, shape, rate, state: moves || continuity }
         };
         self.names().map(info).collect()

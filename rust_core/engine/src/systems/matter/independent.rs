@@ -10,9 +10,9 @@ use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
+use crate::systems::matter::kernels::{self, Evaluation, StageAction, kicked};
 use crate::systems::matter::stepper::Stepper;
-use crate::systems::{Interval, Record};
+use crate::systems::{Interval, RecordedSteps};
 
 /// Number of steps between activities if steps run in registers. The count follows the steps of the clock's segment, so that
 /// it does not depend on batches.
@@ -26,13 +26,13 @@ pub fn advance<V: Space>(
     from: &Matter<V>,
     matter: &mut Matter<V>,
     interval: Interval,
-    (activity, record): (&mut Activity, Record),
+    (activity, record): (&mut Activity, RecordedSteps),
     executor: &Executor,
 ) {
     // Only linear dynamics can omit intermediate activities.
     let fused = stepper.linear_steps.filter(|_| dynamics.is_fused() && dynamics.contacts.is_none());
     let point_force = || stepper.point_force_steps.zip(dynamics.lone_inverse_square());
-    let recorded = if fused.is_some() && record == Record::LastStep { 1 } else { interval.steps as usize };
+    let recorded = if fused.is_some() && record == RecordedSteps::LastStep { 1 } else { interval.steps as usize };
     let work = (matter.blocks(), activity.record(from.tallies.len(), recorded));
     executor.for_each_block(work, &|(block, activity): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
         let activity = activity.items;
@@ -66,11 +66,11 @@ fn sampled<V: Space>(
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
-    record: Record,
+    record: RecordedSteps,
     mut rest: &mut [f64],
     advance: impl Fn(&mut Blocks<'_, V>, u64),
 ) {
-    let every = if record == Record::EveryStep { 1 } else { SAMPLING };
+    let every = if record == RecordedSteps::EveryStep { 1 } else { SAMPLING };
     while !rest.is_empty() {
         let step = interval.first + interval.steps - rest.len() as u64;
         let steps = (every - step % every).min(rest.len() as u64);
@@ -93,7 +93,7 @@ pub fn begin<V: Space>(
 ) {
     Executor::serial().for_each_block(matter.blocks(), &|block: Blocks<'_, V>| {
         with_buffers(from, block, &stepper.facts, &mut |buffers| {
-            run_stage(stepper, dynamics, buffers, interval, interval.start, Action::Begin);
+            run_stage(stepper, dynamics, buffers, interval, interval.start, StageAction::Begin);
         });
     });
 }
@@ -182,7 +182,7 @@ fn stages<V: Space>(
     interval: Interval,
     step: u64,
 ) -> f64 {
-    run_stage(stepper, dynamics, buffers, interval, 0.0, Action::StageState);
+    run_stage(stepper, dynamics, buffers, interval, 0.0, StageAction::StageState);
     if let (Some(contacts), Some(collide)) = (&dynamics.contacts, stepper.collide) {
         collide(dynamics, contacts, &mut buffers.block, &Before::spans(&buffers.before), interval.h);
     }
@@ -191,7 +191,7 @@ fn stages<V: Space>(
     for (stage, &node) in nodes.iter().enumerate() {
         let next = (stage + 1 < nodes.len()).then_some(stage + 1);
         let time = interval.time(step, node);
-        activity = run_stage(stepper, dynamics, buffers, interval, time, Action::StageUpdate(stage, next));
+        activity = run_stage(stepper, dynamics, buffers, interval, time, StageAction::StageUpdate(stage, next));
     }
     activity
 }
@@ -202,12 +202,12 @@ fn run_stage<V: Space>(
     buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
     time: f64,
-    action: Action,
+    action: StageAction,
 ) -> f64 {
     let BlockBuffers { block, force, .. } = buffers;
     let range = block.range();
     let mut power = [[0.0; LANES]; SINKS];
-    if !matches!(action, Action::StageState) {
+    if !matches!(action, StageAction::StageState) {
         let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
         dynamics.accumulate(&range, &at, &mut Rates::new(force.reborrow(), &mut power));
         if let (true, Some(before)) = (stepper.facts.gyrates && dynamics.magnetic, kicked(&stepper.facts, block, action)) {

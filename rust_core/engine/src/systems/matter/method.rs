@@ -13,7 +13,7 @@ use crate::matter::{Columns, Matter};
 use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
-use crate::systems::{Control, Interval, Record};
+use crate::systems::{Control, Interval, RecordedSteps};
 
 /// Data of a method's steps.
 pub struct Job<'a, V: Space> {
@@ -22,7 +22,7 @@ pub struct Job<'a, V: Space> {
     pub from: &'a Matter<V>,
     pub state: &'a mut Matter<V>,
     /// Activity to record, and the recorded steps.
-    pub record: (&'a mut Activity, Record),
+    pub record: (&'a mut Activity, RecordedSteps),
     /// Buffers of sweeps, for coupled particles.
     pub workspace: Option<&'a mut Workspace<V>>,
     pub interval: Interval,
@@ -30,7 +30,7 @@ pub struct Job<'a, V: Space> {
 
 /// Properties of a method.
 #[derive(Debug, Clone, Copy)]
-pub struct About {
+pub struct MethodProperties {
     /// Name of the class in Python.
     pub name: &'static str,
     /// Order of convergence without velocity-dependent forces, and with dissipation.
@@ -68,7 +68,7 @@ pub struct About {
 /// Time-stepping method for matter. Its history is the data that it stores itself from step to step, besides the registers.
 pub trait Method<V: Space>: History + Send + Sync {
     /// Properties of the method.
-    fn about(&self) -> About;
+    fn about(&self) -> MethodProperties;
     /// Number of registers that persist from step to step.
     fn persistent(&self) -> usize;
     /// Estimated error of the last step of `h` seconds, if the method has an estimate.
@@ -103,7 +103,7 @@ pub trait Method<V: Space>: History + Send + Sync {
 
 /// Explicit integrator.
 pub struct Explicit<V: Space> {
-    /// Angle of rotation; see [`About::angle`].
+    /// Angle of rotation; see [`MethodProperties::angle`].
     angle: Option<Angle>,
     pub stepper: Stepper<V>,
 }
@@ -123,9 +123,9 @@ impl<V: Space> Explicit<V> {
 impl<V: Space> History for Explicit<V> {}
 
 impl<V: Space> Method<V> for Explicit<V> {
-    fn about(&self) -> About {
+    fn about(&self) -> MethodProperties {
         let facts = &self.stepper.facts;
-        About {
+        MethodProperties {
             name: facts.name,
             order: facts.order,
             order_dissipative: facts.order_dissipative,

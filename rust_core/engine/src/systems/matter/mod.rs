@@ -27,8 +27,8 @@ use activity::Activity;
 use coupled::Workspace;
 use dynamics::Dynamics;
 use implicit::Implicit;
-use method::{About, Explicit, Job, Method};
-use projection::{PROJECTIVE, Projection, Projective, Sweeps, XPBD};
+use method::{Explicit, Job, Method, MethodProperties};
+use projection::{PROJECTIVE, ProjectionMethod, Projective, Sweeps, XPBD};
 use radau::GaussRadau15;
 use rattle::Rattle;
 
@@ -47,7 +47,9 @@ use crate::scene::{Body, Item, Scene};
 use crate::self_contact::SelfContacts;
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
-use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Mach, Quantity, Record, Sample, System, unknown_integrator};
+use crate::systems::{
+    Control, Element, Fault, FieldInfo, Interval, Mach, Quantity, RecordedSteps, Sample, System, unknown_integrator,
+};
 
 /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
@@ -107,8 +109,8 @@ pub fn build(scene: &Scene, method: &Item, precision: &str, executor: &Executor)
 fn method_of<V: Space>(scene: &Scene, method: &Item, executor: &Executor) -> Result<Box<dyn System>> {
     match method.kind.as_str() {
         rattle::NAME => compiled::<V>(scene, Rattle::declared(method)?, executor),
-        XPBD => compiled::<V>(scene, Projection::new(Sweeps::declared(method)?), executor),
-        PROJECTIVE => compiled::<V>(scene, Projection::new(Projective::<V>::declared(method)?), executor),
+        XPBD => compiled::<V>(scene, ProjectionMethod::new(Sweeps::declared(method)?), executor),
+        PROJECTIVE => compiled::<V>(scene, ProjectionMethod::new(Projective::<V>::declared(method)?), executor),
         "BackwardEuler" | "ImplicitMidpoint" | "BDF2" => compiled::<V>(scene, Implicit::declared(method)?, executor),
         kind => with_integrator!(
             kind,
@@ -143,7 +145,7 @@ struct MatterSystem<V: Space> {
 
 impl<V: Space> MatterSystem<V> {
     /// Number of particles per block, for independent or coupled particles.
-    fn block(about: &About, independent: bool) -> usize {
+    fn block(about: &MethodProperties, independent: bool) -> usize {
         let column = INDEPENDENT_COLUMN / size_of::<V::Scalar>();
         match (independent, about.registers) {
             (false, _) => COUPLED_BLOCK,
@@ -242,19 +244,19 @@ impl<V: Space> MatterSystem<V> {
     fn evaluate(&mut self, time: f64, executor: &Executor) -> Result<()> {
         let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
         let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
-        let record = (activity, Record::LastStep);
+        let record = (activity, RecordedSteps::LastStep);
         method.begin(Job { dynamics, from: saved, state, record, workspace: workspace.as_mut(), interval }, executor)
     }
 
     /// Takes steps.
-    fn take(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+    fn take(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
         let job = Job { dynamics, from: saved, state, record: (activity, record), workspace: workspace.as_mut(), interval };
         method.advance(job, executor).and_then(|()| executor.check())
     }
 
     /// Takes steps; springs break between them.
-    fn take_and_tear(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+    fn take_and_tear(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         for index in 0..interval.steps {
             self.take(Interval { first: interval.first + index, steps: 1, ..interval }, record, executor)?;
             if self.dynamics.tear(&self.state) {
@@ -403,7 +405,7 @@ impl<V: Space> System for MatterSystem<V> {
         executor.check()
     }
 
-    fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+    fn advance(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         self.save();
         self.activity.clear();
         let outcome = match self.dynamics.tearing {

@@ -11,13 +11,13 @@
 
 mod block;
 
-use block::{Block, Largest, Memory, Task};
+use block::{LaneMemory, Largest, RadauBlock, Task};
 
 use super::activity::Activity;
 use super::coupled::Workspace;
 use super::dynamics::{Dynamics, Treatment};
 use super::kernels;
-use super::method::{About, Job, Method};
+use super::method::{Job, Method, MethodProperties};
 use crate::error::{Error, Result};
 use crate::forces::Rates;
 use crate::forces::Space;
@@ -40,7 +40,7 @@ const CONVERGED: f64 = 1e-16;
 struct Kept {
     /// Size of the last step [s]; 0 before the first one.
     h: f64,
-    groups: Vec<Memory>,
+    groups: Vec<LaneMemory>,
 }
 
 /// Gauss–Radau method with its buffers.
@@ -141,9 +141,9 @@ impl GaussRadau15 {
         dynamics.prepare(matter, time, executor)?;
         let dynamics = &*dynamics;
         let at = dynamics.view_of(matter, time, executor);
-        let forces = Forces { start: 0, size: matter.block, force: workspace.force.span() };
+        let forces = ForceBlocks { start: 0, size: matter.block, force: workspace.force.span() };
         let sums = (BlockedSlice::new(&mut self.power, 1), BlockedSlice::new(&mut workspace.activity, 1));
-        executor.for_each_block((forces, sums), &|(Forces { start, mut force, .. }, (power, activity))| {
+        executor.for_each_block((forces, sums), &|(ForceBlocks { start, mut force, .. }, (power, activity))| {
             let mut sum: Power = [[0.0; LANES]; SINKS];
             let range = start..start + force.len();
             dynamics.accumulate(&range, &at, &mut Rates::new(force.reborrow(), &mut sum));
@@ -168,7 +168,7 @@ impl GaussRadau15 {
         let series = BlockedSlice::new(&mut self.series, entries);
         let kept = (BlockedSlice::new(&mut self.kept.groups, entries), BlockedSlice::new(&mut self.largest, 1));
         executor.for_each_block((matter.blocks(), (series, kept)), &|(mut blocks, (series, (memory, largest)))| {
-            block::advance(Block {
+            block::advance(RadauBlock {
                 start: blocks.start,
                 state: [&mut blocks.position, &mut blocks.velocity],
                 origin,
@@ -184,13 +184,13 @@ impl GaussRadau15 {
 }
 
 /// Blocks of forces.
-struct Forces<'a, V: Space> {
+struct ForceBlocks<'a, V: Space> {
     start: usize,
     size: usize,
     force: Span<'a, V>,
 }
 
-impl<V: Space> Split for Forces<'_, V> {
+impl<V: Space> Split for ForceBlocks<'_, V> {
     fn blocks(&self) -> usize {
         self.force.len().div_ceil(self.size)
     }
@@ -214,20 +214,20 @@ impl History for GaussRadau15 {
 
     fn capture(&self, archive: &mut Archive) {
         archive.write([self.kept.h]);
-        self.kept.groups.iter().flat_map(Memory::rows).for_each(|row| archive.write(row.iter().copied()));
+        self.kept.groups.iter().flat_map(LaneMemory::rows).for_each(|row| archive.write(row.iter().copied()));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
         self.kept.h = archive.read(1)?[0];
-        self.kept.groups.iter_mut().flat_map(Memory::rows_mut).try_for_each(|row| archive.read_into(row))
+        self.kept.groups.iter_mut().flat_map(LaneMemory::rows_mut).try_for_each(|row| archive.read_into(row))
     }
 }
 
 impl<V: Space<Scalar = f64>> Method<V> for GaussRadau15 {
-    fn about(&self) -> About {
+    fn about(&self) -> MethodProperties {
         // Per particle: the series, and the persistent data with its copy.
-        let vectors = 1 + 2 * rule::COEFFICIENTS + 2 * Memory::ROWS;
-        About {
+        let vectors = 1 + 2 * rule::COEFFICIENTS + 2 * LaneMemory::ROWS;
+        MethodProperties {
             name: rule::NAME,
             order: rule::ORDER,
             order_dissipative: rule::ORDER,
@@ -277,7 +277,7 @@ impl<V: Space<Scalar = f64>> Method<V> for GaussRadau15 {
     }
 
     fn bytes(&self) -> usize {
-        (self.kept.groups.len() + self.saved.groups.len()) * size_of::<Memory>()
+        (self.kept.groups.len() + self.saved.groups.len()) * size_of::<LaneMemory>()
             + size_of_val(self.series.as_slice())
             + size_of_val(self.power.as_slice())
     }
@@ -298,7 +298,7 @@ impl<V: Space<Scalar = f64>> Method<V> for GaussRadau15 {
     fn begin(&mut self, Job { dynamics, state, workspace, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
         let entries = padded(state.count()) / LANES * V::DIMENSION;
         let blocks = state.tallies.len();
-        self.kept = Kept { h: 0.0, groups: vec![Memory::ZERO; entries] };
+        self.kept = Kept { h: 0.0, groups: vec![LaneMemory::ZERO; entries] };
         self.series = vec![Series::ZERO; entries];
         self.power = vec![[[[0.0; LANES]; SINKS]; STAGES]; blocks];
         self.largest = vec![Largest::default(); blocks];

@@ -11,8 +11,8 @@
 
 use super::coupled::{self, Workspace};
 use super::dynamics::{Dynamics, Treatment};
-use super::kernels::Action;
-use super::method::{About, Explicit, Job, Method};
+use super::kernels::StageAction;
+use super::method::{Explicit, Job, Method, MethodProperties};
 use super::stepper::Stepper;
 use crate::error::{Error, Result};
 use crate::forces::Space;
@@ -70,7 +70,7 @@ fn step<V: Space>(
         velocity.copy_from(&matter.velocity);
     }
     dynamics.rods.iter_mut().for_each(|rods| rods.start(matter));
-    coupled::sweep(verlet, dynamics, matter, workspace, interval, time, Action::StageState, executor)?;
+    coupled::sweep(verlet, dynamics, matter, workspace, interval, time, StageAction::StageState, executor)?;
     coupled::collisions(verlet, dynamics, matter, workspace, h, executor)?;
     let Dynamics { rods, contacts, properties, .. } = dynamics;
     if let Some(rods) = rods {
@@ -80,7 +80,7 @@ fn step<V: Space>(
             held.map_err(|unsolved| diverged(&properties.caller, unsolved))?;
         }
     }
-    coupled::sweep(verlet, dynamics, matter, workspace, interval, time + h, Action::StageUpdate(0, None), executor)?;
+    coupled::sweep(verlet, dynamics, matter, workspace, interval, time + h, StageAction::StageUpdate(0, None), executor)?;
     let Dynamics { rods, contacts, properties, .. } = dynamics;
     if let Some(rods) = rods {
         rods.turn(|index| matter.exact_position(index));
@@ -105,9 +105,9 @@ fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error 
 impl<V: Space> History for Rattle<V> {}
 
 impl<V: Space> Method<V> for Rattle<V> {
-    fn about(&self) -> About {
+    fn about(&self) -> MethodProperties {
         let composed = self.parts.len() > 1;
-        About {
+        MethodProperties {
             name: NAME,
             order: if composed { 4 } else { 2 },
             // Forces that depend on velocity are evaluated at a prediction, which no composition of steps corrects.

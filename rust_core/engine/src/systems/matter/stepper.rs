@@ -2,7 +2,7 @@
 
 use super::collisions::collide;
 use super::dynamics::Dynamics;
-use super::kernels::{self, Action, Evaluation};
+use super::kernels::{self, Evaluation, StageAction};
 use crate::contacts::{Before, Contacts};
 use crate::forces::Space;
 use crate::forces::{InverseSquare, StateView};
@@ -10,20 +10,21 @@ use crate::integrators::{Facts, Integrator};
 use crate::math::Vector;
 use crate::matter::Blocks;
 
-type Stage<V> = fn(&Dynamics<V>, &Facts, Option<&StateView<'_, V>>, &mut Blocks<'_, V>, &Evaluation<'_, V>, f64, Action) -> f64;
-type LinearSteps<V> = fn(&Dynamics<V>, &mut Blocks<'_, V>, f64, u64);
-type PointForceSteps<V> = fn(&Dynamics<V>, InverseSquare<'_, <V as Vector>::Scalar>, &mut Blocks<'_, V>, f64, u64);
+type StageFunction<V> =
+    fn(&Dynamics<V>, &Facts, Option<&StateView<'_, V>>, &mut Blocks<'_, V>, &Evaluation<'_, V>, f64, StageAction) -> f64;
+type LinearStepper<V> = fn(&Dynamics<V>, &mut Blocks<'_, V>, f64, u64);
+type PointForceStepper<V> = fn(&Dynamics<V>, InverseSquare<'_, <V as Vector>::Scalar>, &mut Blocks<'_, V>, f64, u64);
 type Collide<V> = fn(&Dynamics<V>, &Contacts<V>, &mut Blocks<'_, V>, &Before<'_, V>, f64);
 
 /// Integrator in the form that sweeps call.
 #[derive(Debug)]
 pub struct Stepper<V: Space> {
     pub facts: Facts,
-    stage: Stage<V>,
+    stage: StageFunction<V>,
     /// Whole steps in registers under the linear force alone, if they are compiled.
-    pub linear_steps: Option<LinearSteps<V>>,
+    pub linear_steps: Option<LinearStepper<V>>,
     /// Whole steps in registers under an inverse-square force alone, if they are compiled.
-    pub point_force_steps: Option<PointForceSteps<V>>,
+    pub point_force_steps: Option<PointForceStepper<V>>,
     /// Contacts within the drift, if contacts come first.
     pub collide: Option<Collide<V>>,
 }
@@ -34,8 +35,8 @@ impl<V: Space> Stepper<V> {
         let (mut linear_steps, mut point_force_steps, mut collides) = (None, None, None);
         // Constant conditions in blocks: only kernels that are called are compiled.
         if const { I::IN_REGISTERS } {
-            linear_steps = Some(kernels::steps::<V, I> as LinearSteps<V>);
-            point_force_steps = Some(kernels::point_force_steps::<V, I> as PointForceSteps<V>);
+            linear_steps = Some(kernels::steps::<V, I> as LinearStepper<V>);
+            point_force_steps = Some(kernels::point_force_steps::<V, I> as PointForceStepper<V>);
         }
         if const { I::DRIFTS_FIRST } {
             collides = Some(collide::<V, I> as Collide<V>);
@@ -52,7 +53,7 @@ impl<V: Space> Stepper<V> {
         blocks: &mut Blocks<'_, V>,
         evaluation: &Evaluation<'_, V>,
         h: f64,
-        action: Action,
+        action: StageAction,
     ) -> f64 {
         (self.stage)(dynamics, &self.facts, at, blocks, evaluation, h, action)
     }

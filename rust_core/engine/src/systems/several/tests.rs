@@ -32,7 +32,7 @@ fn system(count: u32) -> Box<dyn System> {
 }
 
 fn both() -> Several {
-    let part = |name: &str, count: u32| Part { name: name.to_owned(), system: system(count) };
+    let part = |name: &str, count: u32| SystemPart { name: name.to_owned(), system: system(count) };
     Several::new(vec![part("", 4), part("tail", 7)])
 }
 
@@ -48,7 +48,7 @@ fn state(system: &dyn System) -> Vec<f64> {
 fn each_system_has_the_bits_that_it_has_alone() {
     let (mut one, mut other, mut both) = (system(4), system(7), both());
     for system in [&mut *one, &mut *other, &mut both as &mut dyn System] {
-        system.advance(INTERVAL, Record::EveryStep, &SERIAL).unwrap();
+        system.advance(INTERVAL, RecordedSteps::EveryStep, &SERIAL).unwrap();
     }
     assert_eq!(state(&both), [state(&*one), state(&*other)].concat());
     let sums: Vec<f64> = one.activity().iter().zip(other.activity()).map(|(one, other)| 0.0 + one + other).collect();
@@ -76,7 +76,7 @@ fn fields_have_the_names_of_their_items() {
 #[test]
 fn a_write_that_fails_changes_no_system() {
     let mut both = both();
-    both.advance(INTERVAL, Record::LastStep, &SERIAL).unwrap();
+    both.advance(INTERVAL, RecordedSteps::LastStep, &SERIAL).unwrap();
     let before = (state(&both), both.tallies());
     let (still, wrong) = ([0.0; 8], [f64::NAN; 14]);
     let fields = [("velocities", &still[..]), ("tail.velocities", &wrong[..])];
@@ -90,12 +90,12 @@ fn a_write_that_fails_changes_no_system() {
 #[test]
 fn a_checkpoint_holds_all_systems() {
     let (mut first, mut second) = (both(), both());
-    first.advance(INTERVAL, Record::LastStep, &SERIAL).unwrap();
+    first.advance(INTERVAL, RecordedSteps::LastStep, &SERIAL).unwrap();
     second.restore(&mut Archive::new(state(&first))).unwrap();
     second.restore_tallies(&first.tallies()).unwrap();
     let next = Interval { first: 100, ..INTERVAL };
     for system in [&mut first, &mut second] {
-        system.advance(next, Record::LastStep, &SERIAL).unwrap();
+        system.advance(next, RecordedSteps::LastStep, &SERIAL).unwrap();
     }
     assert_eq!((state(&first), first.tallies()), (state(&second), second.tallies()));
     first.rollback();

@@ -1,7 +1,7 @@
 //! Flows in space with chaotic attractors.
 
 use super::flow::{Flow, Known};
-use super::law::Law;
+use super::law::VelocityLaw;
 use super::sine::sine;
 use crate::error::Result;
 use crate::math::Real;
@@ -45,7 +45,7 @@ struct Lorenz<T> {
     beta: T,
 }
 
-impl<T: Real> Law<T, 3> for Lorenz<T> {
+impl<T: Real> VelocityLaw<T, 3> for Lorenz<T> {
     #[inline(always)]
     fn velocity<N: Number<Scalar = T>>(&self, _stage: usize, [x, y, z]: [N; 3]) -> [N; 3] {
         let [sigma, rho, beta] = [self.sigma, self.rho, self.beta].map(N::of);
@@ -70,7 +70,7 @@ struct Rossler<T> {
     c: T,
 }
 
-impl<T: Real> Law<T, 3> for Rossler<T> {
+impl<T: Real> VelocityLaw<T, 3> for Rossler<T> {
     #[inline(always)]
     fn velocity<N: Number<Scalar = T>>(&self, _stage: usize, [x, y, z]: [N; 3]) -> [N; 3] {
         let [a, b, c] = [self.a, self.b, self.c].map(N::of);
@@ -97,7 +97,7 @@ struct Aizawa<T> {
     f: T,
 }
 
-impl<T: Real> Law<T, 3> for Aizawa<T> {
+impl<T: Real> VelocityLaw<T, 3> for Aizawa<T> {
     #[inline(always)]
     fn velocity<N: Number<Scalar = T>>(&self, _stage: usize, [x, y, z]: [N; 3]) -> [N; 3] {
         let [a, b, c, d, e, f] = [self.a, self.b, self.c, self.d, self.e, self.f].map(N::of);
@@ -126,7 +126,7 @@ struct Thomas<T> {
     b: T,
 }
 
-impl<T: Real> Law<T, 3> for Thomas<T> {
+impl<T: Real> VelocityLaw<T, 3> for Thomas<T> {
     #[inline(always)]
     fn velocity<N: Number<Scalar = T>>(&self, _stage: usize, [x, y, z]: [N; 3]) -> [N; 3] {
         let b = N::of(self.b);
@@ -150,7 +150,7 @@ struct Halvorsen<T> {
     a: T,
 }
 
-impl<T: Real> Law<T, 3> for Halvorsen<T> {
+impl<T: Real> VelocityLaw<T, 3> for Halvorsen<T> {
     #[inline(always)]
     fn velocity<N: Number<Scalar = T>>(&self, _stage: usize, [x, y, z]: [N; 3]) -> [N; 3] {
         let (zero, four, a) = (N::constant(0.0), N::constant(4.0), N::of(self.a));
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     /// Central differences over 2h of polynomials of degree 5 or less have an error of h² times the third derivative.
-    fn check<L: Law<f64, 3>>(law: L) {
+    fn check<L: VelocityLaw<f64, 3>>(law: L) {
         let (place, h) = ([0.7, -0.4, 0.9], 1e-4);
         let gradient = law.gradient(0, place);
         for column in 0..3 {

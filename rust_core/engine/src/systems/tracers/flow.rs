@@ -1,6 +1,6 @@
 //! Flows: the velocity fields that advance all points of some sets.
 
-use super::law::{self, Law, Outcome};
+use super::law::{self, Outcome, VelocityLaw};
 use super::points::Points;
 use crate::error::Result;
 use crate::integrators::explicit::Coefficients;
@@ -75,7 +75,7 @@ pub struct Known<L> {
     pub law: L,
 }
 
-impl<T: Real, L: Law<T, D>, const D: usize> Flow<T, D> for Known<L> {
+impl<T: Real, L: VelocityLaw<T, D>, const D: usize> Flow<T, D> for Known<L> {
     fn name(&self) -> &'static str {
         self.name
     }

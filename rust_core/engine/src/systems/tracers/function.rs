@@ -17,13 +17,13 @@ use crate::systems::Interval;
 const DIFFERENCE: f64 = 1e-6;
 
 /// Velocity field v(t, x), called with all points at once.
-pub struct Function<T, const D: usize> {
+pub struct VelocityFunction<T, const D: usize> {
     callback: Arc<dyn Callback>,
     path: String,
     staged: Staged<T, D>,
 }
 
-impl<T: Real, const D: usize> Function<T, D> {
+impl<T: Real, const D: usize> VelocityFunction<T, D> {
     /// Builds the function of an item, for `count` points.
     ///
     /// # Errors
@@ -52,7 +52,7 @@ fn call<const D: usize>(function: &dyn Callback, path: &str, time: f64, rows: &[
     }
 }
 
-impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
+impl<T: Real, const D: usize> Flow<T, D> for VelocityFunction<T, D> {
     fn name(&self) -> &'static str {
         "a function"
     }

@@ -1,15 +1,15 @@
 //! Laws: velocities that are known at every point and stage, with their kernels.
 
-use super::points::{BLOCK, Block, Points};
+use super::points::{BLOCK, PointBlock, Points};
 use crate::integrators::Tableau;
-use crate::integrators::explicit::{self, Coefficients, CompiledTableau, Kutta, Rows, SLOPES, Slope};
+use crate::integrators::explicit::{self, Coefficients, CompiledTableau, Kutta, SLOPES, Slope, TableauRows};
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, LANES, Number, Pack, dispatch_wide};
 
 /// Velocity field v(x) [m/s], known at each stage of an interval, by the number of the stage. All of its code must be
 /// `#[inline(always)]` to stay in registers.
-pub trait Law<T, const D: usize>: Copy + Send + Sync {
+pub trait VelocityLaw<T, const D: usize>: Copy + Send + Sync {
     /// Velocity v [m/s].
     fn velocity<N: Number<Scalar = T>>(&self, stage: usize, point: [N; D]) -> [N; D];
 
@@ -34,7 +34,7 @@ impl Outcome {
 }
 
 /// Takes steps of `h` seconds with all points, block by block, each block through all steps.
-pub fn advance<T: Real, L: Law<T, D>, const D: usize>(
+pub fn advance<T: Real, L: VelocityLaw<T, D>, const D: usize>(
     law: L,
     method: Coefficients,
     points: &mut Points<T, D>,
@@ -48,7 +48,7 @@ pub fn advance<T: Real, L: Law<T, D>, const D: usize>(
     advance_by(law, method, points, h, steps, executor)
 }
 
-fn advance_by<T: Real, L: Law<T, D>, M: Rows, const D: usize>(
+fn advance_by<T: Real, L: VelocityLaw<T, D>, M: TableauRows, const D: usize>(
     law: L,
     method: M,
     points: &mut Points<T, D>,
@@ -58,14 +58,14 @@ fn advance_by<T: Real, L: Law<T, D>, M: Rows, const D: usize>(
 ) -> Outcome {
     let mut outcomes = vec![Outcome::default(); points.block_count()];
     let work = (points.blocks(), BlockedSlice::new(&mut outcomes, 1));
-    executor.for_each_block(work, &|(Block { axes, .. }, outcomes): (Block<'_, T, D>, BlockedSlice<'_, Outcome>)| {
-        outcomes.items[0] = dispatch_wide(Steps { law, axes, h, count: steps, method });
+    executor.for_each_block(work, &|(PointBlock { axes, .. }, outcomes): (PointBlock<'_, T, D>, BlockedSlice<'_, Outcome>)| {
+        outcomes.items[0] = dispatch_wide(TracerSteps { law, axes, h, count: steps, method });
     });
     outcomes.into_iter().fold(Outcome::default(), Outcome::and)
 }
 
 /// Kernel of the steps of a block.
-struct Steps<'a, T, L, M, const D: usize> {
+struct TracerSteps<'a, T, L, M, const D: usize> {
     law: L,
     axes: [&'a mut [T]; D],
     h: f64,
@@ -79,14 +79,14 @@ struct Slopes<'a, L> {
     first: usize,
 }
 
-impl<N: Number, L: Law<N::Scalar, D>, const D: usize> Slope<N, D> for Slopes<'_, L> {
+impl<N: Number, L: VelocityLaw<N::Scalar, D>, const D: usize> Slope<N, D> for Slopes<'_, L> {
     #[inline(always)]
     fn slope(&self, number: usize, state: [N; D]) -> [N; D] {
         self.law.velocity(self.first + number, state)
     }
 }
 
-impl<T: Real, L: Law<T, D>, M: Rows, const D: usize> Kernel for Steps<'_, T, L, M, D> {
+impl<T: Real, L: VelocityLaw<T, D>, M: TableauRows, const D: usize> Kernel for TracerSteps<'_, T, L, M, D> {
     type Output = Outcome;
 
     #[inline(always)]
@@ -130,14 +130,14 @@ impl<T: Real, L: Law<T, D>, M: Rows, const D: usize> Kernel for Steps<'_, T, L, 
 }
 
 /// Velocities of points.
-pub fn velocities<T: Real, L: Law<T, D>, const D: usize>(
+pub fn velocities<T: Real, L: VelocityLaw<T, D>, const D: usize>(
     law: L,
     stage: usize,
     points: &Points<T, D>,
     out: &mut Points<T, D>,
     executor: &Executor,
 ) {
-    executor.for_each_block(out.blocks(), &|Block { start, axes }: Block<'_, T, D>| {
+    executor.for_each_block(out.blocks(), &|PointBlock { start, axes }: PointBlock<'_, T, D>| {
         let points = points.axes.each_ref().map(|axis| &axis[start..start + axes[0].len()]);
         dispatch_wide(Velocities { law, stage, points, out: axes });
     });
@@ -150,7 +150,7 @@ struct Velocities<'a, T, L, const D: usize> {
     out: [&'a mut [T]; D],
 }
 
-impl<T: Real, L: Law<T, D>, const D: usize> Kernel for Velocities<'_, T, L, D> {
+impl<T: Real, L: VelocityLaw<T, D>, const D: usize> Kernel for Velocities<'_, T, L, D> {
     type Output = ();
 
     #[inline(always)]
@@ -170,7 +170,12 @@ impl<T: Real, L: Law<T, D>, const D: usize> Kernel for Velocities<'_, T, L, D> {
 }
 
 /// Largest |∇v| at points [1/s]: the root of the sum of the squares of all derivatives.
-pub fn steepest<T: Real, L: Law<T, D>, const D: usize>(law: L, stage: usize, points: &Points<T, D>, executor: &Executor) -> f64 {
+pub fn steepest<T: Real, L: VelocityLaw<T, D>, const D: usize>(
+    law: L,
+    stage: usize,
+    points: &Points<T, D>,
+    executor: &Executor,
+) -> f64 {
     let mut squares = vec![0.0; points.block_count()];
     executor.for_each_block(BlockedSlice::new(&mut squares, 1), &|block: BlockedSlice<'_, f64>| {
         let range = block.start * BLOCK..((block.start + 1) * BLOCK).min(points.axes[0].len());
@@ -186,7 +191,7 @@ struct Steepest<'a, T, L, const D: usize> {
     points: [&'a [T]; D],
 }
 
-impl<T: Real, L: Law<T, D>, const D: usize> Kernel for Steepest<'_, T, L, D> {
+impl<T: Real, L: VelocityLaw<T, D>, const D: usize> Kernel for Steepest<'_, T, L, D> {
     type Output = f64;
 
     #[inline(always)]

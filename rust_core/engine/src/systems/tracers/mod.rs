@@ -21,7 +21,7 @@ use crate::memory;
 use crate::scene::{self, Array, Item, Value};
 use crate::systems::System;
 use flow::Flow;
-use function::Function;
+use function::VelocityFunction;
 use law::Outcome;
 use points::Points;
 use vortices::Vortices;
@@ -62,7 +62,7 @@ fn plane<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 
         return Ok(Box::new(Vortices::declared(item, points)?));
     }
     match item.record("flow")? {
-        flow if flow.kind == "Flow" => Ok(Box::new(Function::declared(flow, points.count)?)),
+        flow if flow.kind == "Flow" => Ok(Box::new(VelocityFunction::declared(flow, points.count)?)),
         flow => Err(scene::unknown(flow, "a kind of flow in 2D")),
     }
 }
@@ -70,7 +70,7 @@ fn plane<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 
 /// Builds the flow in space that an item declares, with the first set of points.
 fn space<T: Real>(item: &Item, points: &Points<T, 3>) -> Result<Box<dyn Flow<T, 3>>> {
     match item.record("flow")? {
-        flow if flow.kind == "Flow" => Ok(Box::new(Function::declared(flow, points.count)?)),
+        flow if flow.kind == "Flow" => Ok(Box::new(VelocityFunction::declared(flow, points.count)?)),
         flow => attractors::declared(flow),
     }
 }
@@ -81,7 +81,7 @@ fn rows_of(item: &Item) -> &'static str {
 }
 
 /// Function that builds the flow of an item with the first set of points.
-type Declared<T, const D: usize> = fn(&Item, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>;
+type FlowBuilder<T, const D: usize> = fn(&Item, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>;
 
 /// Points of an item.
 #[derive(Debug, Clone)]
@@ -114,7 +114,7 @@ struct Tracers<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Tracers<T, D> {
-    fn new(items: &[&Item], method: &Item, declared: Declared<T, D>) -> Result<Self> {
+    fn new(items: &[&Item], method: &Item, declared: FlowBuilder<T, D>) -> Result<Self> {
         let refused = || Error::parameter("integrator", NAMES.join(" or "), &method.kind);
         let coefficients = Coefficients::named(&method.kind).ok_or_else(refused)?;
         let method = FirstOrder::named(&method.kind).ok_or_else(refused)?;

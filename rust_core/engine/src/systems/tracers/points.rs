@@ -60,8 +60,8 @@ impl<T: Real, const D: usize> Points<T, D> {
     }
 
     /// All points, as blocks.
-    pub fn blocks(&mut self) -> Block<'_, T, D> {
-        Block { start: 0, axes: self.axes.each_mut().map(Vec::as_mut_slice) }
+    pub fn blocks(&mut self) -> PointBlock<'_, T, D> {
+        PointBlock { start: 0, axes: self.axes.each_mut().map(Vec::as_mut_slice) }
     }
 
     /// Number of blocks.
@@ -76,14 +76,14 @@ impl<T: Real, const D: usize> Points<T, D> {
 }
 
 /// Consecutive points, in blocks.
-pub struct Block<'a, T, const D: usize> {
+pub struct PointBlock<'a, T, const D: usize> {
     /// Index of the first point.
     pub start: usize,
     /// Coordinates along each axis.
     pub axes: [&'a mut [T]; D],
 }
 
-impl<T: Send, const D: usize> Split for Block<'_, T, D> {
+impl<T: Send, const D: usize> Split for PointBlock<'_, T, D> {
     fn blocks(&self) -> usize {
         self.axes[0].len().div_ceil(BLOCK)
     }

@@ -75,11 +75,11 @@ fn sum<T: Real, const D: usize>(
     for axis in 0..D {
         let start = start.map(|points| points.axes[axis].as_slice());
         let slopes = slopes.each_ref().map(|points| points.axes[axis].as_slice());
-        dispatch(Sum { weights, start, slopes, out: &mut out.axes[axis], h });
+        dispatch(WeightedSum { weights, start, slopes, out: &mut out.axes[axis], h });
     }
 }
 
-struct Sum<'a, T> {
+struct WeightedSum<'a, T> {
     weights: &'static [f64],
     start: Option<&'a [T]>,
     slopes: [&'a [T]; SLOPES],
@@ -87,7 +87,7 @@ struct Sum<'a, T> {
     h: f64,
 }
 
-impl<T: Real> Kernel for Sum<'_, T> {
+impl<T: Real> Kernel for WeightedSum<'_, T> {
     type Output = ();
 
     #[inline(always)]

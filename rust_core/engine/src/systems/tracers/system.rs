@@ -9,8 +9,8 @@ use crate::ledger::{Budget, Ledger};
 use crate::math::Real;
 use crate::parallel::Executor;
 use crate::plan::Stages;
-use crate::stability::{Horizon, Kind, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+use crate::stability::{Horizon, Limit, LimitKind};
+use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
 
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
@@ -117,7 +117,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         executor.check()
     }
 
-    fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+    fn advance(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         self.save();
         self.activity.clear();
         let outcome = self.flow.advance(self.coefficients, &mut self.points, interval, executor);
@@ -128,7 +128,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
                 return Err(error);
             }
         }
-        let recorded = if record == Record::LastStep { 1 } else { interval.steps as usize };
+        let recorded = if record == RecordedSteps::LastStep { 1 } else { interval.steps as usize };
         self.activity.resize(recorded, 0.0);
         self.activity[recorded - 1] = self.outcome.finite;
         self.time = interval.time(interval.steps, 0.0);
@@ -145,7 +145,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         if steepest == 0.0 || !steepest.is_finite() {
             return Ok(Limit::NONE);
         }
-        Ok(Limit { accuracy: ACCURATE / steepest, term: "flow", kind: Kind::Accuracy, ..Limit::NONE })
+        Ok(Limit { accuracy: ACCURATE / steepest, term: "flow", kind: LimitKind::Accuracy, ..Limit::NONE })
     }
 
     fn limit_varies(&self, horizon: Horizon, _time: f64) -> bool {

@@ -13,7 +13,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::flow::Flow;
-use super::law::{self, Law, Outcome};
+use super::law::{self, Outcome, VelocityLaw};
 use super::points::Points;
 use super::staged::{Staged, Step};
 use crate::error::{Error, Result};
@@ -117,7 +117,7 @@ impl<T: Real> VortexLaw<'_, T> {
     }
 }
 
-impl<T: Real> Law<T, 2> for VortexLaw<'_, T> {
+impl<T: Real> VelocityLaw<T, 2> for VortexLaw<'_, T> {
     #[inline(always)]
     fn velocity<N: Number<Scalar = T>>(&self, stage: usize, point: [N; 2]) -> [N; 2] {
         let ([xs, ys], zero) = (self.places(stage), N::constant(0.0));

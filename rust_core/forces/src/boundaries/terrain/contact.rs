@@ -2,7 +2,7 @@
 //!
 //! A contact counts only in the region of the part. Where the path enters the ground elsewhere, another part is met before.
 
-use super::{Part, Terrain};
+use super::{Terrain, TerrainPart};
 use crate::boundaries::Path;
 use crate::boundaries::gap::first_contact_with_convex;
 use crate::boundaries::polynomial::Polynomial;
@@ -15,7 +15,14 @@ const GRAZING: f64 = 1e-6;
 impl Terrain {
     /// Time within `duration` of the first contact of a particle of radius `radius` with a part; `touching` as in
     /// [`Gap::new`](crate::boundaries::Gap::new).
-    pub(crate) fn first_contact(&self, part: Part, path: &Path, radius: f64, touching: bool, duration: f64) -> Option<f64> {
+    pub(crate) fn first_contact(
+        &self,
+        part: TerrainPart,
+        path: &Path,
+        radius: f64,
+        touching: bool,
+        duration: f64,
+    ) -> Option<f64> {
         if part.is_face() {
             return self.contact_with_face(part, path, radius, touching, duration);
         }
@@ -34,7 +41,7 @@ impl Terrain {
 
     /// Time of first contact with a face. A path that is below the plane at the start is beyond the face. It may meet the face
     /// once, after its highest point.
-    fn contact_with_face(&self, part: Part, path: &Path, radius: f64, touching: bool, duration: f64) -> Option<f64> {
+    fn contact_with_face(&self, part: TerrainPart, path: &Path, radius: f64, touching: bool, duration: f64) -> Option<f64> {
         let face = self.face(part);
         let gap = face.height(path.position) - radius;
         let rounding = self.rounding(path.position);

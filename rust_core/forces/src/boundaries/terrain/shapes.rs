@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Kind, Part, Spot, Terrain};
+use super::{PartKind, Spot, Terrain, TerrainPart};
 use crate::boundaries::polytope::Feature;
 
 /// Flat part.
@@ -36,12 +36,12 @@ impl Face {
 
 impl Terrain {
     /// Part as seen from `x`. If farther away than `reach`, `x` counts as beyond its region.
-    pub(crate) fn spot(&self, part: Part, x: DVec3, reach: f64) -> Spot {
+    pub(crate) fn spot(&self, part: TerrainPart, x: DVec3, reach: f64) -> Spot {
         if part.is_face() { self.spot_of_face(&self.face(part), x, reach) } else { self.spot_of_rim(part, x, reach) }
     }
 
     /// Curvature of the surface at the distance of `x` from a part, as [`Wall::curvature`](crate::boundaries::Wall::curvature).
-    pub(crate) fn curvature(&self, part: Part, x: DVec3, direction: DVec3) -> f64 {
+    pub(crate) fn curvature(&self, part: TerrainPart, x: DVec3, direction: DVec3) -> f64 {
         if part.is_face() {
             return 0.0;
         }
@@ -50,12 +50,12 @@ impl Terrain {
     }
 
     /// Shape of a flat part.
-    pub fn face(&self, part: Part) -> Face {
+    pub fn face(&self, part: TerrainPart) -> Face {
         let at = part.nodes();
         match part.kind {
-            Kind::SideX => self.side(at, self.last(part.kind, at), if at[0] == 0 { DVec3::NEG_X } else { DVec3::X }),
-            Kind::SideY => self.side(at, self.last(part.kind, at), if at[1] == 0 { DVec3::NEG_Y } else { DVec3::Y }),
-            kind => self.top_face(at, kind == Kind::Low),
+            PartKind::SideX => self.side(at, self.last(part.kind, at), if at[0] == 0 { DVec3::NEG_X } else { DVec3::X }),
+            PartKind::SideY => self.side(at, self.last(part.kind, at), if at[1] == 0 { DVec3::NEG_Y } else { DVec3::Y }),
+            kind => self.top_face(at, kind == PartKind::Low),
         }
     }
 
@@ -149,7 +149,7 @@ impl Terrain {
     }
 
     /// Rim as seen from `x`. In its region, no node around it is nearer to `x`, to first order, than the point of the rim.
-    fn spot_of_rim(&self, part: Part, x: DVec3, reach: f64) -> Spot {
+    fn spot_of_rim(&self, part: TerrainPart, x: DVec3, reach: f64) -> Spot {
         let (from, way) = self.rim(part, x);
         let length = way.length();
         let along = if length > 0.0 { way.dot(x - from) / length } else { 0.0 };
@@ -159,17 +159,17 @@ impl Terrain {
         let normal = if distance > 0.0 { away / distance } else { self.up };
         let mut beyond = if length > 0.0 { (-along).max(along - length) } else { f64::NEG_INFINITY };
         let feature = match part.kind {
-            Kind::Corner => {
+            PartKind::Corner => {
                 beyond = beyond.max((x - self.node(part.nodes())).dot(self.up));
                 Feature::Edge(self.up)
             }
-            Kind::Node => Feature::Vertex,
+            PartKind::Node => Feature::Vertex,
             _ => Feature::Edge(way / length),
         };
         if distance > reach {
             return Spot { distance, normal, beyond: f64::INFINITY, feature };
         }
-        if part.kind != Kind::Corner {
+        if part.kind != PartKind::Corner {
             beyond = beyond.max(-away.dot(self.up));
         }
         for way in self.around(part).map(|node| node - point) {
@@ -179,12 +179,12 @@ impl Terrain {
     }
 
     /// Start of a rim and the vector to its end [m]; for an upright edge, the point level with `x` and zero.
-    pub(super) fn rim(&self, part: Part, x: DVec3) -> (DVec3, DVec3) {
+    pub(super) fn rim(&self, part: TerrainPart, x: DVec3) -> (DVec3, DVec3) {
         let at = part.nodes();
         let from = self.node(at);
         match part.kind {
-            Kind::Corner => (from + self.up * (x - from).dot(self.up).min(0.0), DVec3::ZERO),
-            Kind::Diagonal => {
+            PartKind::Corner => (from + self.up * (x - from).dot(self.up).min(0.0), DVec3::ZERO),
+            PartKind::Diagonal => {
                 let [a, b, c, d] = self.corners(at);
                 let [start, end] =
                     if self.height(a) + self.height(d) >= self.height(b) + self.height(c) { [a, d] } else { [b, c] };
@@ -195,18 +195,18 @@ impl Terrain {
     }
 
     /// Nodes of the cells that meet at a rim, except its own.
-    fn around(&self, part: Part) -> impl Iterator<Item = DVec3> {
+    fn around(&self, part: TerrainPart) -> impl Iterator<Item = DVec3> {
         let (from, to) = (part.nodes(), self.last(part.kind, part.nodes()));
         let (wide_x, wide_y) = match part.kind {
-            Kind::AlongX => (0, 1),
-            Kind::AlongY => (1, 0),
-            Kind::Diagonal => (0, 0),
+            PartKind::AlongX => (0, 1),
+            PartKind::AlongY => (1, 0),
+            PartKind::Diagonal => (0, 0),
             _ => (1, 1),
         };
         let range = move |axis: usize, wide: usize| from[axis].saturating_sub(wide)..(to[axis] + wide + 1).min(self.nodes[axis]);
         let nodes = range(0, wide_x).flat_map(move |i| range(1, wide_y).map(move |j| [i, j]));
         let own = match part.kind {
-            Kind::Diagonal => {
+            PartKind::Diagonal => {
                 let [a, b, c, d] = self.corners(from);
                 if self.height(a) + self.height(d) >= self.height(b) + self.height(c) { [a, d] } else { [b, c] }
             }
@@ -216,7 +216,7 @@ impl Terrain {
     }
 }
 
-impl Part {
+impl TerrainPart {
     /// Whether the part is flat.
     pub fn is_face(self) -> bool {
         super::FACES.contains(&self.kind)

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::evaluation::field;
-use super::{AllPairs, Group};
+use super::{AllPairs, PairGroup};
 use crate::error::Result;
 use crate::forces::{Declared, StateView};
 use crate::math::{Real, Vector};
@@ -30,7 +30,7 @@ const TRIALS: usize = 10;
 
 /// An evaluation by the tree.
 #[derive(Debug, Clone, Copy)]
-struct Trial {
+struct TreeEvaluation {
     angle: f64,
     error: f64,
     pairs: usize,
@@ -63,7 +63,7 @@ impl<V: Vector> AllPairs<V> {
         let mut trial = |angle: f64| {
             self.angle = angle;
             let (found, pairs, bytes) = self.accelerations::<V::Scalar>(&sample, &self.groups, &at);
-            Trial { angle, error: relative_error(&found, &exact), pairs, bytes }
+            TreeEvaluation { angle, error: relative_error(&found, &exact), pairs, bytes }
         };
         let first = trial(angle);
         let chosen = match wished {
@@ -72,7 +72,7 @@ impl<V: Vector> AllPairs<V> {
         };
         executor.check()?;
         self.angle = 0.0;
-        if let Some(Trial { angle, error, pairs, bytes }) = chosen {
+        if let Some(TreeEvaluation { angle, error, pairs, bytes }) = chosen {
             (self.angle, self.force_error, self.pairs, self.evaluation) = (angle, error, pairs, bytes);
         }
         Ok(())
@@ -89,8 +89,8 @@ impl<V: Vector> AllPairs<V> {
     }
 
     /// The groups with their targets reduced to a sample.
-    fn of_sample(&self, sample: &[usize]) -> Vec<Group> {
-        let reduced = |group: &Group| Group {
+    fn of_sample(&self, sample: &[usize]) -> Vec<PairGroup> {
+        let reduced = |group: &PairGroup| PairGroup {
             targets: group.targets.iter().copied().filter(|index| sample.binary_search(index).is_ok()).collect(),
             sources: group.sources.clone(),
             mutual: group.mutual,
@@ -100,7 +100,12 @@ impl<V: Vector> AllPairs<V> {
 
     /// Accelerations of a sample by groups, in units of this force; the number of interactions of all targets; and the memory of
     /// the evaluation [bytes].
-    fn accelerations<T: Real>(&self, sample: &[usize], groups: &[Group], at: &StateView<'_, V>) -> (Vec<DVec3>, usize, usize) {
+    fn accelerations<T: Real>(
+        &self,
+        sample: &[usize],
+        groups: &[PairGroup],
+        at: &StateView<'_, V>,
+    ) -> (Vec<DVec3>, usize, usize) {
         let (mut accelerations, mut pairs, mut bytes) = (vec![DVec3::ZERO; sample.len()], 0, 0);
         for group in groups {
             let sums = self.attraction::<T>(group, at, at.executor);
@@ -118,8 +123,13 @@ impl<V: Vector> AllPairs<V> {
 
 /// The widest angle whose error is at most the requested error. None if such trees need more interactions than all pairs. The
 /// error is interpolated as a power of the angle, between the nearest angles on both sides.
-fn widest(wished: f64, all_pairs: usize, first: Trial, trial: &mut impl FnMut(f64) -> Trial) -> Option<Trial> {
-    let (mut last, mut wide, mut fine) = (first, None::<Trial>, None::<Trial>);
+fn widest(
+    wished: f64,
+    all_pairs: usize,
+    first: TreeEvaluation,
+    trial: &mut impl FnMut(f64) -> TreeEvaluation,
+) -> Option<TreeEvaluation> {
+    let (mut last, mut wide, mut fine) = (first, None::<TreeEvaluation>, None::<TreeEvaluation>);
     for trials in 1.. {
         if last.pairs >= all_pairs || last.angle < SMALLEST {
             return None;

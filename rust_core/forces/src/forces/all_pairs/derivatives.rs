@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 
-use super::{AllPairs, Group};
-use crate::forces::derivatives::{Block, Derivatives, Directed, Motion, Push};
+use super::{AllPairs, PairGroup};
+use crate::forces::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
 use crate::math::Vector;
 
 /// Maximum number of pairs with derivatives, counted in both directions. A matrix takes 76 bytes for each.
@@ -19,7 +19,7 @@ impl<V: Vector> AllPairs<V> {
     /// Calls `each` for every interacting pair. Its arguments are target and source, the vector d [m], the stiffness of the
     /// target along and across d [N/m], and whether the pair is mutual. The force on the target is −d times the stiffness across.
     fn respond(&self, at: &Motion<'_>, mut each: impl FnMut([usize; 2], DVec3, Directed, bool)) {
-        for Group { targets, sources, mutual } in &self.groups {
+        for PairGroup { targets, sources, mutual } in &self.groups {
             for (place, &target) in targets.iter().enumerate() {
                 for &source in &sources[if *mutual { place + 1 } else { 0 }..] {
                     let offset = at.position[target] - at.position[source];
@@ -46,14 +46,14 @@ impl<V: Vector> Derivatives for AllPairs<V> {
 
     /// A one-sided pair has the block of the target alone. The block for the motion of the source is omitted, so that the matrix
     /// is symmetric.
-    fn blocks(&self, at: &Motion<'_>, [position, _]: [f64; 2], add: &mut dyn FnMut(Block)) {
+    fn blocks(&self, at: &Motion<'_>, [position, _]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
         self.respond(at, |[target, source], offset, stiffness, mutual| {
             let direction = offset.normalize_or_zero();
             let [exact, definite] = [stiffness, stiffness.definite()].map(|stiffness| position * stiffness.matrix(direction));
             if mutual {
-                add(Block { ends: [target as u32, source as u32], exact, definite });
+                add(MatrixBlock { ends: [target as u32, source as u32], exact, definite });
             } else {
-                add(Block::of(target, exact, definite));
+                add(MatrixBlock::of(target, exact, definite));
             }
         });
     }

@@ -4,9 +4,9 @@ use glam::DVec3;
 
 use super::expansion::{CellAttraction, CellLaw, MovingCellAttraction};
 use super::laws::{Attraction, SUMS, Tide};
-use super::sums::{self, SourceLaw, Sums};
+use super::sums::{self, SourceLaw, TargetSums};
 use super::tree::Tree;
-use super::{AllPairs, Group};
+use super::{AllPairs, PairGroup};
 use crate::forces::StateView;
 use crate::math::{AXES, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
@@ -17,7 +17,7 @@ const BLOCK: usize = 4096;
 
 impl<V: Vector> AllPairs<V> {
     /// Sums of [`Attraction`] for the targets of a group.
-    pub(super) fn attraction<T: Real>(&self, group: &Group, at: &StateView<'_, V>, executor: &Executor) -> Sums<SUMS> {
+    pub(super) fn attraction<T: Real>(&self, group: &PairGroup, at: &StateView<'_, V>, executor: &Executor) -> TargetSums<SUMS> {
         let per_unit = 1.0 / self.units[0];
         let words = |index: usize| {
             let [x, y, z] = if group.mutual { [0.0; AXES] } else { at.velocity.get(index).widen().to_array() };
@@ -71,11 +71,11 @@ impl<V: Vector> AllPairs<V> {
         &self,
         near: impl SourceLaw<T, WORDS, SUMS>,
         far: impl CellLaw<T, CELL, SUMS>,
-        group: &Group,
+        group: &PairGroup,
         words: impl Fn(usize) -> [f64; WITH] + Sync,
         at: &StateView<'_, V>,
         executor: &Executor,
-    ) -> Sums<SUMS> {
+    ) -> TargetSums<SUMS> {
         // The inverse is exact, because the unit is a power of two.
         let per_length = 1.0 / self.length;
         let place = |index: usize| (at.position.get(index).widen() * per_length).to_array().map(T::from_f64);

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::laws::{POTENTIAL, SUMS, Tide, WORK};
 use super::sums::SourceLaw;
 use crate::math::{AXES, Real};
-use crate::simd::{Number, Record, WORDS};
+use crate::simd::{Number, ParticleRecord, WORDS};
 
 /// Sum over the bodies of a cell, from the moments of the cell.
 pub trait CellLaw<T, const CELL: usize, const SUMS: usize>: SourceLaw<T, CELL, SUMS> {
@@ -18,7 +18,7 @@ pub trait CellLaw<T, const CELL: usize, const SUMS: usize>: SourceLaw<T, CELL, S
 /// Moments of bodies about a center.
 pub trait Moments<T, const CELL: usize>: Clone + Default + Send {
     /// Adds a body at the offset δ from the center.
-    fn add_body(&mut self, body: &Record<T>, offset: DVec3);
+    fn add_body(&mut self, body: &ParticleRecord<T>, offset: DVec3);
     /// Adds moments about a center at the offset δ from this one.
     fn add(&mut self, part: &Self, offset: DVec3);
     /// Record of the cell as a source. The first words are reserved for its position.
@@ -42,11 +42,11 @@ pub struct Expansion<M> {
 
 impl<M> Expansion<M> {
     /// Expansion of a set of bodies.
-    pub fn of_bodies<T: Real, const CELL: usize>(bodies: &[Record<T>]) -> Self
+    pub fn of_bodies<T: Real, const CELL: usize>(bodies: &[ParticleRecord<T>]) -> Self
     where
         M: Moments<T, CELL>,
     {
-        let place = |body: &Record<T>| DVec3::new(body[0].to_f64(), body[1].to_f64(), body[2].to_f64());
+        let place = |body: &ParticleRecord<T>| DVec3::new(body[0].to_f64(), body[1].to_f64(), body[2].to_f64());
         let weighted = bodies.iter().map(|body| (body[AXES].to_f64().abs(), place(body)));
         let mut whole = Self::about(weighted);
         for body in bodies {
@@ -114,7 +114,7 @@ pub struct Multipole {
 pub const MULTIPOLE: usize = 14;
 
 impl<T: Real> Moments<T, MULTIPOLE> for Multipole {
-    fn add_body(&mut self, body: &Record<T>, offset: DVec3) {
+    fn add_body(&mut self, body: &ParticleRecord<T>, offset: DVec3) {
         let charge = body[AXES].to_f64();
         self.charge += charge;
         self.dipole += charge * offset;
@@ -146,7 +146,7 @@ pub struct MovingMultipole {
 pub const MOVING: usize = MULTIPOLE + 10;
 
 impl<T: Real> Moments<T, MOVING> for MovingMultipole {
-    fn add_body(&mut self, body: &Record<T>, offset: DVec3) {
+    fn add_body(&mut self, body: &ParticleRecord<T>, offset: DVec3) {
         self.still.add_body(body, offset);
         let [charge, u, v, w] = [AXES, AXES + 1, AXES + 2, AXES + 3].map(|word| body[word].to_f64());
         let current = charge * DVec3::new(u, v, w);
@@ -265,7 +265,7 @@ impl<T: Real> CellLaw<T, WORDS, 2> for Tide<T> {
 }
 
 impl<T: Real> Moments<T, WORDS> for Totals {
-    fn add_body(&mut self, body: &Record<T>, _offset: DVec3) {
+    fn add_body(&mut self, body: &ParticleRecord<T>, _offset: DVec3) {
         self.0[0] += body[AXES].to_f64();
         self.0[1] += body[AXES + 1].to_f64();
     }

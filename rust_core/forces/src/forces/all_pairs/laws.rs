@@ -2,7 +2,7 @@
 
 use super::sums::SourceLaw;
 use crate::math::{AXES, Real};
-use crate::simd::{Number, Record, WORDS};
+use crate::simd::{Number, ParticleRecord, WORDS};
 
 /// Number of sums of [`Attraction`]: the field along each axis, the potential, the power of one-sided sources, and the number of
 /// sources at zero distance.
@@ -27,7 +27,7 @@ impl<T: Real, const SOFTENED: bool, const ONE_SIDED: bool> SourceLaw<T, WORDS, S
     };
 
     #[inline(always)]
-    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &Record<N>) -> [N; SUMS] {
+    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &ParticleRecord<N>) -> [N; SUMS] {
         let (zero, one) = (N::constant(0.0), N::constant(1.0));
         let softened = if SOFTENED { square + N::of(self.0) } else { square };
         let mut inverse = one / softened.sqrt();
@@ -55,7 +55,7 @@ pub struct Tide<T>(pub T);
 
 impl<T: Real> SourceLaw<T, WORDS, 2> for Tide<T> {
     #[inline(always)]
-    fn terms<N: Number<Scalar = T>>(&self, _offset: [N; AXES], square: N, source: &Record<N>) -> [N; 2] {
+    fn terms<N: Number<Scalar = T>>(&self, _offset: [N; AXES], square: N, source: &ParticleRecord<N>) -> [N; 2] {
         let zero = N::constant(0.0);
         let softened = square + N::of(self.0);
         let cube = (N::constant(1.0) / (softened * softened.sqrt())).masked(zero.less(square));

@@ -31,7 +31,7 @@ pub trait SourceLaw<T, const WORDS: usize, const SUMS: usize>: Copy + Sync {
 }
 
 /// Sums for a set of targets.
-pub struct Sums<const SUMS: usize> {
+pub struct TargetSums<const SUMS: usize> {
     /// Sums of each target, in the order of evaluation.
     pub values: Vec<[f64; SUMS]>,
     /// Index of each target in `values`; empty if both have the same order.
@@ -42,7 +42,7 @@ pub struct Sums<const SUMS: usize> {
     pub bytes: usize,
 }
 
-impl<const SUMS: usize> Index<usize> for Sums<SUMS> {
+impl<const SUMS: usize> Index<usize> for TargetSums<SUMS> {
     type Output = [f64; SUMS];
 
     fn index(&self, target: usize) -> &[f64; SUMS] {
@@ -57,13 +57,13 @@ pub fn sum<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS
     targets: &[[T; AXES]],
     sources: &[[T; WORDS]],
     executor: &Executor,
-) -> Sums<SUMS> {
+) -> TargetSums<SUMS> {
     let mut values = vec![[0.0; SUMS]; targets.len()];
     executor.for_each_block(BlockedSlice::new(&mut values, BLOCK), &|mine| {
         add(dimension, law, &targets[mine.start..][..mine.items.len()], sources, mine.items);
     });
     let bytes = size_of_val(targets) + size_of_val(sources) + size_of_val(values.as_slice());
-    Sums { values, slots: Vec::new(), interactions: targets.len() * sources.len(), bytes }
+    TargetSums { values, slots: Vec::new(), interactions: targets.len() * sources.len(), bytes }
 }
 
 /// Adds the sums for at most [`BLOCK`] targets.
@@ -75,14 +75,14 @@ pub fn add<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS
     sums: &mut [[f64; SUMS]],
 ) {
     if dimension == 2 {
-        dispatch_wide(Block::<T, L, 2, WORDS, SUMS> { law, targets, sources, sums });
+        dispatch_wide(TargetBlock::<T, L, 2, WORDS, SUMS> { law, targets, sources, sums });
     } else {
-        dispatch_wide(Block::<T, L, 3, WORDS, SUMS> { law, targets, sources, sums });
+        dispatch_wide(TargetBlock::<T, L, 3, WORDS, SUMS> { law, targets, sources, sums });
     }
 }
 
 /// Sums of one block of targets.
-struct Block<'a, T, L, const DIMENSION: usize, const WORDS: usize, const SUMS: usize> {
+struct TargetBlock<'a, T, L, const DIMENSION: usize, const WORDS: usize, const SUMS: usize> {
     law: L,
     targets: &'a [[T; AXES]],
     sources: &'a [[T; WORDS]],
@@ -90,7 +90,7 @@ struct Block<'a, T, L, const DIMENSION: usize, const WORDS: usize, const SUMS: u
 }
 
 impl<T: Real, L: SourceLaw<T, WORDS, SUMS>, const DIMENSION: usize, const WORDS: usize, const SUMS: usize> Kernel
-    for Block<'_, T, L, DIMENSION, WORDS, SUMS>
+    for TargetBlock<'_, T, L, DIMENSION, WORDS, SUMS>
 {
     type Output = ();
 

@@ -20,10 +20,10 @@ use glam::DVec3;
 
 use super::expansion::{CellLaw, Expansion, Moments};
 use super::hilbert::HilbertOrder;
-use super::sums::{self, BLOCK, SourceLaw, Sums};
+use super::sums::{self, BLOCK, SourceLaw, TargetSums};
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Record, WORDS};
+use crate::simd::{ParticleRecord, WORDS};
 
 /// Maximum number of bodies in a leaf, except for bodies with the same key.
 const LEAF: usize = 32;
@@ -56,7 +56,7 @@ struct Cell {
 pub struct Tree<T, const CELL: usize> {
     order: HilbertOrder,
     /// Sources in Hilbert order.
-    bodies: Vec<Record<T>>,
+    bodies: Vec<ParticleRecord<T>>,
     cells: Vec<Cell>,
     /// Record of each cell as a source.
     words: Vec<[T; CELL]>,
@@ -67,7 +67,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
     pub fn new<L: CellLaw<T, CELL, SUMS>, const SUMS: usize>(
         _law: L,
         count: usize,
-        source: &(impl Fn(usize) -> Record<T> + Sync),
+        source: &(impl Fn(usize) -> ParticleRecord<T> + Sync),
         dimension: usize,
         angle: f64,
         executor: &Executor,
@@ -94,7 +94,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         far: impl SourceLaw<T, CELL, SUMS>,
         dimension: usize,
         executor: &Executor,
-    ) -> Sums<SUMS> {
+    ) -> TargetSums<SUMS> {
         self.sums(near, far, &self.order, |slot| place(&self.bodies[slot]), dimension, executor)
     }
 
@@ -107,7 +107,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         target: &(impl Fn(usize) -> [T; AXES] + Sync),
         dimension: usize,
         executor: &Executor,
-    ) -> Sums<SUMS> {
+    ) -> TargetSums<SUMS> {
         let order = HilbertOrder::new(count, dimension, &|index| from(DVec3::ZERO, &target(index)), executor);
         self.sums(near, far, &order, |slot| target(order.keys[slot].1 as usize), dimension, executor)
     }
@@ -121,7 +121,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         target: impl Fn(usize) -> [T; AXES] + Sync,
         dimension: usize,
         executor: &Executor,
-    ) -> Sums<SUMS> {
+    ) -> TargetSums<SUMS> {
         let interactions = AtomicUsize::new(0);
         let mut values = vec![[0.0; SUMS]; order.keys.len()];
         executor.for_each_block(BlockedSlice::new(&mut values, GROUPS * BLOCK), &|mine| {
@@ -140,7 +140,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         });
         let slots = order.slots();
         let results = size_of_val(values.as_slice()) + size_of_val(slots.as_slice());
-        Sums { bytes: self.bytes() + results, values, slots, interactions: interactions.into_inner() }
+        TargetSums { bytes: self.bytes() + results, values, slots, interactions: interactions.into_inner() }
     }
 
     /// Memory [bytes].
@@ -151,7 +151,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
 
     /// Lists the sources of a group of targets: accepted cells, and bodies. Returns the middle of the group, to which the
     /// positions of cells are relative, because f32 may not resolve small cells at large coordinates.
-    fn list(&self, group: &[[T; AXES]], (cells, bodies): &mut (Vec<[T; CELL]>, Vec<Record<T>>)) -> DVec3 {
+    fn list(&self, group: &[[T; AXES]], (cells, bodies): &mut (Vec<[T; CELL]>, Vec<ParticleRecord<T>>)) -> DVec3 {
         let places = || group.iter().map(|place| from(DVec3::ZERO, place));
         let low = places().fold(DVec3::INFINITY, DVec3::min);
         let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -178,7 +178,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
 }
 
 /// Position of a body.
-fn place<T: Copy>(body: &Record<T>) -> [T; AXES] {
+fn place<T: Copy>(body: &ParticleRecord<T>) -> [T; AXES] {
     [body[0], body[1], body[2]]
 }
 
@@ -190,7 +190,7 @@ fn from<T: Real>(origin: DVec3, place: &[T; AXES]) -> DVec3 {
 /// Inputs of a tree.
 struct Builder<'a, T> {
     order: &'a HilbertOrder,
-    bodies: &'a [Record<T>],
+    bodies: &'a [ParticleRecord<T>],
     angle: f64,
     /// Sum of the magnitudes of all charges.
     weight: f64,

@@ -68,7 +68,7 @@ impl Gradient {
 pub type Displaced<'a> = dyn Fn(&[DVec3], f64) -> Result<Vec<DVec3>> + 'a;
 
 /// Input of a gradient estimate.
-pub struct Probe<'a> {
+pub struct GradientInput<'a> {
     /// Forces of the function at displaced states.
     pub given: &'a Displaced<'a>,
     /// Forces [N] at the state itself.
@@ -80,7 +80,7 @@ pub struct Probe<'a> {
     pub step: f64,
 }
 
-impl Probe<'_> {
+impl GradientInput<'_> {
     /// Estimates the gradient of the force.
     pub fn gradient(&self) -> Result<Gradient> {
         let mask = DVec3::new(1.0, 1.0, if self.dimension == 2 { 0.0 } else { 1.0 });

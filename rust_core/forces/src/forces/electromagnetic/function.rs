@@ -21,7 +21,7 @@ use crate::stability::{Horizon, SpectralBound};
 const DISPLACEMENT: f64 = 1e-5;
 
 /// Field of a user-defined function, with its values times the charge at the particles.
-struct Given<V: Vector> {
+struct FunctionField<V: Vector> {
     function: Arc<dyn Callback>,
     path: String,
     /// Whether the field has only a z component.
@@ -33,7 +33,7 @@ struct Given<V: Vector> {
     values: Vec<DVec3>,
 }
 
-impl<V: Vector> Given<V> {
+impl<V: Vector> FunctionField<V> {
     fn new(declared: &Declared<'_, V>, name: &str, function: &Arc<dyn Callback>) -> Self {
         Self {
             function: Arc::clone(function),
@@ -97,7 +97,7 @@ impl<V: Vector> Given<V> {
 
 /// The force q E. Without a potential, all its power counts as external work.
 pub struct ElectricFunction<V: Vector> {
-    field: Given<V>,
+    field: FunctionField<V>,
     potential: Option<Arc<dyn Callback>>,
     path: String,
 }
@@ -107,7 +107,7 @@ impl<V: Vector> ElectricFunction<V> {
     pub fn new(declared: &Declared<'_, V>, function: &Arc<dyn Callback>) -> Result<Self> {
         let potential = declared.item.optional_callback("potential")?;
         let path = format!("{}.potential", declared.item.path);
-        Ok(Self { field: Given::new(declared, "electric", function), potential, path })
+        Ok(Self { field: FunctionField::new(declared, "electric", function), potential, path })
     }
 }
 
@@ -176,12 +176,12 @@ impl<V: Vector> Force<V> for ElectricFunction<V> {
 }
 
 /// The force q v × B.
-pub struct MagneticFunction<V: Vector>(Given<V>);
+pub struct MagneticFunction<V: Vector>(FunctionField<V>);
 
 impl<V: Vector> MagneticFunction<V> {
     /// Force of an item.
     pub fn new(declared: &Declared<'_, V>, function: &Arc<dyn Callback>) -> Self {
-        Self(Given::new(declared, "magnetic", function))
+        Self(FunctionField::new(declared, "magnetic", function))
     }
 }
 

@@ -19,7 +19,7 @@ const MEANS: usize = 7;
 
 /// Law of a field, as declared.
 #[derive(Debug, Clone, Copy)]
-pub enum Law {
+pub enum ElectromagneticLaw {
     /// Uniform field.
     Uniform(DVec3),
     /// Quadrupole field s(t) (x/2, y/2, −z) about a center, with s = constant + alternating · cos(2π f t + phase).
@@ -75,7 +75,7 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl ElectromagneticLaw {
     /// Law of an item.
     ///
     /// # Errors
@@ -174,13 +174,13 @@ impl Law {
     pub fn with<T: Real, U: Use<T>>(self, time: f64, origin: DVec3, then: U) {
         let of = |vector: DVec3| vector.to_array().map(T::from_f64);
         match self {
-            Self::Uniform(field) => then.with(Uniform(of(field))),
+            Self::Uniform(field) => then.with(UniformField(of(field))),
             Self::Quadrupole { center, .. } => {
                 let [strength, rate] = self.quadrupole(time).map(T::from_f64);
                 then.with(Quadrupole { center: of(center - origin), strength, rate });
             }
             Self::Dipole { center, moment } => then.with(Dipole { center: of(center - origin), moment: of(MAGNETIC * moment) }),
-            Self::Loop { center, axis, radius, current } => then.with(Loop {
+            Self::Loop { center, axis, radius, current } => then.with(CurrentLoop {
                 center: of(center - origin),
                 axis: of(axis),
                 radius: T::from_f64(radius),
@@ -190,7 +190,7 @@ impl Law {
                 let curvature = T::from_f64(strength / (length * length));
                 then.with(Bottle { center: of(center - origin), strength: T::from_f64(strength), curvature });
             }
-            Self::Wave { amplitude, wave_vector, frequency, phase } => then.with(Wave {
+            Self::Wave { amplitude, wave_vector, frequency, phase } => then.with(PlaneWave {
                 amplitude: of(amplitude),
                 per_length: wave_vector,
                 phase: wave_vector.dot(origin) - TAU * frequency * time + phase,
@@ -233,9 +233,9 @@ fn dot<T: Real>(a: [T; AXES], b: [T; AXES]) -> T {
 }
 
 #[derive(Clone, Copy)]
-struct Uniform<T>([T; AXES]);
+struct UniformField<T>([T; AXES]);
 
-impl<T: Real> FieldLaw<T> for Uniform<T> {
+impl<T: Real> FieldLaw<T> for UniformField<T> {
     #[inline(always)]
     fn at(&self, _x: [T; AXES]) -> [T; AXES] {
         self.0
@@ -307,7 +307,7 @@ impl<T: Real> FieldLaw<T> for Dipole<T> {
 /// the differences m eₙ, and S = Σ 2ⁿ eₙ². In these terms no difference of K and E is left, and B has no singular factor on the
 /// axis.
 #[derive(Clone, Copy)]
-struct Loop<T> {
+struct CurrentLoop<T> {
     center: [T; AXES],
     axis: [T; AXES],
     radius: T,
@@ -315,7 +315,7 @@ struct Loop<T> {
     current: T,
 }
 
-impl<T: Real> FieldLaw<T> for Loop<T> {
+impl<T: Real> FieldLaw<T> for CurrentLoop<T> {
     #[inline(always)]
     fn at(&self, x: [T; AXES]) -> [T; AXES] {
         let [half, two] = [0.5, 2.0].map(T::from_f64);
@@ -373,14 +373,14 @@ impl<T: Real> FieldLaw<T> for Bottle<T> {
 }
 
 #[derive(Clone, Copy)]
-struct Wave<T> {
+struct PlaneWave<T> {
     amplitude: [T; AXES],
     /// Wave vector k [rad/m].
     per_length: DVec3,
     phase: f64,
 }
 
-impl<T: Real> FieldLaw<T> for Wave<T> {
+impl<T: Real> FieldLaw<T> for PlaneWave<T> {
     #[inline(always)]
     fn at(&self, x: [T; AXES]) -> [T; AXES] {
         let place = DVec3::from_array(x.map(T::to_f64));

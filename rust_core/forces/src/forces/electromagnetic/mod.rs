@@ -14,7 +14,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::pointwise::{self, ForceField, PointRate};
-use super::{About, Declared, Force, Forces, Kind, PART, Rates, Reach, StateView, Strength, Validity, VelocityDependence};
+use super::{About, Declared, Force, ForceKind, Forces, PART, Rates, Reach, StateView, Strength, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::{AXES, Real, Vector};
@@ -22,7 +22,7 @@ use crate::scene::Value;
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
 use function::{ElectricFunction, MagneticFunction};
-pub use laws::{Affine, FieldLaw, Law, Use};
+pub use laws::{Affine, ElectromagneticLaw, FieldLaw, Use};
 
 /// Name in plans and energy budgets.
 const NAME: &str = "electromagnetic field";
@@ -30,7 +30,7 @@ const NAME: &str = "electromagnetic field";
 const STEPS_PER_PERIOD: f64 = 50.0;
 
 /// Entry in the registry of forces.
-pub fn kind<V: Vector>() -> Kind<V> {
+pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         let mut forces: Forces<V> = Vec::new();
         let charges: Arc<[V::Scalar]> = charges(declared).into();
@@ -45,22 +45,22 @@ pub fn kind<V: Vector>() -> Kind<V> {
         match declared.item.values.get("magnetic") {
             Some(Value::Callback(callback)) => forces.push(Box::new(MagneticFunction::new(declared, callback))),
             Some(&Value::Number(number)) if number != 0.0 => {
-                let laws = vec![Law::Uniform(DVec3::Z * number)];
+                let laws = vec![ElectromagneticLaw::Uniform(DVec3::Z * number)];
                 forces.push(Box::new(Magnetic(Computed { laws, charges: Arc::clone(&charges) })));
             }
             value => forces.extend(computed(value)?.map(|field| Box::new(Magnetic(field)) as Box<dyn Force<V>>)),
         }
         Ok(forces)
     };
-    Kind { name: "ElectromagneticField", reach: Reach::Pointwise, charges: true, build }
+    ForceKind { name: "ElectromagneticField", reach: Reach::Pointwise, charges: true, build }
 }
 
 /// Fields that a value declares: a vector, a field, or a list of fields; empty if zero.
-fn laws(value: Option<&Value>) -> Result<Vec<Law>> {
+fn laws(value: Option<&Value>) -> Result<Vec<ElectromagneticLaw>> {
     Ok(match value {
-        Some(&Value::Vector(vector)) if vector != DVec3::ZERO => vec![Law::Uniform(vector)],
-        Some(Value::Record(item)) => vec![Law::new(item)?],
-        Some(Value::Records(items)) => items.iter().map(Law::new).collect::<Result<_>>()?,
+        Some(&Value::Vector(vector)) if vector != DVec3::ZERO => vec![ElectromagneticLaw::Uniform(vector)],
+        Some(Value::Record(item)) => vec![ElectromagneticLaw::new(item)?],
+        Some(Value::Records(items)) => items.iter().map(ElectromagneticLaw::new).collect::<Result<_>>()?,
         _ => Vec::new(),
     })
 }
@@ -76,7 +76,7 @@ fn charges<V: Vector>(declared: &Declared<'_, V>) -> Vec<V::Scalar> {
 
 /// Sum of fields that the engine computes.
 struct Computed<V: Vector> {
-    laws: Vec<Law>,
+    laws: Vec<ElectromagneticLaw>,
     charges: Arc<[V::Scalar]>,
 }
 
@@ -84,7 +84,7 @@ struct Computed<V: Vector> {
 #[derive(Debug, Clone, Copy)]
 pub struct ReadyField<'a, T> {
     /// Law of the field.
-    pub law: Law,
+    pub law: ElectromagneticLaw,
     /// Charges [C]. The electric and the magnetic field of one item share their memory.
     pub charges: &'a [T],
     /// Whether the field is magnetic.
@@ -104,7 +104,7 @@ impl<V: Vector> Computed<V> {
     /// Adds the contribution `role` of each law to the forces and powers of a block.
     fn accumulate(&self, role: Role, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for &law in &self.laws {
-            let sum = Sum { role, charges: &self.charges, block: block.clone(), at, rates: rates.reborrow() };
+            let sum = FieldSum { role, charges: &self.charges, block: block.clone(), at, rates: rates.reborrow() };
             law.with(at.time, at.properties.origin, sum);
         }
     }
@@ -122,7 +122,7 @@ enum Role {
 }
 
 /// Sum over the particles of a block.
-struct Sum<'a, 'b, V: Vector> {
+struct FieldSum<'a, 'b, V: Vector> {
     role: Role,
     charges: &'a [V::Scalar],
     block: Range<usize>,
@@ -130,7 +130,7 @@ struct Sum<'a, 'b, V: Vector> {
     rates: Rates<'a, V>,
 }
 
-impl<V: Vector> Use<V::Scalar> for Sum<'_, '_, V> {
+impl<V: Vector> Use<V::Scalar> for FieldSum<'_, '_, V> {
     fn with(self, law: impl FieldLaw<V::Scalar>) {
         let Self { role, charges, block, at, mut rates } = self;
         match role {
@@ -277,6 +277,6 @@ impl<V: Vector> Force<V> for Magnetic<V> {
     }
 
     fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
-        if self.0.laws.iter().all(|law| matches!(law, Law::Uniform(_))) { Validity::Always } else { Validity::Now }
+        if self.0.laws.iter().all(|law| matches!(law, ElectromagneticLaw::Uniform(_))) { Validity::Always } else { Validity::Now }
     }
 }

@@ -2,14 +2,14 @@
 
 use super::Fluids;
 use super::gauges::Gauges;
-use super::kernel::{self, Kernel, Shape};
+use super::kernel::{self, KernelShape, SmoothingKernel};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, PairCoefficients, RATES};
 use super::shifting::Shifting;
 use super::start::{self, Choice, Material, Materials};
 use super::summation::Summation;
-use super::surface::{Surface, WallFactor};
+use super::surface::{FreeSurface, WallFactor};
 use super::tension::Tension;
-use super::walls::Walls;
+use super::walls::FluidWalls;
 use crate::error::{Error, Result};
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{Real, Vector};
@@ -18,7 +18,7 @@ use crate::neighbors::sums::Records;
 use crate::parallel::Executor;
 use crate::scene::Scene;
 
-impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Fluids of a scene with these materials.
     pub fn new(shape: K, scene: &Scene, properties: &Properties<V>, materials: Materials, executor: &Executor) -> Result<Self> {
         let kind_of = |index: u32| materials.of_body[properties.body[index as usize] as usize];
@@ -28,9 +28,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let common = materials.first();
         let h = common.smoothing_length;
         let neighbor_list = NeighborList::new(scene, properties, members, 2.0 * h)?;
-        let walls = Walls::new(start::walls(scene, properties.origin)?, &neighbor_list);
+        let walls = FluidWalls::new(start::walls(scene, properties.origin)?, &neighbor_list);
         let number = V::Scalar::from_f64;
-        let kernel = Kernel::<V::Scalar, K>::new(shape, h, common.spacing, V::DIMENSION);
+        let kernel = SmoothingKernel::<V::Scalar, K>::new(shape, h, common.spacing, V::DIMENSION);
         if !kernel.steepness.is_finite() {
             let found = format!("{} for a smoothing length of {h:.3e} m", V::Scalar::NAME);
             return Err(Error::parameter("precision", "f64", found).with_hint("the kernel is steeper than it can hold"));
@@ -83,7 +83,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             rates: vec![[V::Scalar::ZERO; RATES]; kind.len()],
             mirrored: vec![[V::Scalar::ZERO; RATES]; if walls.is_empty() { 0 } else { kind.len() }],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
-            surface: Surface::new(kernel, common, &waves, kind.len()),
+            surface: FreeSurface::new(kernel, common, &waves, kind.len()),
             tension: Tension::new(kernel, &waves, &materials, kind.len()),
             waves,
             strongest: None,
@@ -192,8 +192,8 @@ fn is_alone(scene: &Scene) -> bool {
 }
 
 /// Kernel W(r) of a fluid, in double precision.
-fn weight<K: Shape>(shape: K, fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
-    let kernel = Kernel::<f64, K>::new(shape, fluid.smoothing_length, fluid.spacing, dimension);
+fn weight<K: KernelShape>(shape: K, fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
+    let kernel = SmoothingKernel::<f64, K>::new(shape, fluid.smoothing_length, fluid.spacing, dimension);
     move |distance| kernel.value(distance)
 }
 

@@ -29,9 +29,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::BLOCK;
-use super::kernel::Shape;
+use super::kernel::KernelShape;
 use super::start::{self, Materials};
-use super::walls::{Mirrors, Walls};
+use super::walls::{FluidWalls, Mirrors};
 use crate::error::Result;
 use crate::forces::neighbor_list::NeighborList;
 use crate::history::{Archive, History};
@@ -90,7 +90,7 @@ pub struct Gauges {
     /// Members that are obstacles, body by body.
     obstacles: Vec<u32>,
     /// Parts of the obstacles, each of one body.
-    parts: Vec<Part>,
+    parts: Vec<ObstaclePart>,
     readings: Readings,
     saved: Readings,
 }
@@ -109,7 +109,7 @@ pub struct Instruments {
 
 /// A part of an obstacle.
 #[derive(Debug)]
-struct Part {
+struct ObstaclePart {
     body: usize,
     obstacles: Range<usize>,
     /// Force on the part [N].
@@ -125,7 +125,7 @@ struct Mean {
 }
 
 /// Fluid around the probes for the mean pressure.
-pub struct Flow<'a, P> {
+pub struct SurroundingFluid<'a, P> {
     pub neighbor_list: &'a NeighborList,
     pub materials: &'a Materials,
     /// Material of each member.
@@ -139,10 +139,10 @@ impl Gauges {
     ///
     /// `obstacles` are members with their bodies, out of `count` members.
     pub fn new(
-        shape: impl Shape,
+        shape: impl KernelShape,
         scene: &Scene,
         origin: DVec3,
-        walls: &Walls,
+        walls: &FluidWalls,
         radius: f64,
         (mut obstacles, count): (Vec<(usize, u32)>, usize),
     ) -> Result<Self> {
@@ -178,8 +178,8 @@ impl Gauges {
         let of_bodies = obstacles.chunk_by(|one, other| one.0 == other.0);
         let mut parts = Vec::new();
         for of_body in of_bodies.flat_map(|of_body| of_body.chunks(BLOCK)) {
-            let first = parts.last().map_or(0, |part: &Part| part.obstacles.end);
-            parts.push(Part { body: of_body[0].0, obstacles: first..first + of_body.len(), force: DVec3::ZERO });
+            let first = parts.last().map_or(0, |part: &ObstaclePart| part.obstacles.end);
+            parts.push(ObstaclePart { body: of_body[0].0, obstacles: first..first + of_body.len(), force: DVec3::ZERO });
         }
         let (boundaries, blocks) = (scene.boundaries.len(), count.div_ceil(BLOCK));
         let off_walls = probes.iter().filter(|probe| probe.wall.is_none()).count();
@@ -224,7 +224,12 @@ impl Gauges {
     }
 
     /// Takes the readings from the forces on obstacles and walls, and the means at probes that are not on a wall.
-    pub fn read(&mut self, shape: impl Shape, flow: &Flow<'_, impl Fn(usize) -> (f64, f64) + Sync>, executor: &Executor) {
+    pub fn read(
+        &mut self,
+        shape: impl KernelShape,
+        flow: &SurroundingFluid<'_, impl Fn(usize) -> (f64, f64) + Sync>,
+        executor: &Executor,
+    ) {
         let Self { instruments, boundaries, by_slots, by_members, parts, readings: Readings { forces, pressures, .. }, .. } =
             self;
         let numbers = instruments.numbers();
@@ -290,7 +295,7 @@ impl Instruments {
     }
 
     /// Adds the force on walls by the images of a fluid particle [N] to the sums of its block.
-    pub fn add(&self, shape: impl Shape, numbers: &mut [f64], mirrors: &Mirrors, on_wall: DVec3) {
+    pub fn add(&self, shape: impl KernelShape, numbers: &mut [f64], mirrors: &Mirrors, on_wall: DVec3) {
         let (forces, pressures) = numbers.split_at_mut(self.first_probe);
         let rest = mirrors.walls().iter().fold(on_wall, |rest, (_, normal)| rest - on_wall.dot(*normal) * normal);
         for &(wall, normal) in mirrors.walls() {
@@ -306,7 +311,7 @@ impl Instruments {
 
 impl Probe {
     /// Contribution of a force on a wall by a particle at `x` to the pressure of the probe [Pa].
-    fn share(&self, shape: impl Shape, wall: u32, force: DVec3, x: DVec3, period: DVec3) -> f64 {
+    fn share(&self, shape: impl KernelShape, wall: u32, force: DVec3, x: DVec3, period: DVec3) -> f64 {
         let Some((_, normal)) = self.wall.filter(|(own, _)| *own == wall) else { return 0.0 };
         let mut along = self.position - x;
         wrap(&mut along, period);
@@ -316,7 +321,13 @@ impl Probe {
     }
 
     /// Sums of the mean pressure over a block of members.
-    fn mean(&self, shape: impl Shape, block: usize, period: DVec3, flow: &Flow<'_, impl Fn(usize) -> (f64, f64)>) -> Mean {
+    fn mean(
+        &self,
+        shape: impl KernelShape,
+        block: usize,
+        period: DVec3,
+        flow: &SurroundingFluid<'_, impl Fn(usize) -> (f64, f64)>,
+    ) -> Mean {
         let mut mean = Mean::default();
         // Periodic images are everywhere.
         if !period.is_finite() && flow.neighbor_list.distance_to(block, self.position) >= self.radius {
@@ -351,7 +362,7 @@ fn wrap(separation: &mut DVec3, period: DVec3) {
 }
 
 /// Integral ∫ W dA over the admitted part of a disc [m^(D−1)], by the midpoint rule, for a kernel of unit height.
-fn room_on_wall(shape: impl Shape, dimension: usize, radius: f64, normal: DVec3, admits: impl Fn(DVec3) -> bool) -> f64 {
+fn room_on_wall(shape: impl KernelShape, dimension: usize, radius: f64, normal: DVec3, admits: impl Fn(DVec3) -> bool) -> f64 {
     let (one, other) =
         if dimension == 2 { (DVec3::new(-normal.y, normal.x, 0.0), DVec3::ZERO) } else { normal.any_orthonormal_pair() };
     let cell = 2.0 * radius / f64::from(CELLS);
@@ -366,7 +377,7 @@ fn room_on_wall(shape: impl Shape, dimension: usize, radius: f64, normal: DVec3,
 }
 
 /// Integral ∫ W dV over the admitted part of a ball [m^D], by the midpoint rule, for a kernel of unit height.
-fn room(shape: impl Shape, dimension: usize, radius: f64, admits: impl Fn(DVec3) -> bool) -> f64 {
+fn room(shape: impl KernelShape, dimension: usize, radius: f64, admits: impl Fn(DVec3) -> bool) -> f64 {
     let cell = 2.0 * radius / f64::from(CELLS);
     let along = || (0..CELLS).map(|index| (f64::from(index) + 0.5) * cell - radius);
     let flat = if dimension == 2 { vec![0.0] } else { along().collect() };

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw};
-use crate::simd::{Number, Record};
+use crate::simd::{Number, ParticleRecord};
 
 /// Tangent plane of a wall near a particle: unit normal into the fluid, distance [m], and no-slip condition.
 #[derive(Debug, Clone, Copy)]
@@ -125,7 +125,7 @@ fn dot<V: Vector, N: Number<Scalar = V::Scalar>>(one: &Triple<V::Scalar>, other:
 pub trait ImagePressure<V: Vector, const SUMS: usize> {
     /// Rest density of the other particle [kg/m³].
     #[inline(always)]
-    fn density<N: Number<Scalar = V::Scalar>>(&self, _other: &Record<N>) -> N {
+    fn density<N: Number<Scalar = V::Scalar>>(&self, _other: &ParticleRecord<N>) -> N {
         N::constant(0.0)
     }
 
@@ -160,7 +160,7 @@ impl<T: Real, L> Mirrored<T, L> {
 
 impl<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {
     #[inline(always)]
-    fn for_particle(self, own: &Record<V::Scalar>) -> Self {
+    fn for_particle(self, own: &ParticleRecord<V::Scalar>) -> Self {
         Self { law: self.law.for_particle(own), ..self }
     }
 

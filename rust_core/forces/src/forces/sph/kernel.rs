@@ -18,14 +18,14 @@ use crate::simd::Number;
 const TINY: f64 = 1e-6;
 
 /// Shape of a kernel: unit height and unit smoothing length, as a function of u = r/2h from 0 to 1.
-pub trait Shape: Copy + Send + Sync + 'static {
+pub trait KernelShape: Copy + Send + Sync + 'static {
     /// Normalization W₀ h^D.
     fn height(self, dimension: usize) -> f64;
     /// Value W/W₀.
     fn value<N: Number>(self, u: N) -> N;
     /// Constant factor of h² F/W₀.
     fn factor(self) -> f64;
-    /// Slope h² F/W₀ divided by [`Shape::factor`].
+    /// Slope h² F/W₀ divided by [`KernelShape::factor`].
     fn slope<N: Number>(self, u: N) -> N;
     /// Bend h⁴ F′/(r W₀) = h² (dF/du)/(4u W₀), regularized where it diverges for u → 0.
     fn bend<N: Number>(self, u: N) -> N;
@@ -35,7 +35,7 @@ pub trait Shape: Copy + Send + Sync + 'static {
 #[derive(Debug, Clone, Copy)]
 pub struct WendlandC2;
 
-impl Shape for WendlandC2 {
+impl KernelShape for WendlandC2 {
     fn height(self, dimension: usize) -> f64 {
         if dimension == 2 { 7.0 / (4.0 * PI) } else { 21.0 / (16.0 * PI) }
     }
@@ -73,7 +73,7 @@ pub enum OtherShape {
     CubicSpline,
 }
 
-impl Shape for OtherShape {
+impl KernelShape for OtherShape {
     fn height(self, dimension: usize) -> f64 {
         let [plane, space] = match self {
             Self::WendlandC4 => [9.0 / (4.0 * PI), 495.0 / (256.0 * PI)],
@@ -140,7 +140,7 @@ impl Shape for OtherShape {
 
 /// Kernel of a given smoothing length, in the precision of the run.
 #[derive(Debug, Clone, Copy)]
-pub struct Kernel<T, K> {
+pub struct SmoothingKernel<T, K> {
     /// Inverse support 1/2h [1/m].
     pub inverse_support: T,
     /// Height W₀ [m^−D].
@@ -154,7 +154,7 @@ pub struct Kernel<T, K> {
     pub shape: K,
 }
 
-impl<T: Real, K: Shape> Kernel<T, K> {
+impl<T: Real, K: KernelShape> SmoothingKernel<T, K> {
     /// Kernel of smoothing length h [m] for particles at this spacing [m].
     ///
     /// Its slope is scaled to make the gradient of a linear field exact on a lattice of that spacing: −Σ Δ^D F x² = 1. With few
@@ -204,19 +204,19 @@ impl<T: Real, K: Shape> Kernel<T, K> {
 const STEPS: usize = 200;
 
 /// Moment −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
-fn lattice_moment(shape: impl Shape, spacing: f64, dimension: usize) -> f64 {
+fn lattice_moment(shape: impl KernelShape, spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |x, r| -shape.height(dimension) * shape.factor() * shape.slope(0.5 * r) * x * x)
 }
 
 /// Lattice sum S = Σ Δ^D W over the neighbors on a lattice of spacing Δ, and the factor κ of differences from S. The factor makes
 /// a small compression of the lattice exact. Both are for unit smoothing length.
-pub fn lattice_density(shape: impl Shape, spacing: f64, dimension: usize) -> (f64, f64) {
+pub fn lattice_density(shape: impl KernelShape, spacing: f64, dimension: usize) -> (f64, f64) {
     let sum = over_lattice(spacing, dimension, |_, r| shape.height(dimension) * shape.value(0.5 * r));
     (sum, 1.0 / lattice_moment(shape, spacing, dimension))
 }
 
 /// Sum Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
-pub fn lattice_gradient(shape: impl Shape, spacing: f64, dimension: usize) -> f64 {
+pub fn lattice_gradient(shape: impl KernelShape, spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |_, r| -shape.height(dimension) * shape.factor() * shape.slope(0.5 * r) * r)
         / lattice_moment(shape, spacing, dimension)
 }
@@ -239,7 +239,7 @@ pub fn over_lattice(spacing: f64, dimension: usize, of: impl Fn(f64, f64) -> f64
 
 /// A plane wave in a fluid discretized by a kernel of unit smoothing length.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wave {
+pub struct FluidWave {
     /// Wave number k.
     pub number: f64,
     /// Frequency at unit speed of sound: ∫ F x sin(kx) dV.
@@ -253,7 +253,7 @@ pub struct Wave {
 }
 
 /// Waves resolved by a kernel, from the longest to the shortest.
-pub fn waves(shape: impl Shape, dimension: usize) -> Vec<Wave> {
+pub fn waves(shape: impl KernelShape, dimension: usize) -> Vec<FluidWave> {
     (1..=WAVES).map(|wave| LARGEST * f64::from(wave) / f64::from(WAVES)).map(|k| wave_of(shape, dimension, k)).collect()
 }
 
@@ -264,7 +264,7 @@ const LARGEST: f64 = 6.0;
 /// Number of directions over a right angle, by the midpoint rule.
 const DIRECTIONS: u32 = 24;
 
-fn wave_of(shape: impl Shape, dimension: usize, k: f64) -> Wave {
+fn wave_of(shape: impl KernelShape, dimension: usize, k: f64) -> FluidWave {
     let slope = |r: f64| shape.height(dimension) * shape.factor() * shape.slope(0.5 * r);
     let mean = |of: &dyn Fn(f64) -> f64| {
         let angle = |index: u32| FRAC_PI_2 * (f64::from(index) + 0.5) / f64::from(DIRECTIONS);
@@ -273,7 +273,7 @@ fn wave_of(shape: impl Shape, dimension: usize, k: f64) -> Wave {
         (0..DIRECTIONS).map(angle).map(|angle| weight(angle) * of(libm::cos(angle))).sum::<f64>() / f64::from(DIRECTIONS)
     };
     let squeezed = |r: f64| mean(&|cosine| cosine * cosine * (1.0 - libm::cos(k * r * cosine)));
-    Wave {
+    FluidWave {
         number: k,
         frequency: integral(dimension, |r| -slope(r) * r * mean(&|cosine| cosine * libm::sin(k * r * cosine))),
         decay: integral(dimension, |r| -slope(r) * mean(&|cosine| 1.0 - libm::cos(k * r * cosine))),
@@ -283,7 +283,7 @@ fn wave_of(shape: impl Shape, dimension: usize, k: f64) -> Wave {
 }
 
 /// Variance σ² = ∫ W x² dV of a kernel along an axis, for unit smoothing length. By parts, σ² = −∫ F x²y² dV.
-pub fn variance(shape: impl Shape, dimension: usize) -> f64 {
+pub fn variance(shape: impl KernelShape, dimension: usize) -> f64 {
     integral(dimension, |r| shape.height(dimension) * shape.value(0.5 * r) * r * r) / dimension as f64
 }
 
@@ -301,10 +301,10 @@ mod tests {
     use super::*;
 
     /// Checks values, slopes and bends. Simpson's rule with steps of width w has an error of about 2/180 w⁴ max|f⁗|, here 1e-9.
-    fn check(shape: impl Shape + std::fmt::Debug) {
+    fn check(shape: impl KernelShape + std::fmt::Debug) {
         for dimension in [2, 3] {
             // On such a fine lattice the sum equals the integral.
-            let kernel = Kernel::<f64, _>::new(shape, 1.0, 0.05, dimension);
+            let kernel = SmoothingKernel::<f64, _>::new(shape, 1.0, 0.05, dimension);
             assert!((integral(dimension, |r| kernel.value(r)) - 1.0).abs() < 1e-6, "{shape:?} in {dimension}D");
             for step in 1..400 {
                 let r = f64::from(step) * 0.005;
@@ -335,7 +335,7 @@ mod tests {
     /// for a Gaussian, whose ω is c k exp(−σ²k²/2), at most c/(σ√e).
     #[test]
     fn the_acoustic_limit_is_that_of_the_literature() {
-        fn check(shape: impl Shape, dimension: usize, expected: f64) {
+        fn check(shape: impl KernelShape, dimension: usize, expected: f64) {
             let fastest = waves(shape, dimension).iter().map(|wave| wave.frequency).fold(0.0, f64::max);
             assert!((2.0 / fastest - expected).abs() < 5e-3 * expected, "{} {expected}", 2.0 / fastest);
             let deviation = variance(shape, dimension).sqrt();

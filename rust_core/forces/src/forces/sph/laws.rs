@@ -34,10 +34,10 @@
 //! J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214.
 
 use super::images::ImagePressure;
-use super::kernel::{Kernel, Shape};
+use super::kernel::{KernelShape, SmoothingKernel};
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw};
-use crate::simd::{Number, Record};
+use crate::simd::{Number, ParticleRecord};
 
 /// Number of materials: fluids, and obstacles.
 pub const KINDS: usize = 4;
@@ -52,13 +52,13 @@ pub const SOLID: usize = AXES + 1;
 
 /// Volume V [m^D]: the first word of a record after the velocity.
 #[inline(always)]
-pub fn volume<V: Vector, N: Copy>(record: &Record<N>) -> N {
+pub fn volume<V: Vector, N: Copy>(record: &ParticleRecord<N>) -> N {
     record[2 * V::DIMENSION]
 }
 
 /// Second word of a record after the velocity: the pressure p [Pa], or the enthalpy in units of density, ρ₀w/c² [kg/m³].
 #[inline(always)]
-pub fn content<V: Vector, N: Copy>(record: &Record<N>) -> N {
+pub fn content<V: Vector, N: Copy>(record: &ParticleRecord<N>) -> N {
     record[2 * V::DIMENSION + 1]
 }
 
@@ -105,7 +105,7 @@ pub const RATES: usize = 3;
 /// Continuity: Σ Vⱼ v·∇W over fluids [1/s], the diffusive rate of density [kg/(m³·s)], and Σ Vⱼ v·∇W over obstacles [1/s].
 #[derive(Debug, Clone, Copy)]
 pub struct Continuity<T, K, const MIXED: bool> {
-    pub kernel: Kernel<T, K>,
+    pub kernel: SmoothingKernel<T, K>,
     /// Diffusivity 2δhc [m²/s] of each pair of materials, and its row for the particle's material.
     pub diffusion: [[T; KINDS]; KINDS],
     pub for_particle: [T; KINDS],
@@ -116,9 +116,9 @@ pub struct Continuity<T, K, const MIXED: bool> {
     pub fall: [T; AXES],
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, RATES> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> PairLaw<V, RATES> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
+    fn for_particle(mut self, own: &ParticleRecord<V::Scalar>) -> Self {
         if MIXED {
             let kind = usize::from(volume::<V, _>(own).tag());
             self.for_particle = self.diffusion[kind];
@@ -153,9 +153,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, RATES> for Continuity<V:
 }
 
 /// Diffusion does not act on the hydrostatic part of the density.
-impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, RATES> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> ImagePressure<V, RATES> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
+    fn density<N: Number<Scalar = V::Scalar>>(&self, other: &ParticleRecord<N>) -> N {
         pick::<N, MIXED>(volume::<V, N>(other), &self.density)
     }
 }
@@ -181,7 +181,7 @@ pub struct PairCoefficients<T> {
 /// Momentum: force density along each axis [N/m^D], and power densities [W/m^D].
 #[derive(Debug, Clone, Copy)]
 pub struct Momentum<T, K, const MIXED: bool> {
-    pub kernel: Kernel<T, K>,
+    pub kernel: SmoothingKernel<T, K>,
     /// Coefficients of each material, and those of the particle's material.
     pub coefficients: [PairCoefficients<T>; KINDS],
     pub for_particle: PairCoefficients<T>,
@@ -193,9 +193,9 @@ pub struct Momentum<T, K, const MIXED: bool> {
     pub shear: T,
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
+    fn for_particle(mut self, own: &ParticleRecord<V::Scalar>) -> Self {
         if MIXED {
             let solid = usize::from(OBSTACLE);
             self.for_particle = self.coefficients[usize::from(volume::<V, _>(own).tag())];
@@ -242,7 +242,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
     }
 }
 
-impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
+impl<T: Real, K: KernelShape, const MIXED: bool> Momentum<T, K, MIXED> {
     /// The law without pressure tags, for images, which have none: the full pressure acts on obstacles.
     pub fn untagged(mut self) -> Self {
         self.coefficients[usize::from(OBSTACLE)].other_acts = [T::ONE; KINDS];
@@ -268,9 +268,9 @@ impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> ImagePressure<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
+    fn density<N: Number<Scalar = V::Scalar>>(&self, other: &ParticleRecord<N>) -> N {
         pick::<N, MIXED>(volume::<V, N>(other), &self.density)
     }
 
@@ -307,29 +307,29 @@ impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, FORCES> for Moment
 /// Number density Σ Vⱼ W, for density by summation.
 #[derive(Debug, Clone, Copy)]
 pub struct NumberDensity<T, K> {
-    pub kernel: Kernel<T, K>,
+    pub kernel: SmoothingKernel<T, K>,
 }
 
-impl<V: Vector, K: Shape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
+impl<V: Vector, K: KernelShape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
         [volume::<V, N>(&pair.other) * self.kernel.value(pair.distance)]
     }
 }
 
-impl<V: Vector, K: Shape> ImagePressure<V, 1> for NumberDensity<V::Scalar, K> {}
+impl<V: Vector, K: KernelShape> ImagePressure<V, 1> for NumberDensity<V::Scalar, K> {}
 
 /// Kernel gradient sums: Σ Vⱼ ∇W along each axis [1/m], 0 inside the fluid and largest at a free surface; and Σ Vⱼ |∇W| [1/m],
 /// which grows with compression.
 #[derive(Debug, Clone, Copy)]
 pub struct KernelGradientSum<T, K> {
-    pub kernel: Kernel<T, K>,
+    pub kernel: SmoothingKernel<T, K>,
 }
 
 /// Number of sums of [`KernelGradientSum`].
 pub const GRADIENT_SUMS: usize = AXES + 1;
 
-impl<V: Vector, K: Shape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {
+impl<V: Vector, K: KernelShape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; GRADIENT_SUMS] {
         let (distance, zero) = (pair.distance, N::constant(0.0));
@@ -344,7 +344,7 @@ impl<V: Vector, K: Shape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Sca
     }
 }
 
-impl<V: Vector, K: Shape> ImagePressure<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {}
+impl<V: Vector, K: KernelShape> ImagePressure<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {}
 
 /// Pressure extrapolated to an obstacle from the fluid, with the hydrostatic difference: Σ [pⱼ + ρ₀ g·d] W and Σ W. The
 /// acceleration of the obstacle is omitted.
@@ -352,14 +352,14 @@ impl<V: Vector, K: Shape> ImagePressure<V, GRADIENT_SUMS> for KernelGradientSum<
 /// Source: S. Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057.
 #[derive(Debug, Clone, Copy)]
 pub struct Extrapolation<T, K> {
-    pub kernel: Kernel<T, K>,
+    pub kernel: SmoothingKernel<T, K>,
     /// Rest density ρ₀ of each material [kg/m³], 0 for obstacles.
     pub density: [T; KINDS],
     /// Gravitational acceleration g [m/s²].
     pub gravity: [T; AXES],
 }
 
-impl<V: Vector, K: Shape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
+impl<V: Vector, K: KernelShape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
         let Pair { other, separation, distance, .. } = pair;

@@ -3,16 +3,16 @@
 use std::f64::consts::TAU;
 
 use super::Fluids;
-use super::kernel::{Shape, Wave};
+use super::kernel::{FluidWave, KernelShape};
 use super::laws::{FORCES, OBSTACLE};
 use super::start::Material;
-use crate::forces::{DensityEvolution, Scheme};
+use crate::forces::{DensityEvolution, DensityScheme};
 use crate::math::{Real, Vector};
 use crate::matter::View;
 use crate::stability::SpectralBound;
 use crate::systems::Mach;
 
-impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The Mach number at these velocities.
     pub fn speed(&self, velocity: View<'_, V>) -> Mach {
         let sound = self.materials.first().sound_speed;
@@ -41,7 +41,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Source: J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100 (1992) 335.
     pub fn limit(&self, bound: &mut SpectralBound) {
         let h = self.materials.first().smoothing_length;
-        let diffuses = if self.scheme() == Scheme::Continuity { 1.0 } else { 0.0 };
+        let diffuses = if self.scheme() == DensityScheme::Continuity { 1.0 } else { 0.0 };
         let sheared = self.momentum.shear != V::Scalar::ZERO;
         let bounds: Vec<(f64, f64, f64)> = self
             .materials
@@ -51,7 +51,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             .map(|(fluid, kind)| {
                 let densities = self.density.iter().zip(&self.kind).filter(|(_, other)| **other == kind);
                 let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
-                let scaled = |wave: &Wave| {
+                let scaled = |wave: &FluidWave| {
                     let laminar = if sheared { wave.decay } else { wave.strain };
                     let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * laminar) / fluid.density;
                     let diffusion = diffuses * fluid.diffusion() * wave.decay;

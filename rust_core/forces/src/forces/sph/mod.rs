@@ -17,7 +17,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::neighbor_list::NeighborList;
-use super::{About, DensityEvolution, Drift, Fields, Force, Rates, Reach, Scheme, StateView, Validity, VelocityDependence};
+use super::{
+    About, DensityEvolution, DensityScheme, Drift, Fields, Force, Rates, Reach, StateView, Validity, VelocityDependence,
+};
 use crate::error::Result;
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
@@ -43,18 +45,18 @@ mod surface;
 mod tension;
 mod walls;
 
-use gauges::Flow;
 pub use gauges::Gauges;
+use gauges::SurroundingFluid;
 use images::WallCondition;
-use kernel::{OtherShape, Shape, Wave, WendlandC2};
+use kernel::{FluidWave, KernelShape, OtherShape, WendlandC2};
 use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, RATES, SOLID, VISCOUS};
 use shifting::Shifting;
 pub use start::KIND;
 use start::Materials;
 use summation::Summation;
-use surface::Surface;
+use surface::FreeSurface;
 use tension::Tension;
-use walls::{Mirrors, Walls};
+use walls::{FluidWalls, Mirrors};
 
 /// Slots in a block of the passes over single particles.
 const BLOCK: usize = 1024;
@@ -89,7 +91,7 @@ fn with<V: Vector, K, const MIXED: bool>(
     executor: &Executor,
 ) -> Result<Option<Box<dyn Force<V>>>>
 where
-    K: Shape,
+    K: KernelShape,
 {
     Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(shape, scene, properties, materials, executor)?)))
 }
@@ -147,18 +149,18 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     mirrored: Vec<[V::Scalar; RATES]>,
     /// Sums of [`Momentum`] by slot: force and power densities.
     forces: Vec<[V::Scalar; FORCES]>,
-    walls: Walls,
+    walls: FluidWalls,
     /// Gauges, if there are any.
     gauges: Option<Gauges>,
-    surface: Surface<V, K>,
+    surface: FreeSurface<V, K>,
     /// Waves resolved by the kernel, for unit smoothing length.
-    waves: Vec<Wave>,
+    waves: Vec<FluidWave>,
     /// Largest force density [N/m^D] if the present sums are not those of the state, and its value at the start of the batch.
     strongest: Option<f64>,
     saved_strongest: f64,
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Writes the pressure extrapolated from the fluid to the records of obstacles.
     fn extrapolate_pressure(&mut self, executor: &Executor) {
         let Self { obstacles, extrapolated, neighbor_list, records, extrapolation, .. } = self;
@@ -236,7 +238,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         self.add_walls(&mut gauges, executor);
         let pressure =
             |member: usize| self.materials.fluid(self.kind[member]).map_or(0.0, |fluid| fluid.pressure(self.density[member]));
-        let flow = Flow {
+        let flow = SurroundingFluid {
             neighbor_list: &self.neighbor_list,
             materials: &self.materials,
             kind: &self.kind,
@@ -277,7 +279,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> History for Fluids<V, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> History for Fluids<V, K, MIXED> {
     fn save(&mut self) {
         self.neighbor_list.save();
         self.saved_density.copy_from_slice(&self.density);
@@ -310,9 +312,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> History for Fluids<V, K, MIXED> {
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K, MIXED> {
-    fn scheme(&self) -> Scheme {
-        if self.summation.is_some() { Scheme::Summation } else { Scheme::Continuity }
+impl<V: Vector, K: KernelShape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K, MIXED> {
+    fn scheme(&self) -> DensityScheme {
+        if self.summation.is_some() { DensityScheme::Summation } else { DensityScheme::Continuity }
     }
 
     fn sum(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
@@ -408,11 +410,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     /// Volumes and enthalpies are those at the beginning of the drift, so that continuity is of order 1.
     fn about(&self) -> About {
         let viscous = self.materials.fluids.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
-        let continuity = self.scheme() == Scheme::Continuity;
+        let continuity = self.scheme() == DensityScheme::Continuity;
         let shifts =
             self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
         About {

@@ -34,10 +34,10 @@
 use glam::DVec3;
 
 use super::images::{ImagePressure, WallCondition};
-use super::kernel::{Kernel, Shape};
+use super::kernel::{KernelShape, SmoothingKernel};
 use super::laws::{approach, volume};
 use super::start::Material;
-use super::walls::Walls;
+use super::walls::FluidWalls;
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw, Records};
@@ -65,14 +65,14 @@ const STRAIN: usize = AXES + 1;
 /// Gradient of concentration Σ Vⱼ [1 + R (W/W(Δ))⁴] ∇W [1/m], ∇·x, and the squared rate of strain ε² [1/s²].
 #[derive(Debug, Clone, Copy)]
 struct ShiftingSum<T, K> {
-    kernel: Kernel<T, K>,
+    kernel: SmoothingKernel<T, K>,
     /// Inverse kernel value 1/W(Δ) [m^D].
     scale: T,
     /// Regularization 0.01 h² [m²].
     softening: T,
 }
 
-impl<V: Vector, K: Shape> PairLaw<V, SUMS> for ShiftingSum<V::Scalar, K> {
+impl<V: Vector, K: KernelShape> PairLaw<V, SUMS> for ShiftingSum<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
         let (distance, zero) = (pair.distance, N::constant(0.0));
@@ -92,7 +92,7 @@ impl<V: Vector, K: Shape> PairLaw<V, SUMS> for ShiftingSum<V::Scalar, K> {
     }
 }
 
-impl<V: Vector, K: Shape> ImagePressure<V, SUMS> for ShiftingSum<V::Scalar, K> {}
+impl<V: Vector, K: KernelShape> ImagePressure<V, SUMS> for ShiftingSum<V::Scalar, K> {}
 
 /// Shifting of the fluids of a scene.
 pub struct Shifting<V: Vector, K> {
@@ -108,9 +108,9 @@ pub struct Shifting<V: Vector, K> {
     dt: f64,
 }
 
-impl<V: Vector, K: Shape> Shifting<V, K> {
+impl<V: Vector, K: KernelShape> Shifting<V, K> {
     /// Shifting of `count` particles with a common kernel.
-    pub fn new(kernel: Kernel<V::Scalar, K>, common: &Material, coefficient: f64, count: usize) -> Self {
+    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, common: &Material, coefficient: f64, count: usize) -> Self {
         let number = V::Scalar::from_f64;
         let scale = V::Scalar::ONE / kernel.value(number(common.spacing));
         Self {
@@ -127,7 +127,7 @@ impl<V: Vector, K: Shape> Shifting<V, K> {
     pub fn update(
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
-        walls: &Walls,
+        walls: &FluidWalls,
         dt: f64,
         executor: &Executor,
     ) {

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::laws::{KINDS, OBSTACLE};
 use super::tension::SHORT_RANGE;
-use super::walls::Side;
+use super::walls::FluidWall;
 use crate::boundaries::{self, Gap, Path, Wall};
 use crate::error::{Error, Result};
 use crate::forces::{central, gravity, is_between_pairs};
@@ -161,7 +161,7 @@ pub fn boundaries_of_walls(scene: &Scene, origin: DVec3) -> Result<Vec<usize>> {
 }
 
 /// Walls of the fluids, relative to an origin.
-pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<Side>> {
+pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<FluidWall>> {
     let mut walls = Vec::new();
     for (_, item) in met(scene) {
         let no_slip = if item.values.contains_key("no_slip") { item.flag("no_slip")? } else { false };
@@ -171,7 +171,7 @@ pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<Side>> {
             let path = format!("{}.on", item.path);
             return Err(Error::parameter(path, "bodies that are no fluids", "a fluid on a height field"));
         }
-        walls.extend(boundary.walls().iter().map(|wall| Side { wall: wall.clone(), no_slip }));
+        walls.extend(boundary.walls().iter().map(|wall| FluidWall { wall: wall.clone(), no_slip }));
     }
     Ok(walls)
 }
@@ -488,7 +488,7 @@ fn hit(wall: &Wall, x: DVec3, direction: DVec3) -> Option<f64> {
 
 /// A layer of fluid particles one spacing high.
 #[derive(Debug, Clone, Copy, Default)]
-struct Layer {
+struct FluidLayer {
     /// Mean density of the particles [kg/m³].
     density: f64,
     number: f64,
@@ -501,7 +501,7 @@ struct Layer {
 pub fn pressures(heads: &[(f64, f64)], spacing: f64, gravity: f64) -> Vec<f64> {
     let top = heads.iter().map(|&(head, _)| head).fold(f64::INFINITY, f64::min) - 0.5 * spacing;
     let layer = |head: f64| ((head - top) / spacing) as usize;
-    let mut layers: BTreeMap<usize, Layer> = BTreeMap::new();
+    let mut layers: BTreeMap<usize, FluidLayer> = BTreeMap::new();
     for &(head, density) in heads {
         let layer = layers.entry(layer(head)).or_default();
         layer.density += density;
@@ -515,7 +515,7 @@ pub fn pressures(heads: &[(f64, f64)], spacing: f64, gravity: f64) -> Vec<f64> {
     }
     let pressure = |head: f64| {
         let index = layer(head);
-        let Layer { density, above, .. } = layers[&index];
+        let FluidLayer { density, above, .. } = layers[&index];
         gravity * (above + density * (head - top - index as f64 * spacing))
     };
     heads.iter().map(|&(head, _)| pressure(head)).collect()

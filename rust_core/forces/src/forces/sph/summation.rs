@@ -17,10 +17,10 @@ use glam::DVec3;
 
 use super::BLOCK;
 use super::images::WallCondition;
-use super::kernel::{self, Kernel, Shape};
+use super::kernel::{self, KernelShape, SmoothingKernel};
 use super::laws::NumberDensity;
 use super::start::Materials;
-use super::walls::Walls;
+use super::walls::FluidWalls;
 use crate::error::{Error, Result};
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{Real, Vector};
@@ -43,9 +43,9 @@ pub struct Summation<V: Vector, K> {
     is_checked: bool,
 }
 
-impl<V: Vector, K: Shape> Summation<V, K> {
+impl<V: Vector, K: KernelShape> Summation<V, K> {
     /// Summation over `count` particles with a common kernel.
-    pub fn new(kernel: Kernel<V::Scalar, K>, materials: &Materials, count: usize) -> Self {
+    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, materials: &Materials, count: usize) -> Self {
         let common = materials.first();
         let (rest, scale) = kernel::lattice_density(kernel.shape, common.spacing / common.smoothing_length, V::DIMENSION);
         Self { law: NumberDensity { kernel }, rest, scale, sums: vec![[V::Scalar::ZERO]; count], is_checked: false }
@@ -58,7 +58,7 @@ impl<V: Vector, K: Shape> Summation<V, K> {
     pub fn count(
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
-        walls: &Walls,
+        walls: &FluidWalls,
         (materials, kind): (&Materials, &[u8]),
         density: &mut [f64],
         executor: &Executor,

@@ -13,10 +13,10 @@ use glam::DVec3;
 
 use super::BLOCK;
 use super::images::WallCondition;
-use super::kernel::{self, Kernel, Shape, Wave};
+use super::kernel::{self, FluidWave, KernelShape, SmoothingKernel};
 use super::laws::{GRADIENT_SUMS, KINDS, KernelGradientSum};
 use super::start::{Material, Materials};
-use super::walls::Walls;
+use super::walls::FluidWalls;
 use crate::error::Result;
 use crate::forces::neighbor_list::NeighborList;
 use crate::history::{Archive, History};
@@ -83,7 +83,7 @@ impl WallFactor {
 
 /// Free surfaces of fluids and obstacles.
 #[derive(Debug)]
-pub struct Surface<V: Vector, K> {
+pub struct FreeSurface<V: Vector, K> {
     law: KernelGradientSum<V::Scalar, K>,
     /// Sums of [`KernelGradientSum`] by slot.
     gradients: Vec<[V::Scalar; GRADIENT_SUMS]>,
@@ -101,9 +101,9 @@ pub struct Surface<V: Vector, K> {
     block_highest: Vec<f64>,
 }
 
-impl<V: Vector, K: Shape> Surface<V, K> {
+impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
     /// Surface of `count` particles of a fluid with these waves.
-    pub fn new(kernel: Kernel<V::Scalar, K>, fluid: &Material, waves: &[Wave], count: usize) -> Self {
+    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, fluid: &Material, waves: &[FluidWave], count: usize) -> Self {
         let h = fluid.smoothing_length;
         let highest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
         Self {
@@ -132,7 +132,7 @@ impl<V: Vector, K: Shape> Surface<V, K> {
     pub fn update(
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
-        walls: &Walls,
+        walls: &FluidWalls,
         (materials, kind): (&Materials, &[u8]),
         density: &[f64],
         executor: &Executor,
@@ -168,7 +168,7 @@ impl<V: Vector, K: Shape> Surface<V, K> {
 }
 
 /// Saves the wall factors, the highest frequency of sound, and whether they are stale.
-impl<V: Vector, K> History for Surface<V, K> {
+impl<V: Vector, K> History for FreeSurface<V, K> {
     fn save(&mut self) {
         self.saved.0.copy_from_slice(&self.wall_factors);
         (self.saved.1, self.saved.2) = (self.highest, self.is_stale);

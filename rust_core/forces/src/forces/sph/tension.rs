@@ -32,15 +32,15 @@ use std::f64::consts::FRAC_2_PI;
 use glam::DVec3;
 
 use super::images::{ImagePressure, WallCondition};
-use super::kernel::{self, Kernel, Shape, Wave};
+use super::kernel::{self, FluidWave, KernelShape, SmoothingKernel};
 use super::laws::{KINDS, OBSTACLE, content, is_obstacle, pick, volume};
 use super::start::{Material, Materials};
-use super::walls::Walls;
+use super::walls::FluidWalls;
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::Executor;
-use crate::simd::{Number, Record};
+use crate::simd::{Number, ParticleRecord};
 
 /// Range r₀ of the local density in units of the particle spacing at rest.
 pub const SHORT_RANGE: f64 = 1.5;
@@ -82,14 +82,14 @@ struct Cohesion<T> {
 /// Common data of both laws: the coefficients of every material, and those of the particle's material.
 #[derive(Debug, Clone, Copy)]
 struct Common<T, K, const MIXED: bool> {
-    kernel: Kernel<T, K>,
+    kernel: SmoothingKernel<T, K>,
     cohesion: [Cohesion<T>; KINDS],
     for_particle: Cohesion<T>,
     /// Inverse range 1/r₀ [1/m].
     inverse_range: T,
 }
 
-impl<T: Real, K: Shape, const MIXED: bool> Common<T, K, MIXED> {
+impl<T: Real, K: KernelShape, const MIXED: bool> Common<T, K, MIXED> {
     #[inline(always)]
     fn for_particle(mut self, tagged: T) -> Self {
         if MIXED {
@@ -116,9 +116,9 @@ impl<T: Real, K: Shape, const MIXED: bool> Common<T, K, MIXED> {
 #[derive(Debug, Clone, Copy)]
 struct ColorField<T, K, const MIXED: bool>(Common<T, K, MIXED>);
 
-impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn for_particle(self, own: &Record<V::Scalar>) -> Self {
+    fn for_particle(self, own: &ParticleRecord<V::Scalar>) -> Self {
         Self(self.0.for_particle(volume::<V, _>(own)))
     }
 
@@ -138,7 +138,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorFie
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {}
+impl<V: Vector, K: KernelShape, const MIXED: bool> ImagePressure<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {}
 
 /// Force density [N/m^D]. The records contain b, 2k/r₀ or the volume of an obstacle, and a with the tag of the material.
 #[derive(Debug, Clone, Copy)]
@@ -150,9 +150,9 @@ struct TensionForce<T, K, const MIXED: bool> {
     tiny: T,
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V::Scalar, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn for_particle(self, own: &Record<V::Scalar>) -> Self {
+    fn for_particle(self, own: &ParticleRecord<V::Scalar>) -> Self {
         Self { common: self.common.for_particle(content::<V, _>(own)), ..self }
     }
 
@@ -182,7 +182,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, AXES> for TensionForce<V::Scalar, K, MIXED> {}
+impl<V: Vector, K: KernelShape, const MIXED: bool> ImagePressure<V, AXES> for TensionForce<V::Scalar, K, MIXED> {}
 
 /// Surface tension of the fluids of a scene.
 pub struct Tension<V: Vector, K, const MIXED: bool> {
@@ -204,9 +204,9 @@ pub struct Tension<V: Vector, K, const MIXED: bool> {
     forces: Vec<[V::Scalar; AXES]>,
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> Tension<V, K, MIXED> {
     /// Surface tension of `count` particles of these materials; None if no fluid has it.
-    pub fn new(kernel: Kernel<V::Scalar, K>, waves: &[Wave], materials: &Materials, count: usize) -> Option<Self> {
+    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, waves: &[FluidWave], materials: &Materials, count: usize) -> Option<Self> {
         if materials.fluids.iter().all(|fluid| fluid.surface_tension == 0.0) {
             return None;
         }
@@ -231,8 +231,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         let (rest_scale, [packed, repelled]) = (rest * scale, close_packing(V::DIMENSION));
         let of_color = |fluid: &Material| {
             let [area, gradient, _] = of(fluid);
-            let through =
-                |wave: &Wave| (area / rest_scale.powi(2) + gradient * (wave.number / h).powi(2)) * (wave.frequency / h).powi(2);
+            let through = |wave: &FluidWave| {
+                (area / rest_scale.powi(2) + gradient * (wave.number / h).powi(2)) * (wave.frequency / h).powi(2)
+            };
             waves.iter().map(through).fold(0.0, f64::max)
         };
         let of_repulsion = |fluid: &Material| of(fluid)[2] * repelled / common.spacing.powi(2);
@@ -263,7 +264,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
     fn sum_color(
         law: ColorField<V::Scalar, K, MIXED>,
         (neighbor_list, records): (&NeighborList, &mut Records<V>),
-        walls: &Walls,
+        walls: &FluidWalls,
         kind: &[u8],
         volume: &(impl Fn(usize) -> f64 + Sync),
         color_sums: &mut [[V::Scalar; COLOR_SUMS]],
@@ -281,7 +282,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
     pub fn update(
         &mut self,
         (neighbor_list, records): (&NeighborList, &mut Records<V>),
-        walls: &Walls,
+        walls: &FluidWalls,
         kind: &[u8],
         volume: &(impl Fn(usize) -> f64 + Sync),
         executor: &Executor,
@@ -315,7 +316,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
     pub fn energy(
         &self,
         (neighbor_list, records): (&NeighborList, &mut Records<V>),
-        walls: &Walls,
+        walls: &FluidWalls,
         kind: &[u8],
         volume: &(impl Fn(usize) -> f64 + Sync),
         executor: &Executor,
@@ -360,9 +361,9 @@ fn close_packing(dimension: usize) -> [f64; 2] {
 
 /// Moduli A and B for unit smoothing length and this spacing. Their ratio is [`COHESION`] times that with which the outermost
 /// layer of a flat lattice is in equilibrium. The layers together have unit energy.
-fn moduli<K: Shape>(shape: K, spacing: f64, dimension: usize) -> [f64; 2] {
+fn moduli<K: KernelShape>(shape: K, spacing: f64, dimension: usize) -> [f64; 2] {
     let (rest, scale) = kernel::lattice_density(shape, spacing, dimension);
-    let kernel = Kernel::<f64, K>::new(shape, 1.0, spacing, dimension);
+    let kernel = SmoothingKernel::<f64, K>::new(shape, 1.0, spacing, dimension);
     // Layers count from the surface. A neighbor at x outward exists if its layer does.
     let layer = |x: f64| (x / spacing).round();
     let layers = || (0..).map(f64::from).take_while(|row| row * spacing < 2.0);
@@ -391,7 +392,7 @@ mod tests {
 
     #[test]
     fn both_parts_hold_a_surface_together() {
-        fn check(shape: impl Shape + std::fmt::Debug) {
+        fn check(shape: impl KernelShape + std::fmt::Debug) {
             for (dimension, smoothing) in [(2, 1.5), (3, 1.25), (3, 1.5)] {
                 let [area, gradient] = moduli(shape, 1.0 / smoothing, dimension);
                 assert!(area > 0.0 && gradient > 0.0, "{shape:?} in {dimension}D: {area} {gradient}");

@@ -24,12 +24,12 @@ const CORNER: usize = 4;
 
 /// A wall with its condition, no-slip or free-slip.
 #[derive(Debug, Clone)]
-pub struct Side {
+pub struct FluidWall {
     pub wall: Wall,
     pub no_slip: bool,
 }
 
-impl Side {
+impl FluidWall {
     /// Reflections in the wall. A plane along the axes has its own reflections, because its normal is the same everywhere.
     fn reflections(&self) -> Reflections {
         match self.wall {
@@ -54,8 +54,8 @@ fn meet(one: &Mirror, other: &Mirror) -> bool {
 
 /// The walls of a fluid, and the lists of images behind them.
 #[derive(Debug)]
-pub struct Walls {
-    sides: Vec<Side>,
+pub struct FluidWalls {
+    sides: Vec<FluidWall>,
     /// Images of each block of slots.
     images: Vec<BlockImages>,
     /// Support radius of the kernel [m].
@@ -83,9 +83,9 @@ struct ImageList {
     end: usize,
 }
 
-impl Walls {
+impl FluidWalls {
     /// Walls for the particles of a neighbor list.
-    pub fn new(sides: Vec<Side>, neighbor_list: &NeighborList) -> Self {
+    pub fn new(sides: Vec<FluidWall>, neighbor_list: &NeighborList) -> Self {
         let neighbors = neighbor_list.neighbors();
         let blocks = if sides.is_empty() { 0 } else { neighbors.count().div_ceil(BLOCK) };
         let block_images = || BlockImages { lists: Vec::new(), originals: neighbors.selection(), others: Vec::new() };
@@ -121,7 +121,7 @@ impl Walls {
         let near = neighbor_list.neighbors().support() + neighbor_list.neighbors().largest_displacement();
         let reflections = |x: DVec3| {
             let sides = self.sides.iter().filter(|side| side.wall.distance(x).0 < near);
-            sides.map(Side::reflections).fold(Reflections::default(), Reflections::with)
+            sides.map(FluidWall::reflections).fold(Reflections::default(), Reflections::with)
         };
         neighbor_list.reflect(&reflections, executor);
     }
@@ -233,7 +233,7 @@ impl Mirrors {
 
 impl BlockImages {
     /// Lists the images of all slots of a block.
-    fn update(&mut self, block: std::ops::Range<usize>, sides: &[Side], neighbor_list: &NeighborList) {
+    fn update(&mut self, block: std::ops::Range<usize>, sides: &[FluidWall], neighbor_list: &NeighborList) {
         self.lists.clear();
         self.originals.clear();
         let (support, nearby) = (neighbor_list.neighbors().support(), neighbor_list.neighbors().near());
@@ -241,7 +241,7 @@ impl BlockImages {
             let x = neighbor_list.anchor(slot);
             // Near a curved wall, the mirrors of a moving particle rotate; at an edge they rotate strongly. All of their images
             // count as near.
-            let margins = |side: &Side| {
+            let margins = |side: &FluidWall| {
                 if let Wall::Plane { .. } = side.wall {
                     return [0.0; 2];
                 }

@@ -43,8 +43,8 @@ impl<T: Real> SpringLaw<T> {
     /// that such a spring is exactly linear. For L > 0, coincident ends have no direction, and the force is 0. Ends count as
     /// coincident if d·d underflows.
     #[inline(always)]
-    pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> Pull<T> {
-        let Factors { tension, drag, power } = self.factors::<V, DAMPED>(i, j);
+    pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: EndState<T>, j: EndState<T>) -> Pull<T> {
+        let SeparationFactors { tension, drag, power } = self.factors::<V, DAMPED>(i, j);
         let mut pull = Pull { force: [T::ZERO; AXES], damping: [T::ZERO; AXES], power };
         for axis in 0..V::DIMENSION {
             let along = j.position[axis] - i.position[axis];
@@ -58,7 +58,7 @@ impl<T: Real> SpringLaw<T> {
 
     /// Factors of d in the force, and the power.
     #[inline(always)]
-    pub fn factors<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> Factors<T> {
+    pub fn factors<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: EndState<T>, j: EndState<T>) -> SeparationFactors<T> {
         let (mut square, mut approach) = (T::ZERO, T::ZERO);
         for axis in 0..V::DIMENSION {
             let along = j.position[axis] - i.position[axis];
@@ -72,17 +72,17 @@ impl<T: Real> SpringLaw<T> {
         let inverse = if length > T::ZERO { inverse } else { T::ZERO };
         let strain = if self.rest_length == T::ZERO { T::ONE } else { (length - self.rest_length) * inverse };
         if !DAMPED {
-            return Factors { tension: self.stiffness * strain, drag: T::ZERO, power: T::ZERO };
+            return SeparationFactors { tension: self.stiffness * strain, drag: T::ZERO, power: T::ZERO };
         }
         let rate = approach * inverse;
         let drag = self.damping * rate;
-        Factors { tension: self.stiffness * strain + drag * inverse, drag: drag * inverse, power: drag * rate }
+        SeparationFactors { tension: self.stiffness * strain + drag * inverse, drag: drag * inverse, power: drag * rate }
     }
 }
 
 /// Factors of the separation d = xⱼ − xᵢ in the force on end i.
 #[derive(Debug, Clone, Copy)]
-pub struct Factors<T> {
+pub struct SeparationFactors<T> {
     /// Factor of the total force [N/m].
     pub tension: T,
     /// Factor of the damping force [N/m]; 0 without damping.
@@ -104,14 +104,14 @@ pub struct Pull<T> {
 
 /// Position and velocity of one end.
 #[derive(Debug, Clone, Copy)]
-pub struct State<T> {
+pub struct EndState<T> {
     /// Position [m].
     pub position: [T; AXES],
     /// Velocity [m/s]; unused without damping.
     pub velocity: [T; AXES],
 }
 
-impl<T: Real> State<T> {
+impl<T: Real> EndState<T> {
     /// Squared distance to another end [m²].
     #[inline(always)]
     pub fn square_to<V: Vector<Scalar = T>>(self, other: Self) -> f64 {
@@ -126,12 +126,12 @@ impl<T: Real> State<T> {
 
 /// Positions and velocities of a range of particles.
 #[derive(Debug, Clone, Copy)]
-pub struct Run<'a, T> {
+pub struct SpringRun<'a, T> {
     position: [&'a [T]; AXES],
     velocity: [&'a [T]; AXES],
 }
 
-impl<'a, T: Real> Run<'a, T> {
+impl<'a, T: Real> SpringRun<'a, T> {
     /// Columns of a range of particles.
     #[inline(always)]
     pub fn new<V: Vector<Scalar = T>>(at: &StateView<'a, V>, range: &Range<usize>) -> Self {
@@ -143,8 +143,8 @@ impl<'a, T: Real> Run<'a, T> {
 
     /// State of one particle.
     #[inline(always)]
-    pub fn get<V: Vector<Scalar = T>, const DAMPED: bool>(&self, index: usize) -> State<T> {
-        let mut state = State { position: [T::ZERO; AXES], velocity: [T::ZERO; AXES] };
+    pub fn get<V: Vector<Scalar = T>, const DAMPED: bool>(&self, index: usize) -> EndState<T> {
+        let mut state = EndState { position: [T::ZERO; AXES], velocity: [T::ZERO; AXES] };
         for axis in 0..V::DIMENSION {
             state.position[axis] = self.position[axis][index];
             if DAMPED {

@@ -26,7 +26,7 @@ pub use ordering::ordering;
 use law::SpringLaw;
 use slices::Slices;
 use statistics::SpringStatistics;
-use stencil::{BLOCK, Stencil, Sums, TILE};
+use stencil::{BLOCK, SpringStencil, StencilSums, TILE};
 
 /// Ratio r/L = ½ below which the transverse stiffness exceeds the longitudinal one, with a margin for the rounding of single
 /// precision. Above it, the time-step bound has the same bits for any configuration.
@@ -139,7 +139,7 @@ fn add_network(item: &Item, particles: Range<u32>, springs: &mut Vec<Spring>) ->
 /// Springs of a scene.
 #[derive(Debug)]
 pub struct Springs<V: Vector> {
-    stencils: Vec<Stencil<V::Scalar>>,
+    stencils: Vec<SpringStencil<V::Scalar>>,
     slices: Option<Slices<V::Scalar>>,
     damped: bool,
     /// Number of particles.
@@ -200,7 +200,7 @@ impl<V: Vector> Force<V> for Springs<V> {
         About {
             velocity: if self.damped { VelocityDependence::Dissipative } else { VelocityDependence::None },
             pairs: stencils.iter().map(|stencil| stencil.count).sum::<usize>() + slices.map_or(0, |slices| slices.count),
-            bytes: stencils.iter().map(Stencil::bytes).sum::<usize>() + slices.map_or(0, Slices::bytes),
+            bytes: stencils.iter().map(SpringStencil::bytes).sum::<usize>() + slices.map_or(0, Slices::bytes),
             layout: self.layout(),
             ..About::new(NAME, Reach::Network)
         }
@@ -258,7 +258,7 @@ impl<V: Vector> Accumulation<'_, V> {
     fn add<const DAMPED: bool>(self) {
         let Self { springs, block, at, mut rates, factors } = self;
         if !springs.stencils.is_empty() {
-            let mut sums = Sums::ZERO;
+            let mut sums = StencilSums::ZERO;
             for start in block.clone().step_by(TILE) {
                 let first = start - (start - block.start) % BLOCK;
                 let (part, tile) = (first..block.end.min(first + BLOCK), start..block.end.min(start + TILE));

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::Spring;
-use super::law::{SpringLaw, State};
+use super::law::{EndState, SpringLaw};
 use super::statistics::SpringStatistics;
 use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
@@ -47,12 +47,12 @@ enum Laws<T> {
 }
 
 /// Access to the laws of a row.
-trait Source<T>: Copy {
+trait LawAccess<T>: Copy {
     /// The law of each lane.
     fn row(self, row: usize) -> impl Fn(usize) -> SpringLaw<T>;
 }
 
-impl<T: Real> Source<T> for (&[SpringLaw<T>], &[u16]) {
+impl<T: Real> LawAccess<T> for (&[SpringLaw<T>], &[u16]) {
     #[inline(always)]
     fn row(self, row: usize) -> impl Fn(usize) -> SpringLaw<T> {
         let law = self.0[self.1[row] as usize];
@@ -60,7 +60,7 @@ impl<T: Real> Source<T> for (&[SpringLaw<T>], &[u16]) {
     }
 }
 
-impl<T: Real> Source<T> for &[[Lanes<T>; 3]] {
+impl<T: Real> LawAccess<T> for &[[Lanes<T>; 3]] {
     #[inline(always)]
     fn row(self, row: usize) -> impl Fn(usize) -> SpringLaw<T> {
         let [stiffness, damping, rest_length] = &self[row];
@@ -72,12 +72,12 @@ impl<T: Real> Source<T> for &[[Lanes<T>; 3]] {
 const ROWS: usize = 16;
 
 /// One end of each spring in some rows.
-struct Side<T, const ROWS: usize> {
+struct SpringSide<T, const ROWS: usize> {
     position: [[Lanes<T>; ROWS]; AXES],
     velocity: [[Lanes<T>; ROWS]; AXES],
 }
 
-impl<T: Real, const ROWS: usize> Side<T, ROWS> {
+impl<T: Real, const ROWS: usize> SpringSide<T, ROWS> {
     const EMPTY: Self = Self { position: [[[T::ZERO; LANES]; ROWS]; AXES], velocity: [[[T::ZERO; LANES]; ROWS]; AXES] };
 
     /// Fills the columns in use by `read`.
@@ -93,19 +93,19 @@ impl<T: Real, const ROWS: usize> Side<T, ROWS> {
 
     /// One of the rows.
     #[inline(always)]
-    fn row(&self, row: usize) -> Side<T, 1> {
-        Side {
+    fn row(&self, row: usize) -> SpringSide<T, 1> {
+        SpringSide {
             position: self.position.each_ref().map(|axis| [axis[row]]),
             velocity: self.velocity.each_ref().map(|axis| [axis[row]]),
         }
     }
 }
 
-impl<T: Real> Side<T, 1> {
+impl<T: Real> SpringSide<T, 1> {
     /// One of the ends.
     #[inline(always)]
-    fn lane(&self, lane: usize) -> State<T> {
-        State {
+    fn lane(&self, lane: usize) -> EndState<T> {
+        EndState {
             position: self.position.each_ref().map(|axis| axis[0][lane]),
             velocity: self.velocity.each_ref().map(|axis| axis[0][lane]),
         }
@@ -114,7 +114,7 @@ impl<T: Real> Side<T, 1> {
 
 /// A spring as seen from one of its ends.
 #[derive(Debug, Clone, Copy)]
-struct End<T> {
+struct SpringEnd<T> {
     kind: usize,
     partner: u32,
     law: SpringLaw<T>,
@@ -126,7 +126,7 @@ impl<T: Real> Slices<T> {
         let (ends, kinds) = ends::<T>(springs, count);
         let sorted = arrange(&ends, |end| end.kind);
         let unsorted = arrange(&ends, |_| 0);
-        let total = |rows: &[Vec<Row<T>>]| rows.iter().map(Vec::len).sum::<usize>();
+        let total = |rows: &[Vec<SpringRow<T>>]| rows.iter().map(Vec::len).sum::<usize>();
         let shared = kinds.len() <= KINDS && total(&sorted) * 100 <= total(&unsorted) * SORTED;
         let slices = if shared { sorted } else { unsorted };
         let mut rows = vec![0];
@@ -203,17 +203,17 @@ impl<T: Real> Slices<T> {
     #[inline(always)]
     fn gather<V: Vector<Scalar = T>, const DAMPED: bool>(
         &self,
-        laws: impl Source<T>,
+        laws: impl LawAccess<T>,
         block: &Range<usize>,
         at: &StateView<'_, V>,
         rates: &mut Rates<'_, V>,
     ) {
-        let mut far = Side::<T, ROWS>::EMPTY;
+        let mut far = SpringSide::<T, ROWS>::EMPTY;
         for slice in block.start / LANES..block.end / LANES {
             if self.rows(slice).is_empty() {
                 continue;
             }
-            let mut near = Side::<T, 1>::EMPTY;
+            let mut near = SpringSide::<T, 1>::EMPTY;
             near.fill::<V, DAMPED>(at, |column, out| out[0] = column.as_chunks().0[slice]);
             let [mut force, mut damping] = [[[T::ZERO; LANES]; AXES]; 2];
             let mut power = [T::ZERO; LANES];
@@ -265,14 +265,14 @@ impl<T: Real> Slices<T> {
     #[inline(always)]
     fn measure_rows<V: Vector<Scalar = T>>(
         &self,
-        laws: impl Source<T>,
+        laws: impl LawAccess<T>,
         range: &Range<usize>,
         at: &StateView<'_, V>,
         statistics: &mut SpringStatistics,
     ) {
-        let mut far = Side::<T, 1>::EMPTY;
+        let mut far = SpringSide::<T, 1>::EMPTY;
         for slice in range.start / LANES..range.end.div_ceil(LANES) {
-            let mut near = Side::<T, 1>::EMPTY;
+            let mut near = SpringSide::<T, 1>::EMPTY;
             near.fill::<V, false>(at, |column, out| out[0] = column.as_chunks().0[slice]);
             for row in self.rows(slice) {
                 far.fill::<V, false>(at, |column, out| self.partners.read(row..row + 1, column, out));
@@ -293,10 +293,10 @@ impl<T: Real> Slices<T> {
 }
 
 /// One spring per lane, or None.
-type Row<T> = [Option<End<T>>; LANES];
+type SpringRow<T> = [Option<SpringEnd<T>>; LANES];
 
 /// Springs of every particle, by kind and then by partner, and the kinds.
-fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<SpringLaw<T>>) {
+fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<SpringEnd<T>>>, Vec<SpringLaw<T>>) {
     let laws: Vec<SpringLaw<T>> = springs.iter().map(SpringLaw::of).collect();
     let kinds: BTreeMap<[u64; 3], SpringLaw<T>> = laws.iter().map(|law| (law.key(), *law)).collect();
     let number: BTreeMap<[u64; 3], usize> = kinds.keys().enumerate().map(|(kind, key)| (*key, kind)).collect();
@@ -304,8 +304,8 @@ fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<Spr
     for (spring, &law) in springs.iter().zip(&laws) {
         let kind = number[&law.key()];
         let [i, j] = spring.ends;
-        ends[i as usize].push(End { kind, partner: j, law });
-        ends[j as usize].push(End { kind, partner: i, law });
+        ends[i as usize].push(SpringEnd { kind, partner: j, law });
+        ends[j as usize].push(SpringEnd { kind, partner: i, law });
     }
     for list in &mut ends {
         list.sort_by_key(|end| (end.kind, end.partner));
@@ -314,9 +314,9 @@ fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<Spr
 }
 
 /// Rows of every slice. Each row holds springs of one `class`.
-fn arrange<T: Real>(ends: &[Vec<End<T>>], class: impl Fn(&End<T>) -> usize) -> Vec<Vec<Row<T>>> {
+fn arrange<T: Real>(ends: &[Vec<SpringEnd<T>>], class: impl Fn(&SpringEnd<T>) -> usize) -> Vec<Vec<SpringRow<T>>> {
     let slices = ends.chunks(LANES).map(|particles| {
-        let mut rows: BTreeMap<(usize, usize), Row<T>> = BTreeMap::new();
+        let mut rows: BTreeMap<(usize, usize), SpringRow<T>> = BTreeMap::new();
         for (lane, list) in particles.iter().enumerate() {
             for run in list.chunk_by(|one, next| class(one) == class(next)) {
                 for (rank, &end) in run.iter().enumerate() {

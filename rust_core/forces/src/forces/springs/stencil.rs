@@ -1,15 +1,15 @@
 //! Stencils: springs with the same law between particles with a constant index offset.
 //!
 //! A cloth, or a lattice, in row-major order consists of a few stencils with holes at its edges. Both ends are then read
-//! contiguously. Each spring is computed once, as the [`Factors`](super::law::Factors) of its separation in its force. Each
-//! particle then gathers the forces on it, stencil by stencil. Their sum therefore has the same bits for any division into
-//! blocks.
+//! contiguously. Each spring is computed once, as the [`SeparationFactors`](super::law::SeparationFactors) of its separation in
+//! its force. Each particle then gathers the forces on it, stencil by stencil. Their sum therefore has the same bits for any
+//! division into blocks.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::Spring;
-use super::law::{Run, SpringLaw};
+use super::law::{SpringLaw, SpringRun};
 use super::statistics::SpringStatistics;
 use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
@@ -25,7 +25,7 @@ pub const BLOCK: usize = 16 * TILE;
 
 /// Sums over the stencils for the particles of a tile.
 #[derive(Debug)]
-pub struct Sums<T> {
+pub struct StencilSums<T> {
     /// Force [N].
     force: [[T; TILE]; AXES],
     /// Force of the damping alone [N].
@@ -34,7 +34,7 @@ pub struct Sums<T> {
     power: [T; TILE],
 }
 
-impl<T: Real> Sums<T> {
+impl<T: Real> StencilSums<T> {
     /// Zero forces and powers.
     pub const ZERO: Self = Self { force: [[T::ZERO; TILE]; AXES], damping: [[T::ZERO; TILE]; AXES], power: [T::ZERO; TILE] };
 
@@ -88,7 +88,7 @@ const STRUCTURE: usize = 50;
 
 /// Springs (i, i + offset) with the same law.
 #[derive(Debug)]
-pub struct Stencil<T> {
+pub struct SpringStencil<T> {
     /// Difference of the indices.
     pub offset: usize,
     /// Common law.
@@ -102,13 +102,14 @@ pub struct Stencil<T> {
 }
 
 /// The stencils in a network, and whether each spring is in one of them.
-pub fn find<T: Real>(springs: &[Spring]) -> (Vec<Stencil<T>>, Vec<bool>) {
+pub fn find<T: Real>(springs: &[Spring]) -> (Vec<SpringStencil<T>>, Vec<bool>) {
     let mut kinds: BTreeMap<(u32, [u64; 3]), Vec<usize>> = BTreeMap::new();
     for (index, spring) in springs.iter().enumerate() {
         let [i, j] = spring.ends;
         kinds.entry((i.abs_diff(j), SpringLaw::<T>::of(spring).key())).or_default().push(index);
     }
-    let mut found: Vec<(Stencil<T>, Vec<usize>)> = kinds.into_values().filter_map(|kind| Stencil::of(springs, &kind)).collect();
+    let mut found: Vec<(SpringStencil<T>, Vec<usize>)> =
+        kinds.into_values().filter_map(|kind| SpringStencil::of(springs, &kind)).collect();
     found.sort_by_key(|(stencil, _)| std::cmp::Reverse(stencil.count));
     found.truncate(MOST);
     // In an unstructured network, a few stencils would only leave holes in the slices.
@@ -120,7 +121,7 @@ pub fn find<T: Real>(springs: &[Spring]) -> (Vec<Stencil<T>>, Vec<bool>) {
     (found.into_iter().map(|(stencil, _)| stencil).collect(), taken)
 }
 
-impl<T: Real> Stencil<T> {
+impl<T: Real> SpringStencil<T> {
     /// The stencil of springs of one kind, with its members; None if too sparse. A pair is in it at most once.
     fn of(springs: &[Spring], kind: &[usize]) -> Option<(Self, Vec<usize>)> {
         let lower = |index: usize| springs[index].ends[0].min(springs[index].ends[1]) as usize;
@@ -176,7 +177,7 @@ impl<T: Real> Stencil<T> {
         (tile, block): (&Range<usize>, &Range<usize>),
         at: &StateView<'_, V>,
         factors: &mut [T],
-        sums: &mut Sums<T>,
+        sums: &mut StencilSums<T>,
     ) {
         let first = self.reach(block);
         let (tension, drag) = factors.split_at_mut(factors.len() / 2);
@@ -210,7 +211,7 @@ impl<T: Real> Stencil<T> {
             return;
         }
         let (law, length, place) = (self.law, ends.len(), ends.start - range.start);
-        let (near, far) = (Run::new(at, &ends), Run::new(at, &(ends.start + self.offset..ends.end + self.offset)));
+        let (near, far) = (SpringRun::new(at, &ends), SpringRun::new(at, &(ends.start + self.offset..ends.end + self.offset)));
         let present = &self.present[ends.start - self.first..][..length];
         let (tension, drag) = (&mut tension[place..][..length], &mut drag[place..][..length]);
         if !present.contains(&true) {
@@ -240,7 +241,7 @@ impl<T: Real> Stencil<T> {
         range: Range<usize>,
         at: &StateView<'_, V>,
         (tension, drag, first): (&[T], &[T], usize),
-        sums: &mut Sums<T>,
+        sums: &mut StencilSums<T>,
     ) {
         if range.is_empty() {
             return;
@@ -281,7 +282,8 @@ impl<T: Real> Stencil<T> {
         let mut square = [0.0; TILE];
         for start in block.clone().step_by(TILE) {
             let range = start..block.end.min(start + TILE);
-            let (near, far) = (Run::new(at, &range), Run::new(at, &(range.start + self.offset..range.end + self.offset)));
+            let (near, far) =
+                (SpringRun::new(at, &range), SpringRun::new(at, &(range.start + self.offset..range.end + self.offset)));
             let square = &mut square[..range.len()];
             for index in 0..range.len() {
                 square[index] = near.get::<V, false>(index).square_to::<V>(far.get::<V, false>(index));

@@ -20,7 +20,7 @@ use glam::DVec3;
 use super::coupled::{BlocksWithForces, Workspace};
 use super::dynamics::{Dynamics, Impulses, Treatment};
 use super::kernels;
-use super::method::{About, Job, Method};
+use super::method::{Job, Method, MethodProperties};
 use crate::contacts::Before;
 use crate::error::{Error, Result};
 use crate::forces::Rates;
@@ -230,10 +230,10 @@ impl History for Implicit {
 }
 
 impl<V: Space> Method<V> for Implicit {
-    fn about(&self) -> About {
+    fn about(&self) -> MethodProperties {
         let order = if self.scheme == Scheme::BackwardEuler { 1 } else { 2 };
         let registers = if self.scheme == Scheme::Bdf2 { 2 } else { 0 };
-        About {
+        MethodProperties {
             name: self.name,
             order,
             order_dissipative: order,

@@ -3,12 +3,12 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::forces::derivatives::Block;
+use crate::forces::derivatives::MatrixBlock;
 use crate::forces::springs::Spring;
 
 /// Derivative of a spring's force: along its direction n, and across it.
 #[derive(Debug, Clone, Copy)]
-struct Link {
+struct SpringStiffness {
     ends: [u32; 2],
     direction: DVec3,
     along: f64,
@@ -20,10 +20,10 @@ struct Link {
 pub struct Stiffness {
     /// Diagonal, by particle; 0 if the particle is fixed.
     pub diagonal: Vec<f64>,
-    links: Vec<Link>,
+    links: Vec<SpringStiffness>,
     /// Blocks of all other forces: of single particles, if there are any, and of pairs.
     own: Vec<[DMat3; 2]>,
-    pairs: Vec<Block>,
+    pairs: Vec<MatrixBlock>,
     /// Inverses of the blocks on the diagonal.
     inverse: Vec<DMat3>,
 }
@@ -45,11 +45,11 @@ impl Stiffness {
                 let direction = offset / length;
                 let pull = spring.stiffness * (length - spring.rest_length) + spring.damping * direction.dot(relative);
                 let along = position * spring.stiffness + rate * spring.damping;
-                Link { ends: spring.ends, direction, along, across: position * pull / length }
+                SpringStiffness { ends: spring.ends, direction, along, across: position * pull / length }
             } else {
                 // Without a direction the stiffness is isotropic; for a rest length of 0 this is exact.
                 let along = position * spring.stiffness;
-                Link { ends: spring.ends, direction: DVec3::ZERO, along, across: along }
+                SpringStiffness { ends: spring.ends, direction: DVec3::ZERO, along, across: along }
             };
             let DVec3 { x, y, z } = link.direction;
             let outer = DMat3::from_cols(link.direction * x, link.direction * y, link.direction * z);
@@ -62,7 +62,7 @@ impl Stiffness {
     }
 
     /// Adds a block of another force.
-    pub fn add(&mut self, block: Block) {
+    pub fn add(&mut self, block: MatrixBlock) {
         let [one, other] = block.ends.map(|end| end as usize);
         self.inverse[one] += block.definite;
         if one == other {

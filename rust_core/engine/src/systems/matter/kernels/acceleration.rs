@@ -1,7 +1,7 @@
 //! Accelerations of a block: accumulated forces plus the linear force.
 
 use super::activity::kinetic;
-use super::axis_force::{AxisForce, Uniform};
+use super::axis_force::{AxisForce, UniformForce};
 use super::power::{add_power, lanes};
 use crate::forces::Space;
 use crate::forces::linear::AxisLaw;
@@ -11,7 +11,7 @@ use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// One axis of a block.
-struct Axis<'a, T> {
+struct AccelerationAxis<'a, T> {
     x: &'a [Lanes<T>],
     v: &'a [Lanes<T>],
     force: &'a mut [Lanes<T>],
@@ -19,7 +19,7 @@ struct Axis<'a, T> {
 }
 
 struct Accelerations<'a, T> {
-    axes: [Option<Axis<'a, T>>; AXES],
+    axes: [Option<AccelerationAxis<'a, T>>; AXES],
     inverse_mass: &'a [Lanes<T>],
     inertia: &'a [Lanes<T>],
     power: &'a mut Power,
@@ -41,7 +41,7 @@ pub fn accelerations<V: Space>(
     let axes = std::array::from_fn(|axis| {
         let force = forces.next().filter(|_| axis < V::DIMENSION)?;
         let [x, v] = [position, velocity].map(|columns| columns.slice(axis, range.clone()).as_chunks().0);
-        Some(Axis { x, v, force: force.as_chunks_mut().0, law: dynamics.linear.axis(axis, start, length) })
+        Some(AccelerationAxis { x, v, force: force.as_chunks_mut().0, law: dynamics.linear.axis(axis, start, length) })
     });
     let inverse_mass = dynamics.properties.inverse_mass[range.clone()].as_chunks().0;
     let inertia = dynamics.properties.inertia[range].as_chunks().0;
@@ -59,9 +59,11 @@ impl<T: Real> Kernel for Accelerations<'_, T> {
             let weights = [inverse_mass, inertia];
             match axis.law {
                 AxisLaw::Uniform(same) if dissipates => {
-                    along::<S::Group<T>, _>(Uniform::<_, true>(same), axis, weights, power, &mut squares);
+                    along::<S::Group<T>, _>(UniformForce::<_, true>(same), axis, weights, power, &mut squares);
                 }
-                AxisLaw::Uniform(same) => along::<S::Group<T>, _>(Uniform::<_, false>(same), axis, weights, power, &mut squares),
+                AxisLaw::Uniform(same) => {
+                    along::<S::Group<T>, _>(UniformForce::<_, false>(same), axis, weights, power, &mut squares);
+                }
                 AxisLaw::Varying(varying) => along::<S::Group<T>, _>(varying, axis, weights, power, &mut squares),
             }
         }
@@ -73,7 +75,7 @@ impl<T: Real> Kernel for Accelerations<'_, T> {
 #[inline(always)]
 fn along<G: Pack<Scalar: Real>, L: AxisForce<G::Scalar>>(
     law: L,
-    Axis { x, v, force, .. }: Axis<'_, G::Scalar>,
+    AccelerationAxis { x, v, force, .. }: AccelerationAxis<'_, G::Scalar>,
     [inverse_mass, inertia]: [&[Lanes<G::Scalar>]; 2],
     power: &mut Power,
     squares: &mut Lanes<G::Scalar>,

@@ -15,15 +15,15 @@ pub(super) fn kinetic<T: Real, const W: usize>(squares: &[T; W]) -> f64 {
 /// Activity of a block: the kinetic energy [J], ½ Σ m v², rough in single precision. The activity is not finite if a velocity
 /// is not finite.
 pub fn activity<V: Space>(dynamics: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
-    dispatch(Activity { columns: &blocks.velocity, weights: &dynamics.properties.inertia[blocks.range()] })
+    dispatch(ActivityKernel { columns: &blocks.velocity, weights: &dynamics.properties.inertia[blocks.range()] })
 }
 
-struct Activity<'a, 'b, V: Space> {
+struct ActivityKernel<'a, 'b, V: Space> {
     columns: &'a Span<'b, V>,
     weights: &'a [V::Scalar],
 }
 
-impl<V: Space> Kernel for Activity<'_, '_, V> {
+impl<V: Space> Kernel for ActivityKernel<'_, '_, V> {
     type Output = f64;
 
     #[inline(always)]

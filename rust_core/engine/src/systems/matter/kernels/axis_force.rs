@@ -1,6 +1,6 @@
 //! The linear force along one axis of a block, with common coefficients or one set per particle.
 
-use crate::forces::linear::{Coefficients, Varying};
+use crate::forces::linear::{LinearCoefficients, VaryingCoefficients};
 use crate::math::Real;
 use crate::simd::{Lanes, Number};
 
@@ -22,9 +22,9 @@ pub(super) trait AxisForce<T: Real>: Copy {
 
 /// Common coefficients; `DRAG` is whether there is drag.
 #[derive(Clone, Copy)]
-pub(super) struct Uniform<T, const DRAG: bool>(pub(super) Coefficients<T>);
+pub(super) struct UniformForce<T, const DRAG: bool>(pub(super) LinearCoefficients<T>);
 
-impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
+impl<T: Real, const DRAG: bool> AxisForce<T> for UniformForce<T, DRAG> {
     const SUPPLIES: bool = false;
     type Coefficients<C: Copy> = ();
 
@@ -48,7 +48,7 @@ impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
     }
 }
 
-impl<T: Real> AxisForce<T> for Varying<'_, T> {
+impl<T: Real> AxisForce<T> for VaryingCoefficients<'_, T> {
     const SUPPLIES: bool = true;
     /// Coefficients a₀, b, c and γ.
     type Coefficients<C: Copy> = [C; 4];

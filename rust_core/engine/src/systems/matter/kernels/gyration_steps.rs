@@ -10,7 +10,7 @@ use crate::simd::{Isa, Kernel, dispatch_wide};
 use crate::systems::matter::dynamics::{Dynamics, LoneFields};
 
 /// Block of charges that advances by whole steps once its fields are known.
-struct Part<'a, 'b, V: Space> {
+struct ChargeBlock<'a, 'b, V: Space> {
     /// Charges [C] and inverse masses [1/kg].
     charges: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
@@ -31,22 +31,22 @@ pub fn gyration_steps<V: Space>(
     let origin = dynamics.properties.origin;
     let Some(electric) = electric.affine(origin) else { return };
     let (charges, inverse_mass) = (&charges[block.range()], &dynamics.properties.inverse_mass[block.range()]);
-    magnetic.with(0.0, origin, Part { charges, inverse_mass, electric, block, h, number });
+    magnetic.with(0.0, origin, ChargeBlock { charges, inverse_mass, electric, block, h, number });
 }
 
-impl<V: Space> Use<V::Scalar> for Part<'_, '_, V> {
+impl<V: Space> Use<V::Scalar> for ChargeBlock<'_, '_, V> {
     fn with(self, magnetic: impl FieldLaw<V::Scalar>) {
-        dispatch_wide(Steps { part: self, magnetic });
+        dispatch_wide(GyrationSteps { part: self, magnetic });
     }
 }
 
 /// Whole steps of a block in a magnetic field.
-struct Steps<P, B> {
+struct GyrationSteps<P, B> {
     part: P,
     magnetic: B,
 }
 
-impl<V: Space, B: FieldLaw<V::Scalar>> Kernel for Steps<Part<'_, '_, V>, B> {
+impl<V: Space, B: FieldLaw<V::Scalar>> Kernel for GyrationSteps<ChargeBlock<'_, '_, V>, B> {
     type Output = ();
 
     #[inline(always)]
@@ -56,11 +56,11 @@ impl<V: Space, B: FieldLaw<V::Scalar>> Kernel for Steps<Part<'_, '_, V>, B> {
     }
 }
 
-impl<V: Space, B: FieldLaw<V::Scalar>> Steps<Part<'_, '_, V>, B> {
+impl<V: Space, B: FieldLaw<V::Scalar>> GyrationSteps<ChargeBlock<'_, '_, V>, B> {
     /// Takes all steps, `W` charges at a time.
     #[inline(always)]
     fn steps<const W: usize>(self) {
-        let Self { part: Part { charges, inverse_mass, electric, block, h, number }, magnetic } = self;
+        let Self { part: ChargeBlock { charges, inverse_mass, electric, block, h, number }, magnetic } = self;
         let half = V::Scalar::from_f64(0.5 * h);
         let (charges, inverse_mass) = (charges.as_chunks::<W>().0, inverse_mass.as_chunks::<W>().0);
         let zero = [V::Scalar::ZERO; W];

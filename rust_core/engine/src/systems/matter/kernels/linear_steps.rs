@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::axis_force::{AxisForce, Uniform};
+use super::axis_force::{AxisForce, UniformForce};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, reuses_one_of_many};
 use crate::forces::Space;
@@ -14,7 +14,7 @@ use crate::simd::{Isa, Kernel, LANES, Lanes, Pack, dispatch_wide};
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Whole steps of a block whose forces are all fused.
-struct Steps<'a, T, I> {
+struct LinearSteps<'a, T, I> {
     axes: Axes<'a, T>,
     tally: &'a mut EnergyTally,
     dissipates: bool,
@@ -26,7 +26,7 @@ struct Steps<'a, T, I> {
 /// Advances one block by whole steps under the linear force alone.
 pub fn steps<V: Space, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
     let (axes, tally) = split(dynamics, blocks);
-    dispatch_wide(Steps::<V::Scalar, I> {
+    dispatch_wide(LinearSteps::<V::Scalar, I> {
         axes,
         tally,
         dissipates: dynamics.linear.dissipates,
@@ -46,7 +46,7 @@ struct Powers {
     last: [Lanes<f64>; 2],
 }
 
-impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
+impl<T: Real, I: Integrator> Kernel for LinearSteps<'_, T, I> {
     type Output = ();
 
     #[inline(always)]
@@ -57,7 +57,7 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
     }
 }
 
-impl<T: Real, I: Integrator> Steps<'_, T, I> {
+impl<T: Real, I: Integrator> LinearSteps<'_, T, I> {
     /// Takes one step: a pass over a block in the first-level cache. Two steps in a pass would need more registers than there
     /// are.
     #[inline(always)]
@@ -66,9 +66,9 @@ impl<T: Real, I: Integrator> Steps<'_, T, I> {
         for (axis, law) in self.axes.iter_mut().flatten() {
             match *law {
                 AxisLaw::Uniform(same) if self.dissipates => {
-                    whole_step::<P, I, _>(Uniform::<_, true>(same), axis, self.h, &mut powers);
+                    whole_step::<P, I, _>(UniformForce::<_, true>(same), axis, self.h, &mut powers);
                 }
-                AxisLaw::Uniform(same) => whole_step::<P, I, _>(Uniform::<_, false>(same), axis, self.h, &mut powers),
+                AxisLaw::Uniform(same) => whole_step::<P, I, _>(UniformForce::<_, false>(same), axis, self.h, &mut powers),
                 AxisLaw::Varying(varying) => {
                     whole_step::<P, I, _>(varying, axis, self.h, &mut powers);
                     sinks = OF_DRAG.len();

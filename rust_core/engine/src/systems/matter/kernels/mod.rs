@@ -26,4 +26,4 @@ pub use gyration_steps::gyration_steps;
 pub use linear_steps::steps;
 pub use point_force_steps::point_force_steps;
 pub use power::{integrate, through_all};
-pub use stage::{Action, Evaluation, kicked, stage};
+pub use stage::{Evaluation, StageAction, kicked, stage};

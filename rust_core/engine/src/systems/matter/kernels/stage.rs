@@ -1,7 +1,7 @@
 //! One stage of a step, with accumulated forces plus the linear force.
 
 use super::activity::kinetic;
-use super::axis_force::{AxisForce, Uniform};
+use super::axis_force::{AxisForce, UniformForce};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, lanes, through_all};
 use crate::forces::Space;
@@ -15,7 +15,7 @@ use crate::systems::matter::dynamics::Dynamics;
 
 /// Operation of a stage on the state.
 #[derive(Debug, Clone, Copy)]
-pub enum Action {
+pub enum StageAction {
     /// Fills the persistent registers at the start of a run.
     Begin,
     /// Computes the state of the first stage.
@@ -26,11 +26,11 @@ pub enum Action {
 
 /// Velocities from which an evaluation of the forces kicks a block; None if it does not. At the start of a run: the present
 /// ones.
-pub fn kicked<'a, 'b, V: Space>(method: &Facts, blocks: &'a Blocks<'b, V>, action: Action) -> Option<&'a Span<'b, V>> {
+pub fn kicked<'a, 'b, V: Space>(method: &Facts, blocks: &'a Blocks<'b, V>, action: StageAction) -> Option<&'a Span<'b, V>> {
     match action {
-        Action::Begin => Some(&blocks.velocity),
-        Action::StageState => None,
-        Action::StageUpdate(..) => method.drift_kick.map(|drift_kick| &blocks.registers[drift_kick.velocity]),
+        StageAction::Begin => Some(&blocks.velocity),
+        StageAction::StageState => None,
+        StageAction::StageUpdate(..) => method.drift_kick.map(|drift_kick| &blocks.registers[drift_kick.velocity]),
     }
 }
 
@@ -56,7 +56,7 @@ struct Stage<'a, T, S> {
     tally: &'a mut EnergyTally,
     dissipates: bool,
     h: f64,
-    action: Action,
+    action: StageAction,
     method: &'a Facts,
     swept: S,
 }
@@ -75,7 +75,7 @@ pub fn stage<V: Space, S: Swept>(
     blocks: &mut Blocks<'_, V>,
     evaluation: &Evaluation<'_, V>,
     h: f64,
-    action: Action,
+    action: StageAction,
 ) -> f64 {
     let range = blocks.range();
     let inverse_mass = dynamics.properties.inverse_mass[range.clone()].as_chunks().0;
@@ -134,18 +134,18 @@ impl<T: Real, S: Swept> Kernel for Stage<'_, T, S> {
             let sums = (&mut power, &mut squares);
             match *law {
                 AxisLaw::Uniform(same) if dissipates => {
-                    one_stage::<L::Group<T>, S, _>(swept, Uniform::<_, true>(same), input, columns, h, action, sums);
+                    one_stage::<L::Group<T>, S, _>(swept, UniformForce::<_, true>(same), input, columns, h, action, sums);
                 }
                 AxisLaw::Uniform(same) => {
-                    one_stage::<L::Group<T>, S, _>(swept, Uniform::<_, false>(same), input, columns, h, action, sums);
+                    one_stage::<L::Group<T>, S, _>(swept, UniformForce::<_, false>(same), input, columns, h, action, sums);
                 }
                 AxisLaw::Varying(varying) => one_stage::<L::Group<T>, S, _>(swept, varying, input, columns, h, action, sums),
             }
         }
         match action {
-            Action::Begin => tally.last = power,
-            Action::StageState => {}
-            Action::StageUpdate(stage, _) => {
+            StageAction::Begin => tally.last = power,
+            StageAction::StageState => {}
+            StageAction::StageUpdate(stage, _) => {
                 let [weight, last] = method.weights_at(stage).map(|weight| h * weight);
                 integrate(tally, through_all(&power), weight, last, stage + 1 == method.stages());
             }
@@ -173,7 +173,7 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
     input: AxisInput<'_, G::Scalar>,
     axis: &mut Axis<'_, G::Scalar>,
     h: f64,
-    action: Action,
+    action: StageAction,
     (power, squares): (&mut Power, &mut Lanes<G::Scalar>),
 ) {
     let (step, zero) = (G::constant(h), G::constant(0.0));
@@ -200,9 +200,9 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
             component.x = G::load(residual);
         }
         match action {
-            Action::Begin => S::begin(&mut component, a),
-            Action::StageState => stage_state::<G, S>(swept, 0, &mut component, step),
-            Action::StageUpdate(stage, next) => {
+            StageAction::Begin => S::begin(&mut component, a),
+            StageAction::StageState => stage_state::<G, S>(swept, 0, &mut component, step),
+            StageAction::StageUpdate(stage, next) => {
                 let predicted = component.v;
                 stage_update::<G, S>(swept, stage, &mut component, a, step);
                 if let (true, Some(damping)) = (S::CORRECTED_WEIGHT != 0.0, input.damping.get(group)) {

@@ -11,7 +11,7 @@ pub type Point<T> = [T; 4];
 
 /// Spring, for steps of h seconds.
 #[derive(Debug, Clone, Copy)]
-pub struct Link<T> {
+pub struct ProjectionLink<T> {
     /// Ends, as indices of particles.
     pub ends: [u32; 2],
     /// Stiffness k h² and damping c h [kg]; 1 and 0 for a rod.
@@ -26,7 +26,7 @@ pub struct Link<T> {
     pub compliant: T,
 }
 
-impl<T: Real> Link<T> {
+impl<T: Real> ProjectionLink<T> {
     fn new(spring: &Spring, inverse_mass: &[T], h: f64) -> Self {
         let inverse_mass = spring.ends.map(|end| inverse_mass[end as usize]);
         let is_rod = rods::is_rod(spring);
@@ -87,8 +87,8 @@ pub fn colored(springs: &[Spring], count: usize) -> Vec<Spring> {
 }
 
 /// Links of all springs, for steps of `h` seconds.
-pub fn links<V: Space>(springs: &[Spring], properties: &Properties<V>, h: f64) -> Vec<Link<V::Scalar>> {
-    colored(springs, properties.count()).iter().map(|spring| Link::new(spring, &properties.inverse_mass, h)).collect()
+pub fn links<V: Space>(springs: &[Spring], properties: &Properties<V>, h: f64) -> Vec<ProjectionLink<V::Scalar>> {
+    colored(springs, properties.count()).iter().map(|spring| ProjectionLink::new(spring, &properties.inverse_mass, h)).collect()
 }
 
 /// Copies columns into points.

@@ -17,7 +17,7 @@ pub use sweep::{NAME as XPBD, Sweeps};
 use super::coupled::Workspace;
 use super::dynamics::{Dynamics, Impulses, Treatment};
 use super::kernels;
-use super::method::{About, Job, Method};
+use super::method::{Job, Method, MethodProperties};
 use crate::contacts::Before;
 use crate::error::Result;
 use crate::forces::Rates;
@@ -34,7 +34,7 @@ use crate::systems::matter::coupled::BlocksWithForces;
 /// Projector: finds displacements for springs.
 pub trait Projector<V: Space>: Send + Sync {
     /// Properties of the method.
-    fn about(&self) -> About;
+    fn about(&self) -> MethodProperties;
     /// Number of steps of the projector within a step of the method.
     fn substeps(&self) -> usize;
     /// Prepares for the springs of a scene.
@@ -46,12 +46,12 @@ pub trait Projector<V: Space>: Send + Sync {
 }
 
 /// Method of a projector.
-pub struct Projection<V: Space, P> {
+pub struct ProjectionMethod<V: Space, P> {
     projector: P,
     displacement: Columns<V>,
 }
 
-impl<V: Space, P: Projector<V>> Projection<V, P> {
+impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
     /// Creates the method.
     pub fn new(projector: P) -> Self {
         Self { projector, displacement: Columns::zeros(0) }
@@ -146,8 +146,8 @@ fn finish<V: Space>(
 }
 
 /// Common properties of all projectors: one sweep over all particles, of order 1, explicit in forces other than springs.
-fn about(name: &'static str, evaluations: usize) -> About {
-    About {
+fn about(name: &'static str, evaluations: usize) -> MethodProperties {
+    MethodProperties {
         name,
         order: 1,
         order_dissipative: 1,
@@ -169,10 +169,10 @@ fn about(name: &'static str, evaluations: usize) -> About {
     }
 }
 
-impl<V: Space, P> History for Projection<V, P> {}
+impl<V: Space, P> History for ProjectionMethod<V, P> {}
 
-impl<V: Space, P: Projector<V>> Method<V> for Projection<V, P> {
-    fn about(&self) -> About {
+impl<V: Space, P: Projector<V>> Method<V> for ProjectionMethod<V, P> {
+    fn about(&self) -> MethodProperties {
         self.projector.about()
     }
 

@@ -13,7 +13,7 @@
 use glam::{DVec3, DVec4};
 
 use super::curvature::{Curvature, dot};
-use super::links::{Link, Point, gather, links, scatter};
+use super::links::{Point, ProjectionLink, gather, links, scatter};
 use super::sweep::count;
 use super::{Projector, about};
 use crate::error::Result;
@@ -24,7 +24,7 @@ use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::sparse::Factorization;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::method::About;
+use crate::systems::matter::method::MethodProperties;
 
 /// Name of the class in Python.
 pub const NAME: &str = "ProjectiveDynamics";
@@ -51,7 +51,7 @@ pub struct Projective<V: Space> {
 }
 
 struct Prepared<T> {
-    links: Vec<Link<T>>,
+    links: Vec<ProjectionLink<T>>,
     /// Particles that are not fixed.
     free: Vec<u32>,
     factorization: Factorization,
@@ -103,7 +103,7 @@ fn prepare<V: Space>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
 }
 
 impl<V: Space> Projector<V> for Projective<V> {
-    fn about(&self) -> About {
+    fn about(&self) -> MethodProperties {
         about(NAME, 1)
     }
 
@@ -211,7 +211,7 @@ fn vector<T: Real>(point: &Point<T>) -> DVec3 {
 
 /// Kernel that adds the forces of all springs, times h².
 struct Pulls<'a, T> {
-    links: &'a [Link<T>],
+    links: &'a [ProjectionLink<T>],
     from: &'a [Point<T>],
     displacements: &'a [Point<T>],
     forces: &'a mut [Point<T>],

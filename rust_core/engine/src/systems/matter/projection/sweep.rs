@@ -8,7 +8,7 @@
 //! order. For a rod α̃ = 0, and Δq = (r − L)/(w₁ + w₂). Sources: M. Macklin, M. Müller, N. Chentanez, "XPBD", MIG 2016; M.
 //! Macklin et al., "Small steps in physics simulation", SCA 2019.
 
-use super::links::{Link, Point, gather, links, scatter};
+use super::links::{Point, ProjectionLink, gather, links, scatter};
 use super::{Projector, about};
 use crate::error::{Error, Result};
 use crate::forces::Space;
@@ -17,7 +17,7 @@ use crate::matter::{Columns, Matter};
 use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::method::About;
+use crate::systems::matter::method::MethodProperties;
 
 /// Name of the class in Python.
 pub const NAME: &str = "XPBD";
@@ -29,7 +29,7 @@ pub struct Sweeps<T> {
     iterations: usize,
     /// Step size of the links [s].
     h: f64,
-    links: Vec<Link<T>>,
+    links: Vec<ProjectionLink<T>>,
     /// Multipliers q of the links [kg·m].
     multipliers: Vec<T>,
     /// Positions and displacements [m].
@@ -58,8 +58,8 @@ pub fn count(item: &Item, name: &str) -> Result<usize> {
 }
 
 impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
-    fn about(&self) -> About {
-        About { holds_rods: true, ..about(NAME, self.substeps) }
+    fn about(&self) -> MethodProperties {
+        MethodProperties { holds_rods: true, ..about(NAME, self.substeps) }
     }
 
     fn substeps(&self) -> usize {
@@ -80,7 +80,7 @@ impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
         gather(displacement, &mut self.displacements);
         let Self { links, multipliers, from, displacements, .. } = self;
         for _ in 0..self.iterations {
-            dispatch(Sweep { links, multipliers, from, displacements });
+            dispatch(ProjectionSweep { links, multipliers, from, displacements });
         }
         scatter(&self.displacements, displacement);
     }
@@ -91,14 +91,14 @@ impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
     }
 }
 
-struct Sweep<'a, T> {
-    links: &'a [Link<T>],
+struct ProjectionSweep<'a, T> {
+    links: &'a [ProjectionLink<T>],
     multipliers: &'a mut [T],
     from: &'a [Point<T>],
     displacements: &'a mut [Point<T>],
 }
 
-impl<T: Real> Kernel for Sweep<'_, T> {
+impl<T: Real> Kernel for ProjectionSweep<'_, T> {
     type Output = ();
 
     #[inline(always)]

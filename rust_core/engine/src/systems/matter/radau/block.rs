@@ -6,7 +6,7 @@ use crate::matter::{Span, View};
 use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
 /// Persistent data of a group of lanes along one axis.
-pub type Memory = gauss_radau_15::Memory<LANES>;
+pub type LaneMemory = gauss_radau_15::Memory<LANES>;
 
 /// Largest |values|, which measure the convergence of an iteration and the accuracy of a step.
 #[derive(Debug, Clone, Copy, Default)]
@@ -61,7 +61,7 @@ pub enum Task {
 }
 
 /// One block, as groups of lanes; in each group the axes one after the other.
-pub struct Block<'a, 'b, V: Space> {
+pub struct RadauBlock<'a, 'b, V: Space> {
     /// First particle of the block.
     pub start: usize,
     /// Positions [m] and velocities [m/s], to be written.
@@ -71,7 +71,7 @@ pub struct Block<'a, 'b, V: Space> {
     /// Accelerations [m/s²].
     pub acceleration: View<'a, V>,
     pub series: &'a mut [Series<LANES>],
-    pub memory: &'a mut [Memory],
+    pub memory: &'a mut [LaneMemory],
     pub largest: &'a mut Largest,
     /// Step size [s].
     pub h: f64,
@@ -79,11 +79,11 @@ pub struct Block<'a, 'b, V: Space> {
 }
 
 /// Performs the task of a stage, at the best SIMD level.
-pub fn advance<V: Space<Scalar = f64>>(block: Block<'_, '_, V>) {
+pub fn advance<V: Space<Scalar = f64>>(block: RadauBlock<'_, '_, V>) {
     dispatch(block);
 }
 
-impl<V: Space<Scalar = f64>> Kernel for Block<'_, '_, V> {
+impl<V: Space<Scalar = f64>> Kernel for RadauBlock<'_, '_, V> {
     type Output = ();
 
     #[inline(always)]
