@@ -34,7 +34,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in named:
         item.add_marker(pytest.mark.long)
     if not config.args_source.name.startswith("ARGS") and len(named) < len(names):
-        raise pytest.UsageError(f"tests/long.txt names {sorted(names - {item.nodeid for item in named})}, which are gone")
+        raise pytest.UsageError(
+            f"tests/long.txt names {sorted(names - {item.nodeid for item in named})}, which are gone"
+        )
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -321,3 +321,27 @@ def test_rounding_is_all_that_is_left_of_rest():
         run = pc.Simulation(pc.Scene(body, pc.Gravity((0.0, -9.81))), integrator, dt=0.1)
         run.step(50)
         assert np.abs(run.positions - nodes).max() < 1e4 * EPSILON
+
+
+@pytest.mark.parametrize("method", [pc.BackwardEuler(), pc.ImplicitMidpoint(), pc.BDF2()], ids=repr)
+@pytest.mark.parametrize(
+    "forces",
+    [
+        (pc.Gravity((0.0, -9.81)), pc.Drag(linear=1e3)),
+        (pc.Gravity((0.0, -9.81)), pc.Drag(linear=50.0, wind=(3.0, 9.0))),
+        (pc.CentralForce((40.0, 30.0), 1e4, exponent=1.0), pc.Drag(linear=1e3)),
+    ],
+    ids=["terminal velocity", "terminal velocity in wind", "the bottom of a well"],
+)
+def test_forces_that_balance_leave_no_residual_but_rounding(method, forces):
+    """At the end the net force is far below its terms: its rounding is not held against the solution."""
+    scene = pc.Scene(pc.Particles([[0.1, 0.2], [39.0, 31.0]]), *forces)
+    run = pc.Simulation(scene, method, dt=0.05)
+    run.run(40.0)
+    drag = forces[1]
+    wind = np.array(drag.wind or (0.0, 0.0))
+    if isinstance(forces[0], pc.Gravity):
+        expected = np.broadcast_to(wind + np.array([0.0, -9.81 / drag.linear]), (2, 2))
+        np.testing.assert_allclose(run.velocities, expected, rtol=1e-9, atol=1e-12)
+    else:
+        np.testing.assert_allclose(run.positions, np.broadcast_to((40.0, 30.0), (2, 2)), rtol=1e-12)

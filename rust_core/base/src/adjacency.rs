@@ -23,6 +23,7 @@ impl Adjacency {
     }
 
     /// Builds the neighbor lists of a graph with these edges: each end is in the list of the other.
+    #[inline]
     pub fn of_graph(count: usize, edges: impl Iterator<Item = [u32; 2]>) -> Self {
         Self::new(count, &edges.flat_map(|[one, other]| [[one, other], [other, one]]).collect::<Vec<_>>())
     }
@@ -35,6 +36,7 @@ impl Adjacency {
     }
 
     /// Number of particles.
+    #[inline]
     pub fn count(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
@@ -49,6 +51,7 @@ impl Adjacency {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         size_of_val(self.starts.as_slice()) + size_of_val(self.entries.as_slice())
     }

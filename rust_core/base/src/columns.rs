@@ -15,6 +15,7 @@ pub struct Columns<V: Vector> {
 
 impl<V: Vector> Columns<V> {
     /// Returns `count` zero vectors.
+    #[inline]
     pub fn zeros(count: usize) -> Self {
         Self { axes: vec![filled(V::Scalar::ZERO, padded(count)); V::DIMENSION], count }
     }
@@ -27,16 +28,19 @@ impl<V: Vector> Columns<V> {
     }
 
     /// Number of vectors.
+    #[inline]
     pub fn count(&self) -> usize {
         self.count
     }
 
     /// Vector at an index.
+    #[inline]
     pub fn get(&self, index: usize) -> V {
         V::from_axes(|axis| self.axes[axis][index])
     }
 
     /// Writes the vector at an index.
+    #[inline]
     pub fn set(&mut self, index: usize, value: V) {
         for axis in 0..V::DIMENSION {
             self.axes[axis][index] = value.axis(axis);
@@ -44,11 +48,13 @@ impl<V: Vector> Columns<V> {
     }
 
     /// Index of the first vector that is not finite, if any.
+    #[inline]
     pub fn out_of_range(&self) -> Option<usize> {
         (0..self.count).find(|&index| !self.get(index).widen().is_finite())
     }
 
     /// Copies all vectors of `other`, which must have the same count.
+    #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         for (mine, theirs) in self.axes.iter_mut().zip(&other.axes) {
             mine.copy_from_slice(theirs);
@@ -62,17 +68,20 @@ impl<V: Vector> Columns<V> {
     }
 
     /// Read-only view of all vectors.
+    #[inline]
     pub fn view(&self) -> View<'_, V> {
         View { start: 0, axes: std::array::from_fn(|axis| self.axes.get(axis).map_or(&[][..], |axis| axis.as_slice())) }
     }
 
     /// Mutable span of all vectors.
+    #[inline]
     pub fn span(&mut self) -> Span<'_, V> {
         let mut arrays = self.axes.iter_mut();
         Span { axes: std::array::from_fn(|_| arrays.next().map_or(&mut [][..], |axis| axis.as_mut_slice())) }
     }
 
     /// Memory of the arrays [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         self.axes.iter().map(|axis| std::mem::size_of_val(axis.as_slice())).sum()
     }
@@ -114,6 +123,7 @@ pub struct Span<'a, V: Vector> {
 
 impl<V: Vector> Span<'_, V> {
     /// Returns a span without particles.
+    #[inline]
     pub fn empty() -> Self {
         Self { axes: std::array::from_fn(|_| &mut [][..]) }
     }
@@ -125,12 +135,14 @@ impl<V: Vector> Span<'_, V> {
     }
 
     /// Whether the span is empty.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Splits the span after `length` particles. An empty span gives two empty spans.
     #[must_use]
+    #[inline]
     pub fn split_at(mut self, length: usize) -> (Self, Self) {
         let others = std::array::from_fn(|axis| {
             let whole = std::mem::take(&mut self.axes[axis]);
@@ -168,6 +180,7 @@ impl<V: Vector> Span<'_, V> {
     }
 
     /// Fills the span with vectors of `from`, beginning at particle `start`.
+    #[inline]
     pub fn copy_from(&mut self, from: &View<'_, V>, start: usize) {
         for axis in 0..V::DIMENSION {
             let slice = &mut *self.axes[axis];

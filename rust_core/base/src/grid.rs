@@ -73,47 +73,56 @@ impl Grid {
     }
 
     /// Internal index of the spatial axis x, y or z.
+    #[inline]
     pub fn axis(&self, of_space: usize) -> usize {
         AXES - self.dimension + of_space
     }
 
     /// Internal indices of the axes of the grid.
+    #[inline]
     pub fn axes(&self) -> std::ops::Range<usize> {
         AXES - self.dimension..AXES
     }
 
     /// Number of cells.
+    #[inline]
     pub fn count(&self) -> usize {
         self.cells.iter().product()
     }
 
     /// Number of rows.
+    #[inline]
     pub fn rows(&self) -> usize {
         self.cells[0] * self.cells[1]
     }
 
     /// Number of cells in a row.
+    #[inline]
     pub fn row_length(&self) -> usize {
         self.cells[2]
     }
 
     /// Shape of fields: number of cells along x, y and z.
+    #[inline]
     pub fn shape(&self) -> Vec<usize> {
         self.cells[self.axes()].to_vec()
     }
 
     /// Measure h^D of a cell: length, area or volume [m^D].
+    #[inline]
     pub fn content(&self) -> f64 {
         self.axes().map(|_| self.spacing).product()
     }
 
     /// Position of a row along the first two axes.
+    #[inline]
     pub fn place(&self, row: usize) -> [usize; 2] {
         [row / self.cells[1], row % self.cells[1]]
     }
 
     /// Row adjacent to a row along one of the first two axes, above or below it. A periodic axis wraps around; otherwise there is
     /// none beyond the grid.
+    #[inline]
     pub fn beside(&self, row: usize, axis: usize, upward: bool) -> Option<usize> {
         self.neighbors(row)[axis][usize::from(upward)]
     }
@@ -131,6 +140,7 @@ impl Grid {
     }
 
     /// Name of a cell: `cell (3, 4)`.
+    #[inline]
     pub fn name(&self, index: usize) -> String {
         let row = self.place(index / self.row_length());
         let indices = [row[0], row[1], index % self.row_length()];
@@ -184,6 +194,7 @@ impl Grid {
     ///
     /// # Errors
     /// If the mask is of another shape.
+    #[inline]
     pub fn mask<'a>(&self, item: &'a Item, name: &str) -> Result<Option<&'a [bool]>> {
         match item.values.get(name) {
             None => Ok(None),

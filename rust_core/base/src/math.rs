@@ -192,6 +192,7 @@ vector!(DVec2, f64, 2);
 vector!(DVec3, f64, 3);
 
 /// Pseudorandom vector for an index: three numbers between −1 and 1, by splitmix64 of Steele, Lea and Flood (OOPSLA 2014).
+#[inline]
 pub fn noise(index: u64) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|axis| {
         let mut bits = (3 * index + axis as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);

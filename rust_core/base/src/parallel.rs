@@ -48,6 +48,7 @@ pub struct BlockedSlice<'a, T> {
 
 impl<'a, T> BlockedSlice<'a, T> {
     /// Divides all of `items` into blocks of `size`, which must not be 0.
+    #[inline]
     pub fn new(items: &'a mut [T], size: usize) -> Self {
         Self { start: 0, items, size }
     }
@@ -77,6 +78,7 @@ pub static SERIAL: Executor = Executor::serial();
 
 impl Executor {
     /// Returns an executor of the calling thread alone.
+    #[inline]
     pub const fn serial() -> Self {
         Self { threads: 1, stop: AtomicBool::new(false) }
     }
@@ -85,11 +87,13 @@ impl Executor {
     ///
     /// # Errors
     /// [`Error::Interrupted`] after an interrupt.
+    #[inline]
     pub fn check(&self) -> Result<()> {
         if self.stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
     /// Number of threads.
+    #[inline]
     pub fn threads(&self) -> usize {
         self.threads
     }
@@ -158,11 +162,13 @@ pub struct ThreadPool {
 
 impl ThreadPool {
     /// Returns a pool of `threads` threads. They start with the first job that needs them.
+    #[inline]
     pub fn new(threads: usize) -> Self {
         Self { threads, pool: None, process: std::process::id() }
     }
 
     /// Default number of threads: `PHYSCORE_NUM_THREADS`, or all that this process may use.
+    #[inline]
     pub fn default_threads() -> Result<usize> {
         match std::env::var("PHYSCORE_NUM_THREADS") {
             Ok(text) => match text.parse() {
@@ -174,6 +180,7 @@ impl ThreadPool {
     }
 
     /// Number of threads.
+    #[inline]
     pub fn threads(&self) -> usize {
         self.threads
     }

@@ -39,11 +39,13 @@ impl EnergyTally {
     pub const ZERO: Self = Self { energy: [[0.0; LANES]; SINKS], last: [[0.0; LANES]; SINKS] };
 
     /// Energy through one sink [J].
+    #[inline]
     pub fn total(&self, sink: EnergySink) -> f64 {
         self.energy[sink as usize].iter().sum()
     }
 
     /// Adds the energy of an instantaneous event [J].
+    #[inline]
     pub fn add(&mut self, sink: EnergySink, energy: f64) {
         self.energy[sink as usize][0] += energy;
     }

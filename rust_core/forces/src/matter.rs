@@ -55,6 +55,7 @@ impl<V: Vector> Properties<V> {
     }
 
     /// Index in the engine's order of each particle of the caller's order.
+    #[inline]
     pub fn engine(&self) -> Vec<u32> {
         let mut engine = vec![0; self.caller.len()];
         self.caller.iter().zip(0..).for_each(|(&caller, index)| engine[caller as usize] = index);
@@ -62,16 +63,19 @@ impl<V: Vector> Properties<V> {
     }
 
     /// Converts positions [m] from the caller's order to the engine's order, relative to the origin.
+    #[inline]
     pub fn relative(&self, positions: &[DVec3]) -> Vec<DVec3> {
         self.caller.iter().map(|&caller| positions[caller as usize] - self.origin).collect()
     }
 
     /// Number of particles.
+    #[inline]
     pub fn count(&self) -> usize {
         self.mass.len()
     }
 
     /// Whether a particle has a prescribed velocity.
+    #[inline]
     pub fn is_fixed(&self, index: usize) -> bool {
         self.mass[index].is_infinite()
     }
@@ -108,6 +112,7 @@ fn parts<V: Vector>(exact: DVec3) -> (V, V) {
 
 impl<V: Vector> Matter<V> {
     /// Matter at rest at the origin.
+    #[inline]
     pub fn zeros(count: usize, registers: usize, block: usize) -> Self {
         Self {
             position: Columns::zeros(count),
@@ -120,11 +125,13 @@ impl<V: Vector> Matter<V> {
     }
 
     /// Number of particles.
+    #[inline]
     pub fn count(&self) -> usize {
         self.position.count()
     }
 
     /// Copies the state of `other`, which has the same shape.
+    #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         self.position.copy_from(&other.position);
         self.velocity.copy_from(&other.velocity);
@@ -136,11 +143,13 @@ impl<V: Vector> Matter<V> {
     }
 
     /// Exact position of a particle relative to the origin [m].
+    #[inline]
     pub fn exact_position(&self, index: usize) -> DVec3 {
         exact(self.position.get(index), (self.residual.count() > 0).then(|| self.residual.get(index)))
     }
 
     /// Sets the position of a particle relative to the origin [m], as exactly as the state can hold it.
+    #[inline]
     pub fn set_exact_position(&mut self, index: usize, exact: DVec3) {
         let (position, residual) = parts(exact);
         self.position.set(index, position);
@@ -150,11 +159,13 @@ impl<V: Vector> Matter<V> {
     }
 
     /// Energy through one sink so far [J], summed block by block.
+    #[inline]
     pub fn tallied(&self, sink: EnergySink) -> f64 {
         self.tallies.iter().map(|tally| tally.total(sink)).sum()
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let registers: usize = self.registers.iter().map(Columns::bytes).sum();
         self.position.bytes()
@@ -202,6 +213,7 @@ pub struct Blocks<'a, V: Vector> {
 
 impl<'a, V: Vector> Blocks<'a, V> {
     /// One block of `count` particles that begins at `start`.
+    #[inline]
     pub fn new(
         start: usize,
         count: usize,
@@ -214,11 +226,13 @@ impl<'a, V: Vector> Blocks<'a, V> {
     }
 
     /// Exact position of a particle of these blocks, relative to the origin [m].
+    #[inline]
     pub fn exact_position(&self, lane: usize) -> DVec3 {
         exact(self.position.get(lane), (!self.residual.is_empty()).then(|| self.residual.get(lane)))
     }
 
     /// Sets the position of a particle of these blocks relative to the origin [m], as exactly as the state can hold it.
+    #[inline]
     pub fn set_exact_position(&mut self, lane: usize, exact: DVec3) {
         let (position, residual) = parts(exact);
         self.position.set(lane, position);

@@ -30,11 +30,13 @@ pub struct Block<'a, T, Y> {
 
 impl<T, Y> Block<'_, T, Y> {
     /// Number of rows.
+    #[inline]
     pub fn count(&self) -> usize {
         self.field.len() / self.length
     }
 
     /// Reborrows the block.
+    #[inline]
     pub fn reborrow(&mut self) -> Block<'_, T, Y> {
         Block {
             field: &mut *self.field,

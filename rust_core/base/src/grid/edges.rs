@@ -46,6 +46,7 @@ impl Edges {
     }
 
     /// Whether any edge has this boundary condition.
+    #[inline]
     pub fn any(&self, kind: Edge) -> bool {
         self.0.iter().flatten().any(|&edge| edge == kind)
     }

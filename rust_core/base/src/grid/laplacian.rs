@@ -133,11 +133,13 @@ impl<T: Real> Laplacian<T> {
     }
 
     /// Factor of ghost values beyond an edge, relative to the values in the row itself: −1 at a fixed edge, else 1.
+    #[inline]
     pub fn ghost(&self, axis: usize, side: usize) -> T {
         if self.edges.0[axis][side] == Edge::Fixed { -T::ONE } else { T::ONE }
     }
 
     /// Largest eigenvalue of −L: exact if w is uniform, else an upper bound.
+    #[inline]
     pub fn largest(&self) -> f64 {
         match self.uniform {
             Some(weight) => self.grid.axes().map(|axis| 4.0 * weight.to_f64() * self.largest_sine_squared(axis)).sum(),
@@ -151,6 +153,7 @@ impl<T: Real> Laplacian<T> {
     /// - θ = π (n − 1)/n for two free ends;
     /// - θ = π (n − ½)/n for one of each;
     /// - θ is the largest multiple of 2π/n up to π for a periodic axis.
+    #[inline]
     pub fn largest_sine_squared(&self, axis: usize) -> f64 {
         let (count, edges) = (self.grid.cells[axis] as f64, self.edges.0[axis]);
         let halves = match edges.iter().filter(|&&edge| edge == Edge::Fixed).count() {
@@ -190,6 +193,7 @@ impl<T: Real> Laplacian<T> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         self.faces.iter().chain([&self.anchor]).map(RowTable::bytes).sum()
     }

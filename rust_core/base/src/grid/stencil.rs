@@ -25,6 +25,7 @@ pub struct Window<'a, T> {
 
 impl<'a, T> Window<'a, T> {
     /// Returns a window on a single field, from its first row on.
+    #[inline]
     pub fn new(values: &'a [T], length: usize) -> Self {
         Self { values, first: 0, length, fields: 1, field: 0 }
     }

@@ -40,11 +40,13 @@ impl<T: Copy + PartialEq> RowTable<T> {
     }
 
     /// Distinct rows, one after the other.
+    #[inline]
     pub fn different(&self) -> &[T] {
         &self.values
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         size_of_val(self.values.as_slice()) + size_of_val(self.starts.as_slice())
     }

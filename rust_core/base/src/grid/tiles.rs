@@ -134,6 +134,7 @@ fn slab(grid: &Grid) -> usize {
 }
 
 /// Number of stages in one pass over memory, for systems that hold `bytes` bytes per cell.
+#[inline]
 pub fn depth(grid: &Grid, bytes: usize) -> usize {
     let across = usize::from(grid.dimension < 3);
     if grid.dimension == 1 || grid.periodic[across] {

@@ -117,11 +117,11 @@ impl<S: Splitting> Integrator for S {
 
     #[inline(always)]
     fn stage_state<T: Number>(stage: usize, component: &mut Component<T>, h: T) {
-        const { DriftsAndKicks::new(S::DRIFTS, S::KICKS) }.state(stage, component, h);
+        DriftsAndKicks::state(const { DriftsAndKicks::new(S::DRIFTS, S::KICKS) }.at(stage), stage, component, h);
     }
 
     #[inline(always)]
     fn stage_update<T: Number>(stage: usize, component: &mut Component<T>, a: T, h: T) {
-        const { DriftsAndKicks::new(S::DRIFTS, S::KICKS) }.update(stage, component, a, h);
+        DriftsAndKicks::update(const { DriftsAndKicks::new(S::DRIFTS, S::KICKS) }.at(stage), stage, component, a, h);
     }
 }

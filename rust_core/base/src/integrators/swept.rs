@@ -24,17 +24,23 @@ pub trait Swept: Copy + Send + Sync {
     /// Number of stages that are compiled separately; 1 if their coefficients are run-time values.
     const COMPILED: usize;
 
+    /// Coefficients of one stage, which loops over particles keep in registers.
+    type At: Copy + Send + Sync;
+
     /// Returns the stages of an integrator.
     fn of(facts: &Facts) -> Self;
+
+    /// Returns the coefficients of a stage.
+    fn at(&self, stage: usize) -> Self::At;
 
     /// [`Integrator::begin`].
     fn begin<T: Number>(component: &mut Component<T>, a: T);
 
     /// [`Integrator::stage_state`].
-    fn state<T: Number>(&self, stage: usize, component: &mut Component<T>, h: T);
+    fn state<T: Number>(at: Self::At, stage: usize, component: &mut Component<T>, h: T);
 
     /// [`Integrator::stage_update`].
-    fn update<T: Number>(&self, stage: usize, component: &mut Component<T>, a: T, h: T);
+    fn update<T: Number>(at: Self::At, stage: usize, component: &mut Component<T>, a: T, h: T);
 }
 
 /// Stages compiled for an integrator.
@@ -61,9 +67,14 @@ impl<I: Integrator> Swept for Compiled<I> {
     };
     const COMPILED: usize = I::NODES.len();
 
+    type At = ();
+
     fn of(_facts: &Facts) -> Self {
         Self(PhantomData)
     }
+
+    #[inline(always)]
+    fn at(&self, _stage: usize) {}
 
     #[inline(always)]
     fn begin<T: Number>(component: &mut Component<T>, a: T) {
@@ -71,12 +82,12 @@ impl<I: Integrator> Swept for Compiled<I> {
     }
 
     #[inline(always)]
-    fn state<T: Number>(&self, stage: usize, component: &mut Component<T>, h: T) {
+    fn state<T: Number>((): (), stage: usize, component: &mut Component<T>, h: T) {
         I::stage_state(stage, component, h);
     }
 
     #[inline(always)]
-    fn update<T: Number>(&self, stage: usize, component: &mut Component<T>, a: T, h: T) {
+    fn update<T: Number>((): (), stage: usize, component: &mut Component<T>, a: T, h: T) {
         I::stage_update(stage, component, a, h);
     }
 }
@@ -90,6 +101,19 @@ pub struct DriftsAndKicks {
     kicks: &'static [f64],
     /// Kick that begins a step, if any.
     first: Option<f64>,
+}
+
+/// Coefficients of a drift with the kick after it, in units of h.
+#[derive(Debug, Clone, Copy)]
+pub struct DriftKickStage {
+    /// Kick that begins the step.
+    first: Option<f64>,
+    drift: f64,
+    /// Part of the kick that predicts the velocity for forces that depend on it.
+    half: f64,
+    kick: f64,
+    /// Drift that ends the step.
+    last: Option<f64>,
 }
 
 impl DriftsAndKicks {
@@ -111,10 +135,24 @@ impl Swept for DriftsAndKicks {
     const DRIFT_REGISTER: Option<usize> = Some(BEFORE);
     const COMPILED: usize = 1;
 
+    type At = DriftKickStage;
+
     fn of(facts: &Facts) -> Self {
         let drifts = facts.drift_kick.map_or(&[][..], |drift_kick| drift_kick.drifts);
         let first = (drifts.len() == facts.stages()).then_some(facts.last_weight);
         Self { drifts, kicks: facts.weights, first }
+    }
+
+    #[inline(always)]
+    fn at(&self, stage: usize) -> DriftKickStage {
+        let (kick, ends) = (self.kicks[stage], stage + 1 == self.kicks.len());
+        DriftKickStage {
+            first: self.first.filter(|_| stage == 0),
+            drift: self.drifts[stage],
+            half: if ends && self.first.is_some() { kick } else { 0.5 * kick },
+            kick,
+            last: if ends && self.first.is_none() { Some(self.drifts[stage + 1]) } else { None },
+        }
     }
 
     #[inline(always)]
@@ -123,25 +161,23 @@ impl Swept for DriftsAndKicks {
     }
 
     #[inline(always)]
-    fn state<T: Number>(&self, stage: usize, component: &mut Component<T>, h: T) {
+    fn state<T: Number>(at: DriftKickStage, _stage: usize, component: &mut Component<T>, h: T) {
         let a = component.registers[ACCELERATION];
-        let before = match self.first {
-            Some(kick) if stage == 0 => component.v + T::constant(kick) * h * a,
-            _ => component.v,
+        let before = match at.first {
+            Some(kick) => component.v + T::constant(kick) * h * a,
+            None => component.v,
         };
-        let ends = self.first.is_some() && stage + 1 == self.kicks.len();
-        let half = if ends { self.kicks[stage] } else { 0.5 * self.kicks[stage] };
-        component.x += T::constant(self.drifts[stage]) * h * before;
-        component.v = before + T::constant(half) * h * a;
+        component.x += T::constant(at.drift) * h * before;
+        component.v = before + T::constant(at.half) * h * a;
         component.registers[BEFORE] = before;
     }
 
     #[inline(always)]
-    fn update<T: Number>(&self, stage: usize, component: &mut Component<T>, a: T, h: T) {
-        component.v = component.registers[BEFORE] + T::constant(self.kicks[stage]) * h * a;
+    fn update<T: Number>(at: DriftKickStage, _stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.v = component.registers[BEFORE] + T::constant(at.kick) * h * a;
         component.registers[ACCELERATION] = a;
-        if self.first.is_none() && stage + 1 == self.kicks.len() {
-            component.x += T::constant(self.drifts[stage + 1]) * h * component.v;
+        if let Some(drift) = at.last {
+            component.x += T::constant(drift) * h * component.v;
         }
     }
 }

@@ -16,6 +16,7 @@ impl Gather {
     ///
     /// # Panics
     /// If an index is not below `length`, or the number of indices is not a multiple of the lanes.
+    #[inline]
     pub fn new(indices: &[u32], length: usize) -> Self {
         assert!(i32::try_from(length).is_ok(), "a column is too long to be indexed");
         assert!(indices.iter().all(|&index| (index as usize) < length), "an index lies outside its column");
@@ -25,6 +26,7 @@ impl Gather {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.indices.as_slice())
     }

@@ -40,6 +40,7 @@ pub const LANES: usize = 16;
 pub type Lanes<T> = [T; LANES];
 
 /// Rounds `count` up to whole groups of lanes. Columns have this length, so no kernel has a remainder.
+#[inline]
 pub const fn padded(count: usize) -> usize {
     count.div_ceil(LANES) * LANES
 }
@@ -63,6 +64,7 @@ impl Level {
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
     /// Name of the level in `PHYSCORE_SIMD` and in the plan.
+    #[inline]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -96,6 +98,7 @@ impl Level {
     }
 
     /// Whether this build has code for this CPU.
+    #[inline]
     pub fn is_supported() -> bool {
         HAS_PORTABLE || Self::detect() > Self::Portable
     }
@@ -109,6 +112,7 @@ impl Level {
     ///
     /// # Errors
     /// If it does not.
+    #[inline]
     pub fn check() -> Result<()> {
         let Ok(name) = std::env::var("PHYSCORE_SIMD") else { return Ok(()) };
         let present: Vec<_> = Self::ALL.into_iter().filter(|level| level.is_present()).map(Self::name).collect();
@@ -122,6 +126,7 @@ impl Level {
     ///
     /// # Panics
     /// If this build has no code for this CPU; see `is_supported`.
+    #[inline]
     pub fn current() -> Self {
         static LEVEL: OnceLock<Level> = OnceLock::new();
         *LEVEL.get_or_init(|| {

@@ -40,12 +40,14 @@ impl Selection {
     ///
     /// # Panics
     /// If the bound is less than a group of lanes.
+    #[inline]
     pub fn new(bound: usize) -> Self {
         assert!(bound >= LANES && u32::try_from(bound).is_ok(), "a bound that is too small or too large");
         Self { entries: vec![0; LANES], length: 0, bound, overflowed: false }
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         self.entries.capacity() * size_of::<u32>()
     }
@@ -57,11 +59,13 @@ impl Selection {
     }
 
     /// Whether there are no indices.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }
 
     /// Empties the selection.
+    #[inline]
     pub fn clear(&mut self) {
         self.length = 0;
         self.overflowed = false;
@@ -78,11 +82,13 @@ impl Selection {
     }
 
     /// Whether memory ran out since the last clear; the beginning of the selection is then overwritten.
+    #[inline]
     pub fn has_overflowed(&self) -> bool {
         self.overflowed
     }
 
     /// Reserves an eighth more than the present length. The next selection of similar length then needs no allocation.
+    #[inline]
     pub fn spare(&mut self) {
         if self.entries.len() < self.length + self.length / 8 + LANES {
             self.grow(0);

@@ -212,7 +212,8 @@ impl<T: Real, S: Swept, A: Groups<T>> WaveStage<'_, T, S, A> {
         let registers =
             |register: usize| if register < S::PERSISTENT { load(input.persistent[register], at) } else { [T::ZERO; W] };
         let mut group = ComponentGroup::new(load(input.displacement, at), load(input.rate, at), registers);
-        group.each(|component, _| swept.state(0, component, *h));
+        let first = swept.at(0);
+        group.each(|component, _| S::state(first, 0, component, *h));
         keep::<T, S, W>(cells, &group, at, input.damping.is_some());
     }
 
@@ -224,16 +225,16 @@ impl<T: Real, S: Swept, A: Groups<T>> WaveStage<'_, T, S, A> {
         if const { STAGE >= S::COMPILED } {
             return WaveSums::default();
         }
-        let stage = if const { S::COMPILED > 1 } { STAGE } else { stage };
         let last = if const { S::COMPILED > 1 } { STAGE + 1 == S::COMPILED } else { stage + 1 == self.stages };
+        let both = [self.swept.at(stage), self.swept.at(if last { 0 } else { stage + 1 })];
         if const { S::COMPILED > 1 && STAGE + 1 < S::COMPILED } || !last {
-            return self.update_cells::<false, false>(stage);
+            return self.update_cells::<STAGE, false, false>(both);
         }
-        if ends { self.update_cells::<true, true>(stage) } else { self.update_cells::<true, false>(stage) }
+        if ends { self.update_cells::<STAGE, true, true>(both) } else { self.update_cells::<STAGE, true, false>(both) }
     }
 
     #[inline(always)]
-    fn update_cells<const LAST: bool, const ENDS: bool>(&mut self, stage: usize) -> WaveSums {
+    fn update_cells<const STAGE: usize, const LAST: bool, const ENDS: bool>(&mut self, both: [S::At; 2]) -> WaveSums {
         let mut sums = WaveLaneSums::ZERO;
         let count = self.cells.rate.len();
         let whole = count / LANES * LANES;
@@ -241,29 +242,29 @@ impl<T: Real, S: Swept, A: Groups<T>> WaveStage<'_, T, S, A> {
             let acceleration = &self.input.acceleration;
             // Two calls: waiting for the choice of accelerations would cost a tenth in double precision.
             if acceleration.is_inner::<LANES>(at) {
-                self.update_group::<LAST, ENDS, LANES>(stage, at, acceleration.inner(at), &mut sums);
+                self.update_group::<STAGE, LAST, ENDS, LANES>(both, at, acceleration.inner(at), &mut sums);
             } else {
-                self.update_group::<LAST, ENDS, LANES>(stage, at, acceleration.any(at), &mut sums);
+                self.update_group::<STAGE, LAST, ENDS, LANES>(both, at, acceleration.any(at), &mut sums);
             }
         }
         for at in whole..count {
             let mut cell = WaveLaneSums::ZERO;
-            self.update_group::<LAST, ENDS, 1>(stage, at, self.input.acceleration.any(at), &mut cell);
+            self.update_group::<STAGE, LAST, ENDS, 1>(both, at, self.input.acceleration.any(at), &mut cell);
             sums.add(at % LANES, cell);
         }
         sums.sums(self.input.damping.is_some())
     }
 
     #[inline(always)]
-    fn update_group<const LAST: bool, const ENDS: bool, const W: usize>(
+    fn update_group<const STAGE: usize, const LAST: bool, const ENDS: bool, const W: usize>(
         &mut self,
-        stage: usize,
+        [now, next]: [S::At; 2],
         at: usize,
         mut a: [T; W],
         sums: &mut WaveLaneSums<T, W>,
     ) {
-        let Self { cells, input, h, swept, .. } = self;
-        let (h, swept) = (*h, *swept);
+        let Self { cells, input, h, .. } = self;
+        let h = *h;
         let knows_rate = input.damping.is_some() || S::DRIFT_REGISTER.is_none();
         let (x, v) = (load(input.displacement, at), if knows_rate { load(cells.rate, at) } else { [T::ZERO; W] });
         if let Some(gamma) = input.damping {
@@ -273,14 +274,14 @@ impl<T: Real, S: Swept, A: Groups<T>> WaveStage<'_, T, S, A> {
         let mut group = ComponentGroup::new(x, v, registers);
         let mut squares = sums.squares;
         group.each(|component: &mut Component<T>, lane| {
-            swept.update(stage, component, a[lane], h);
+            S::update(now, STAGE, component, a[lane], h);
             if LAST {
                 squares[lane] += component.v * component.v;
             }
             if ENDS {
                 squares[lane] += T::ZERO * component.x;
             } else {
-                swept.state(if LAST { 0 } else { stage + 1 }, component, h);
+                S::state(next, (STAGE + 1) % S::COMPILED, component, h);
             }
         });
         sums.squares = squares;

@@ -31,16 +31,19 @@ pub struct Path {
 
 impl Path {
     /// Position after `time`.
+    #[inline]
     pub fn at(&self, time: f64) -> DVec3 {
         self.position + (self.velocity + self.acceleration * (0.5 * time)) * time
     }
 
     /// Slope after `time`.
+    #[inline]
     pub fn slope(&self, time: f64) -> DVec3 {
         self.velocity + self.acceleration * time
     }
 
     /// Corners of a box along the axes that contains the path up to a time.
+    #[inline]
     pub fn bounds(&self, end: f64) -> (DVec3, DVec3) {
         let [first, middle, last] = self.control(0.0, end);
         (first.min(middle).min(last), first.max(middle).max(last))
@@ -76,6 +79,7 @@ pub struct Approach {
 impl Gap {
     /// Gap of a particle of radius `radius` to `wall`. If the particle is `touching` at the start and does not approach, the gap
     /// is taken as zero, and only a later contact counts.
+    #[inline]
     pub fn new(wall: &Wall, path: &Path, radius: f64, touching: bool) -> Self {
         match *wall {
             Wall::Plane { normal, offset } => Self::Smooth(Polynomial::plane((normal, offset), path, radius, touching)),

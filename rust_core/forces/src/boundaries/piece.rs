@@ -16,6 +16,7 @@ pub enum Piece<'a> {
 
 impl Wall {
     /// Pieces that a particle of a radius within a box along the axes may touch. A wall that is one piece is always returned.
+    #[inline]
     pub fn pieces(&self, lower: DVec3, upper: DVec3, radius: f64) -> impl Iterator<Item = Piece<'_>> {
         let terrain = match self {
             Self::Terrain(terrain) => Some(terrain.as_ref()),
@@ -28,6 +29,7 @@ impl Wall {
     }
 
     /// Piece with a given part.
+    #[inline]
     pub fn piece(&self, part: Option<TerrainPart>) -> Piece<'_> {
         match (self, part) {
             (Self::Terrain(terrain), Some(part)) => Piece::Part(terrain, part),
@@ -38,6 +40,7 @@ impl Wall {
 
 impl Piece<'_> {
     /// Part of the wall; None for a whole wall.
+    #[inline]
     pub fn part(&self) -> Option<TerrainPart> {
         match *self {
             Self::Whole(_) => None,
@@ -46,6 +49,7 @@ impl Piece<'_> {
     }
 
     /// Signed distance from `x` [m] and the normal, even if another piece is nearer.
+    #[inline]
     pub fn surface(&self, x: DVec3) -> (f64, DVec3) {
         match *self {
             Self::Whole(wall) => wall.distance(x),
@@ -58,6 +62,7 @@ impl Piece<'_> {
 
     /// Signed distance up to `reach` and the normal. The distance is infinite where the piece is not the nearest one locally. The
     /// region of the piece is extended by `roundings`, in units of rounding.
+    #[inline]
     pub fn distance(&self, x: DVec3, reach: f64, roundings: f64) -> (f64, DVec3) {
         match *self {
             Self::Whole(wall) => wall.distance(x),
@@ -70,6 +75,7 @@ impl Piece<'_> {
     }
 
     /// Rounding error of the normal of a part, which is that of a difference of heights; 0 for a whole wall.
+    #[inline]
     pub fn blur(&self) -> f64 {
         match self {
             Self::Whole(_) => 0.0,
@@ -78,6 +84,7 @@ impl Piece<'_> {
     }
 
     /// Curvature, as [`Wall::curvature`].
+    #[inline]
     pub fn curvature(&self, x: DVec3, direction: DVec3) -> f64 {
         match *self {
             Self::Whole(wall) => wall.curvature(x, direction),
@@ -86,6 +93,7 @@ impl Piece<'_> {
     }
 
     /// Time within `duration` of the first contact of a particle on its path, as [`Gap::first_contact`].
+    #[inline]
     pub fn first_contact(&self, path: &Path, radius: f64, touching: bool, duration: f64) -> Option<f64> {
         match *self {
             Self::Whole(wall) => Gap::new(wall, path, radius, touching).first_contact(duration),

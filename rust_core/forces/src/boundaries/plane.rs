@@ -14,6 +14,7 @@ pub struct Plane {
 
 impl Plane {
     /// Plane through the item's `point` [m]. Its `normal`, of any length, points to the allowed side.
+    #[inline]
     pub fn new(item: &Item, origin: DVec3) -> Result<Self> {
         let direction = item.vector("normal")?;
         // The vector is scaled first, so that squares of very long or short normals neither overflow nor underflow.

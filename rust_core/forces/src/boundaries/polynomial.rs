@@ -38,6 +38,7 @@ enum Form {
 impl Polynomial {
     /// Gap of a particle of radius `radius` to the plane n·x = offset, with its normal and offset. If the particle is `touching`
     /// at the start and does not approach, the gap is taken as zero, and only a later contact counts.
+    #[inline]
     pub fn plane((normal, offset): (DVec3, f64), path: &Path, radius: f64, touching: bool) -> Self {
         let distance = if touching { 0.0 } else { normal.dot(path.position) - offset - radius };
         Self { form: Form::Plane([distance, normal.dot(path.velocity), 0.5 * normal.dot(path.acceleration)]), touching }
@@ -45,6 +46,7 @@ impl Polynomial {
 
     /// Gap of a particle to a sphere, with its center, radius, and whether the particle is `inside`; `touching` as in
     /// [`Polynomial::plane`].
+    #[inline]
     pub fn sphere((center, size, inside): (DVec3, f64, bool), path: &Path, radius: f64, touching: bool) -> Self {
         let path = Path { position: path.position - center, ..*path };
         let reach = if inside { size - radius } else { size + radius };

@@ -116,27 +116,32 @@ impl Polytope {
     }
 
     /// Capsule: all points within `radius` of the segment between two points.
+    #[inline]
     pub fn capsule(ends: [DVec3; 2], radius: f64) -> Self {
         let extent = extent(&ends);
         Self { vertices: ends.to_vec(), facets: Vec::new(), edges: vec![[0, 1]], rounding: radius, extent }
     }
 
     /// Largest coordinate [m].
+    #[inline]
     pub fn extent(&self) -> f64 {
         self.extent + self.rounding
     }
 
     /// Vertices of every facet, counterclockwise as seen from outside.
+    #[inline]
     pub fn loops(&self) -> impl Iterator<Item = &[u32]> {
         self.facets.iter().map(|facet| facet.loops.as_slice())
     }
 
     /// Planes n·x = offset of the facets, including the rounding.
+    #[inline]
     pub fn planes(&self) -> impl Iterator<Item = (DVec3, f64)> {
         self.facets.iter().map(|facet| (facet.normal, facet.offset + self.rounding))
     }
 
     /// Center and radius of a ball around the polytope.
+    #[inline]
     pub fn ball(&self) -> (DVec3, f64) {
         let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len() as f64;
         (center, self.rounding + self.vertices.iter().map(|vertex| (*vertex - center).length()).fold(0.0, f64::max))
@@ -177,6 +182,7 @@ impl Polytope {
     }
 
     /// Curvature [1/m] along a unit direction of the surface at the distance of `x`; for a zero direction, the largest curvature.
+    #[inline]
     pub fn curvature(&self, x: DVec3, direction: DVec3) -> f64 {
         let Nearest { distance, feature, .. } = self.nearest(x);
         feature.curvature(distance + self.rounding, direction)

@@ -17,6 +17,7 @@ pub struct Solid {
 
 impl Solid {
     /// Capsule: all points within the item's `radius` [m] of the segment from its `start` to its `end` [m].
+    #[inline]
     pub fn capsule(item: &Item, origin: DVec3) -> Result<Self> {
         let radius = item.number("radius")?;
         if radius <= 0.0 {
@@ -27,6 +28,7 @@ impl Solid {
     }
 
     /// Hull of the item's `points` [m], in rows of `dimension` numbers.
+    #[inline]
     pub fn hull(item: &Item, dimension: usize, origin: DVec3) -> Result<Self> {
         let points: Vec<DVec3> = item.vectors("points", None, dimension)?.into_iter().map(|point| point - origin).collect();
         let hull = Polytope::hull(&points, dimension, 0.0);

@@ -14,6 +14,7 @@ pub struct Sphere {
 
 impl Sphere {
     /// Sphere around the item's `center` [m] with its `radius` [m]. Matter stays `inside`, or else outside.
+    #[inline]
     pub fn new(item: &Item, origin: DVec3) -> Result<Self> {
         let radius = item.number("radius")?;
         if radius <= 0.0 {

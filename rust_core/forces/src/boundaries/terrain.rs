@@ -90,6 +90,7 @@ pub(crate) struct Spot {
 impl Terrain {
     /// Ground below `heights` [m] of nodes (i, j), with j varying fastest; one row in 2D. `corner` is the lower corner of the
     /// grid.
+    #[inline]
     pub fn new(heights: Vec<f64>, nodes: [usize; 2], spacing: f64, corner: DVec3, dimension: usize) -> Self {
         let up = DVec3::AXES[dimension - 1];
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -101,16 +102,19 @@ impl Terrain {
     }
 
     /// Largest coordinate [m].
+    #[inline]
     pub fn extent(&self) -> f64 {
         self.extent
     }
 
     /// Vertical axis and largest height [m], above which nothing touches the ground.
+    #[inline]
     pub fn top(&self) -> (DVec3, f64) {
         (self.up, self.highest)
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.heights.as_slice())
     }
@@ -126,6 +130,7 @@ impl Terrain {
     }
 
     /// Signed distance from `x` [m], and the normal, for distances of at most `reach`; infinite beyond.
+    #[inline]
     pub fn distance(&self, x: DVec3, reach: f64) -> (f64, DVec3) {
         if let Some(inside) = self.inside(x) {
             return inside;

@@ -53,6 +53,7 @@ impl Wall {
     }
 
     /// Signed distance and unit normal, up to the distance `reach` [m]; beyond it, the distance may be infinite.
+    #[inline]
     pub fn distance_within(&self, x: DVec3, reach: f64) -> (f64, DVec3) {
         match self {
             Self::Terrain(terrain) => terrain.distance(x, reach),
@@ -61,6 +62,7 @@ impl Wall {
     }
 
     /// Whether `x` is in the ground of a height field, deeper than `depth` [m].
+    #[inline]
     pub fn covers(&self, x: DVec3, depth: f64) -> bool {
         matches!(self, Self::Terrain(terrain) if terrain.inside(x).is_some_and(|(distance, _)| distance < -depth))
     }
@@ -80,6 +82,7 @@ impl Wall {
     }
 
     /// Magnitude of the operands of a distance near the surface [m], the scale of its rounding error.
+    #[inline]
     pub fn extent(&self) -> f64 {
         match *self {
             Self::Solid(ref solid) => solid.extent(),

@@ -28,6 +28,7 @@ pub struct Corners<V: Vector, const N: usize, const S: usize> {
 
 impl<V: Vector, const N: usize, const S: usize> Corners<V, N, S> {
     /// Elements with these corners among `count` particles.
+    #[inline]
     pub fn new(count: usize, elements: impl Iterator<Item = [u32; N]>) -> Self {
         let places: Vec<[u32; 2]> = elements.flatten().zip(0..).map(|(corner, place)| [corner, place]).collect();
         let elements = places.len() / N;
@@ -50,11 +51,13 @@ impl<V: Vector, const N: usize, const S: usize> Corners<V, N, S> {
     }
 
     /// The elements of a particle, and the number of the corner that it is.
+    #[inline]
     pub fn of(&self, particle: usize) -> impl Iterator<Item = (usize, usize)> {
         self.places.of(particle).iter().map(|&place| (place as usize / N, place as usize % N))
     }
 
     /// The particles of a block, without padding.
+    #[inline]
     pub fn particles(&self, block: &Range<usize>) -> Range<usize> {
         block.start..block.end.min(self.places.count())
     }
@@ -74,6 +77,7 @@ impl<V: Vector, const N: usize, const S: usize> Corners<V, N, S> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         self.places.bytes() + size_of_val(self.force.as_slice()) + size_of_val(self.power.as_slice())
     }

@@ -38,6 +38,7 @@ pub struct MatrixBlock {
 
 impl MatrixBlock {
     /// Block of a single particle.
+    #[inline]
     pub fn of(particle: usize, exact: DMat3, definite: DMat3) -> Self {
         Self { ends: [particle as u32; 2], exact, definite }
     }
@@ -82,23 +83,27 @@ pub struct Directed {
 
 impl Directed {
     /// The matrix for the unit vector `n`.
+    #[inline]
     pub fn matrix(&self, n: DVec3) -> DMat3 {
         (self.along - self.across) * outer(n, n) + self.across * DMat3::IDENTITY
     }
 
     /// The positive semidefinite part.
     #[must_use]
+    #[inline]
     pub fn definite(&self) -> Self {
         Self { along: self.along.max(0.0), across: self.across.max(0.0) }
     }
 
     /// Largest absolute eigenvalue.
+    #[inline]
     pub fn largest(&self) -> f64 {
         self.along.abs().max(self.across.abs())
     }
 }
 
 /// The matrix abᵀ.
+#[inline]
 pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

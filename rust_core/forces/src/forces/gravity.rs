@@ -36,6 +36,7 @@ pub fn kind<V: Vector>() -> ForceKind<V> {
 ///
 /// # Errors
 /// If an acceleration is not finite.
+#[inline]
 pub fn on_body(scene: &Scene, body: usize) -> Result<DVec3> {
     let acting = scene.forces.iter().filter(|item| item.kind == NAME && item.acts_on(body));
     acting.map(|item| item.vector(ACCELERATION)).sum()

@@ -24,6 +24,7 @@ pub struct Fusion {
 
 impl Fusion {
     /// A sum of no forces, for `count` particles.
+    #[inline]
     pub fn new(count: usize) -> Self {
         Self {
             acceleration: vec![DVec3::ZERO; count],
@@ -137,6 +138,7 @@ impl<V: Vector> LinearForce<V> {
     }
 
     /// Coefficients a₀ along one axis, b and c of one particle.
+    #[inline]
     pub fn coefficients(&self, axis: usize, index: usize) -> [f64; 3] {
         match self.uniform {
             Some(same) if index < self.first => [same[axis].a0, same[axis].b, same[axis].c],
@@ -149,6 +151,7 @@ impl<V: Vector> LinearForce<V> {
     }
 
     /// Acceleration of one particle along one axis [m/s²], at a position relative to the origin and a velocity.
+    #[inline]
     pub fn acceleration(&self, axis: usize, index: usize, x: V::Scalar, v: V::Scalar) -> V::Scalar {
         match self.uniform {
             Some(same) if index < self.first => same[axis].a0 + same[axis].b * v,
@@ -160,6 +163,7 @@ impl<V: Vector> LinearForce<V> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         (V::DIMENSION + 3) * std::mem::size_of_val(self.b.as_slice())
     }

@@ -71,6 +71,7 @@ impl<V: Vector> StateView<'_, V> {
     }
 
     /// The exact position of a particle relative to the origin [m].
+    #[inline]
     pub fn exact_point(&self, index: usize) -> DVec3 {
         let mut point = [0.0; 3];
         point[..V::DIMENSION].iter_mut().enumerate().for_each(|(axis, slot)| *slot = self.exact_position(axis, index));
@@ -91,11 +92,13 @@ pub struct Rates<'a, V: Vector> {
 
 impl<'a, V: Vector> Rates<'a, V> {
     /// Forces and powers, without separate damping.
+    #[inline]
     pub fn new(force: Span<'a, V>, power: &'a mut Power) -> Self {
         Self { force, power, damping: None }
     }
 
     /// A reborrow of all fields.
+    #[inline]
     pub fn reborrow(&mut self) -> Rates<'_, V> {
         Rates { force: self.force.reborrow(), power: &mut *self.power, damping: self.damping.as_mut().map(Span::reborrow) }
     }
@@ -343,16 +346,19 @@ fn reach(item: &Item) -> Option<Reach> {
 }
 
 /// Whether a force of the scene acts on charges.
+#[inline]
 pub fn feels_charges(item: &Item) -> bool {
     kinds::<DVec2>().iter().any(|kind| kind.name == item.kind && kind.charges)
 }
 
 /// Whether a force of the scene acts between particles.
+#[inline]
 pub fn is_between_pairs(item: &Item) -> bool {
     matches!(reach(item), Some(Reach::Network | Reach::Pairs | Reach::Far))
 }
 
 /// Whether any force of the scene acts between all near particles.
+#[inline]
 pub fn are_between_neighbors(scene: &Scene) -> bool {
     sph::is_in(scene) || scene.forces.iter().any(|item| reach(item) == Some(Reach::Pairs))
 }

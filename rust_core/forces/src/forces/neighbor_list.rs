@@ -66,6 +66,7 @@ impl NeighborList {
 
     /// Excludes pairs of particles from the lists. Pairs with non-members are ignored.
     #[must_use]
+    #[inline]
     pub fn excluding(self, pairs: impl Iterator<Item = [u32; 2]>) -> Self {
         let numbers = pairs.map(|ends| ends.map(|end| self.member_of[end as usize]));
         let pairs = numbers.filter(|numbers| !numbers.contains(&NOT_A_MEMBER));
@@ -116,11 +117,13 @@ impl NeighborList {
     }
 
     /// Particle indices of the members.
+    #[inline]
     pub fn members(&self) -> &[u32] {
         &self.members
     }
 
     /// The members in a block, each as index within the block, member number and slot.
+    #[inline]
     pub fn in_block(&self, block: Range<usize>) -> impl Iterator<Item = (usize, usize, usize)> {
         let member_of = self.member_of[block.start..block.end.min(self.member_of.len())].iter().enumerate();
         let slots = self.neighbors.slots();
@@ -129,32 +132,38 @@ impl NeighborList {
     }
 
     /// The neighbor lists.
+    #[inline]
     pub fn neighbors(&self) -> &Neighbors {
         &self.neighbors
     }
 
     /// Skin: range of the lists beyond the cutoff [m].
+    #[inline]
     pub fn skin(&self) -> f64 {
         self.skin
     }
 
     /// Positions of all members relative to the origin [m].
+    #[inline]
     pub fn positions(&self) -> [&[f64]; AXES] {
         self.positions.each_ref().map(Vec::as_slice)
     }
 
     /// Position of the member at a slot relative to the origin [m].
+    #[inline]
     pub fn at(&self, slot: usize) -> DVec3 {
         let member = self.neighbors.order()[slot] as usize;
         DVec3::from_array(self.positions().map(|axis| axis.get(member).copied().unwrap_or(0.0)))
     }
 
     /// Position of the member at a slot at the last build [m].
+    #[inline]
     pub fn anchor(&self, slot: usize) -> DVec3 {
         self.neighbors.anchor(slot)
     }
 
     /// Lower bound of the distance of a point from the members of a block of the lists [m].
+    #[inline]
     pub fn distance_to(&self, block: usize, point: DVec3) -> f64 {
         self.neighbors.bounds(block).distance(point.to_array()) - self.neighbors.largest_displacement()
     }
@@ -169,6 +178,7 @@ impl NeighborList {
     ///
     /// # Errors
     /// As [`NeighborList::update`].
+    #[inline]
     pub fn resume(&mut self, executor: &Executor) -> Result<bool> {
         let rolled_back = self.rolled_back;
         if rolled_back {
@@ -180,6 +190,7 @@ impl NeighborList {
     }
 
     /// Number of listed neighbors, summed over all particles; an estimate before the first build.
+    #[inline]
     pub fn pairs(&self) -> usize {
         let count = self.neighbors.count();
         let listed = (0..count).map(|slot| self.neighbors.of(slot).len()).sum();
@@ -187,6 +198,7 @@ impl NeighborList {
     }
 
     /// Description in the plan.
+    #[inline]
     pub fn layout(&self) -> String {
         let reach = self.neighbors.support() - self.skin;
         format!(
@@ -196,6 +208,7 @@ impl NeighborList {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let columns = self.positions.iter().chain(&self.saved).map(|column| std::mem::size_of_val(column.as_slice()));
         self.neighbors.bytes() + columns.sum::<usize>() + size_of::<u32>() * (self.members.len() + self.member_of.len())
@@ -267,7 +280,7 @@ fn initial_positions<V: Vector>(scene: &Scene, properties: &Properties<V>, membe
 fn skin<V: Vector>(positions: &[DVec3], domain: &Domain, cutoff: f64) -> f64 {
     let cell = SAMPLE * cutoff;
     let mut cells: Vec<[i64; AXES]> =
-        positions.iter().map(|position| (*position / cell).floor().as_i64vec3().to_array()).collect();
+        positions.iter().map(|position| (*position / cell).floor().to_array().map(|cell| cell as i64)).collect();
     cells.sort_unstable();
     cells.dedup();
     let space = cells.len() as f64 / positions.len().max(1) as f64;

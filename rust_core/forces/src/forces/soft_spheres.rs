@@ -72,6 +72,7 @@ fn build<V: Vector>(declared: &Declared<'_, V>) -> Result<Forces<V>> {
 
 impl<T: Real, const HERTZIAN: bool> SoftSpheres<T, HERTZIAN> {
     /// Contact law of an item, for particles with radii in this range [m].
+    #[inline]
     pub fn new(item: &Item, [smallest, largest]: [f64; 2]) -> Result<Self> {
         Ok(Self {
             stiffness: T::from_f64(item.non_negative("stiffness")?),

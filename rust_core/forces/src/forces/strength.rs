@@ -23,11 +23,13 @@ impl<V: Vector> Default for Strength<V> {
 
 impl<V: Vector> Strength<V> {
     /// Sets all components to zero.
+    #[inline]
     pub fn clear(&mut self) {
         self.axes = [[V::Scalar::ZERO; PART]; AXES];
     }
 
     /// Mutable components of the first `length` particles.
+    #[inline]
     pub fn span(&mut self, length: usize) -> Span<'_, V> {
         let mut axes = self.axes.iter_mut();
         Span {
@@ -39,12 +41,14 @@ impl<V: Vector> Strength<V> {
     }
 
     /// Strength of one particle.
+    #[inline]
     pub fn get(&self, place: usize) -> DVec3 {
         let [x, y, z] = std::array::from_fn(|axis| self.axes[axis][place].to_f64());
         if V::DIMENSION == 2 { DVec3::new(0.0, 0.0, x) } else { DVec3::new(x, y, z) }
     }
 
     /// Adds to the strength of one particle.
+    #[inline]
     pub fn add(&mut self, place: usize, strength: DVec3) {
         let [x, y, z] = strength.to_array().map(V::Scalar::from_f64);
         let components = if V::DIMENSION == 2 { [z, V::Scalar::ZERO, V::Scalar::ZERO] } else { [x, y, z] };

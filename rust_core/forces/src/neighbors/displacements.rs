@@ -43,6 +43,7 @@ pub struct Reflections {
 impl Reflections {
     /// Union of the reflections of both.
     #[must_use]
+    #[inline]
     pub fn with(self, other: Self) -> Self {
         Self { axes: std::array::from_fn(|axis| self.axes[axis] | other.axes[axis]), any: self.any | other.any }
     }
@@ -134,12 +135,14 @@ impl Displacements {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let boxes = self.of_cells.capacity() + self.around.capacity() + self.copy.capacity();
         boxes * size_of::<Extent>() + self.runs.iter().map(|runs| runs.capacity() * size_of::<SlotRun>()).sum::<usize>()
     }
 
     /// Largest displacement with which lists may serve [m].
+    #[inline]
     pub fn largest(&self) -> f64 {
         (0.5 * (self.size - self.cutoff)).max(0.0)
     }
@@ -234,6 +237,7 @@ impl Displacements {
 
     /// Runs of slots of a block, each with its end, and whether all neighbors within the cutoff are near. Valid after
     /// [`Displacements::exceed`].
+    #[inline]
     pub fn are_near(&self, block: usize) -> impl Iterator<Item = (usize, bool)> {
         let most = NEAR * self.skin - MARGIN * self.cutoff;
         self.runs[block].iter().map(move |run| (run.end as usize, run.difference <= most))

@@ -18,11 +18,13 @@ pub struct Domain {
 
 impl Domain {
     /// Length of each periodic axis [m].
+    #[inline]
     pub fn lengths(&self) -> [Option<f64>; AXES] {
         self.period.map(|period| period.map(|(lower, upper)| upper - lower))
     }
 
     /// Whether any axis is periodic.
+    #[inline]
     pub fn is_periodic(&self) -> bool {
         self.period.iter().any(Option::is_some)
     }
@@ -34,6 +36,7 @@ impl Domain {
 }
 
 /// Rejects cutoffs and skins that are out of range.
+#[inline]
 pub fn check_lengths(cutoff: f64, skin: f64) -> Result<()> {
     if !CUTOFFS.contains(&cutoff) {
         return Err(Error::parameter("cutoff", "a length between 1e-100 and 1e100 m", cutoff));
@@ -45,6 +48,7 @@ pub fn check_lengths(cutoff: f64, skin: f64) -> Result<()> {
 }
 
 /// Rejects coordinates whose rounding error is not small compared with the cutoff.
+#[inline]
 pub fn check_spacing<'a>(coordinates: impl Iterator<Item = &'a f64>, cutoff: f64) -> Result<()> {
     let farthest = coordinates.filter(|end| end.is_finite()).fold(0.0_f64, |most, end| most.max(end.abs()));
     if is_coarse(farthest, cutoff) {

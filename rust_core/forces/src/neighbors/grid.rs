@@ -47,6 +47,7 @@ impl Bounds {
     pub const EMPTY: Self = Self { low: [f64::INFINITY; AXES], high: [f64::NEG_INFINITY; AXES] };
 
     /// Distance of a point from the box [m].
+    #[inline]
     pub fn distance(&self, point: [f64; AXES]) -> f64 {
         let gap = |axis: usize| (self.low[axis] - point[axis]).max(point[axis] - self.high[axis]).max(0.0);
         (0..AXES).map(|axis| gap(axis).powi(2)).sum::<f64>().sqrt()
@@ -54,6 +55,7 @@ impl Bounds {
 
     /// Union of both boxes.
     #[must_use]
+    #[inline]
     pub fn with(self, other: &Self) -> Self {
         Self {
             low: std::array::from_fn(|axis| self.low[axis].min(other.low[axis])),
@@ -206,6 +208,7 @@ impl BucketGrid {
     }
 
     /// Number of buckets.
+    #[inline]
     pub fn buckets(&self) -> usize {
         self.axes.iter().map(|axis| axis.buckets as usize).product()
     }

@@ -58,6 +58,7 @@ pub struct ListSegment {
 
 impl ListSegment {
     /// Empty segment for lists of `count` slots.
+    #[inline]
     pub fn new(count: usize) -> Self {
         let empty = || Selection::new(count + LANES);
         Self { lists: empty(), far: empty() }
@@ -88,12 +89,14 @@ pub struct Candidates<'a> {
 
 impl Lists {
     /// Empty lists for `count` slots.
+    #[inline]
     pub fn new(count: usize) -> Self {
         let segments = (0..count.div_ceil(BLOCK)).map(|_| ListSegment::new(count)).collect();
         Self { segments, ends: vec![Ends::default(); count], whole: vec![false; count] }
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let segments = self.segments.iter().map(|segment| segment.lists.bytes() + segment.far.bytes()).sum::<usize>();
         segments + std::mem::size_of_val(self.ends.as_slice()) + self.whole.len()
@@ -124,6 +127,7 @@ impl Lists {
     }
 
     /// Selects the neighbors that pair sums take with these displacements.
+    #[inline]
     pub fn serve(&mut self, displacements: &Displacements, executor: &Executor) {
         executor.for_each_block(BlockedSlice::new(&mut self.whole, BLOCK), &|mine| {
             let mut start = 0;
@@ -202,6 +206,7 @@ fn hint(metric: &Metric) -> String {
 }
 
 /// Lists the neighbors of consecutive slots from `start` on, one list after the other in `segment`, with the ends of each.
+#[inline]
 pub fn list(
     candidates: Candidates<'_>,
     dimension: usize,

@@ -129,11 +129,13 @@ impl Neighbors {
 
     /// Excludes pairs, given by the excluded neighbors of each particle.
     #[must_use]
+    #[inline]
     pub fn excluding(self, excluded: Adjacency) -> Self {
         Self { excluded, ..self }
     }
 
     /// The excluded pairs.
+    #[inline]
     pub fn excluded(&self) -> &Adjacency {
         &self.excluded
     }
@@ -169,16 +171,19 @@ impl Neighbors {
     }
 
     /// Largest displacement since the build with which lists may serve [m].
+    #[inline]
     pub fn largest_displacement(&self) -> f64 {
         self.displacements.largest()
     }
 
     /// Bounding box of a block of [`BLOCK`] particles at the last build.
+    #[inline]
     pub fn bounds(&self, block: usize) -> &Bounds {
         &self.bounds[block]
     }
 
     /// Lists the neighbors of some slots for a single use, after [`Neighbors::arrange`].
+    #[inline]
     pub fn list_slots(&self, slots: Range<usize>, listed: &mut Listed, executor: &Executor) {
         listed.ends.clear();
         listed.ends.resize(slots.len(), Ends::default());
@@ -187,6 +192,7 @@ impl Neighbors {
     }
 
     /// An empty buffer for [`Neighbors::list_slots`].
+    #[inline]
     pub fn listed(&self) -> Listed {
         Listed { ends: Vec::new(), segment: ListSegment::new(self.count) }
     }
@@ -195,22 +201,26 @@ impl Neighbors {
     ///
     /// # Errors
     /// As [`Neighbors::update`].
+    #[inline]
     pub fn restore(&mut self, anchors: [&[f64]; AXES], executor: &Executor) -> Result<()> {
         self.built = false;
         self.update(anchors, executor).map(|_| ())
     }
 
     /// Particle index of each slot.
+    #[inline]
     pub fn order(&self) -> &[u32] {
         &self.sort.order
     }
 
     /// Slot of each particle.
+    #[inline]
     pub fn slots(&self) -> &[u32] {
         &self.sort.slots
     }
 
     /// Slots of the neighbors of the particle at a slot, always in the same order.
+    #[inline]
     pub fn of(&self, slot: usize) -> &[u32] {
         self.lists.of(slot)
     }
@@ -223,21 +233,25 @@ impl Neighbors {
 
     /// Whether a far neighbor of a slot, or a mirror image of one, may be within the cutoff at the positions of the last update.
     /// A neighbor is far if it was farther than [`Neighbors::near`] at the last build.
+    #[inline]
     pub fn needs_far(&self, slot: usize) -> bool {
         self.lists.needs_far(slot)
     }
 
     /// Largest distance of near neighbors [m].
+    #[inline]
     pub fn near(&self) -> f64 {
         self.cutoff + NEAR * self.skin
     }
 
     /// An empty selection of slots, for pair sums over chosen neighbors.
+    #[inline]
     pub fn selection(&self) -> Selection {
         Selection::new(self.count + LANES)
     }
 
     /// Separation vectors to the particle at a slot from all its neighbors, or their nearest images, at the last build [m].
+    #[inline]
     pub fn separation(&self, slot: usize) -> impl Iterator<Item = DVec3> {
         let (own, encodings) = (self.anchor(slot), self.metric.encodings);
         self.of(slot).iter().map(move |&other| {
@@ -247,37 +261,44 @@ impl Neighbors {
     }
 
     /// Positions of all particles along an axis at the last build [m]; none past the dimension.
+    #[inline]
     pub fn anchors(&self, axis: usize) -> impl Iterator<Item = f64> {
         let slots = if axis < self.dimension { self.slots() } else { &[] };
         slots.iter().map(move |&slot| self.sorted[axis][slot as usize])
     }
 
     /// Position of the particle at a slot at the last build [m].
+    #[inline]
     pub fn anchor(&self, slot: usize) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|axis| self.sorted[axis].get(slot).copied().unwrap_or(0.0)))
     }
 
     /// Number of particles.
+    #[inline]
     pub fn count(&self) -> usize {
         self.count
     }
 
     /// Number of dimensions.
+    #[inline]
     pub fn dimension(&self) -> usize {
         self.dimension
     }
 
     /// Domain of the particles.
+    #[inline]
     pub fn domain(&self) -> &Domain {
         &self.domain
     }
 
     /// Support, cutoff plus skin: the largest listed distance [m].
+    #[inline]
     pub fn support(&self) -> f64 {
         self.cutoff + self.skin
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         self.sorted.iter().map(|axis| std::mem::size_of_val(axis.as_slice())).sum::<usize>()
             + std::mem::size_of_val(self.bounds.as_slice())
@@ -335,6 +356,7 @@ pub struct Listed {
 
 impl Listed {
     /// Neighbors of each of the slots.
+    #[inline]
     pub fn each(&self) -> impl Iterator<Item = &[u32]> {
         let ends = self.ends.iter().map(|ends| ends.all);
         [0].into_iter().chain(ends.clone()).zip(ends).map(|(start, end)| self.segment.list(start, end))

@@ -15,8 +15,8 @@ pub fn ordering(positions: &[DVec3], dimension: usize) -> Vec<u32> {
     let (space, axes) = wide.fold((1.0, 0), |(space, axes), length| (space * length, axes + 1));
     let cell = libm::pow(space * CROWD / positions.len() as f64, 1.0 / f64::from(axes.max(1)));
     let key = |index: u32| {
-        let cells = ((positions[index as usize] - low) / cell).as_u64vec3();
-        [cells.z, cells.y, cells.x]
+        let [x, y, z] = ((positions[index as usize] - low) / cell).to_array().map(|cell| cell as u64);
+        [z, y, x]
     };
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.sort_by_cached_key(|&index| key(index));

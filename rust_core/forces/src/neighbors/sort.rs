@@ -32,6 +32,7 @@ pub struct Sort {
 
 impl Sort {
     /// Buffers for `count` particles.
+    #[inline]
     pub fn new(count: usize) -> Self {
         Self {
             order: vec![0; count],
@@ -44,6 +45,7 @@ impl Sort {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let numbers = [&self.order, &self.slots, &self.starts, &self.buckets, &self.tallies];
         size_of::<u32>() * (numbers.iter().map(|numbers| numbers.capacity()).sum::<usize>() + self.slots.len())

@@ -56,6 +56,7 @@ pub struct Records<V: Vector> {
 
 impl<V: Vector> Records<V> {
     /// Records for the particles of `neighbors`.
+    #[inline]
     pub fn new(neighbors: &Neighbors) -> Self {
         Self {
             words: filled([V::Scalar::ZERO; WORDS], neighbors.count() + LANES),
@@ -66,6 +67,7 @@ impl<V: Vector> Records<V> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(&*self.words) + std::mem::size_of_val(&*self.unsorted)
     }

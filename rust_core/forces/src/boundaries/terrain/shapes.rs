@@ -20,6 +20,7 @@ pub struct Face {
 
 impl Face {
     /// Signed distance of a point from the plane [m].
+    #[inline]
     pub fn height(&self, x: DVec3) -> f64 {
         self.normal.dot(x - self.point)
     }
@@ -50,6 +51,7 @@ impl Terrain {
     }
 
     /// Shape of a flat part.
+    #[inline]
     pub fn face(&self, part: TerrainPart) -> Face {
         let at = part.nodes();
         match part.kind {
@@ -218,6 +220,7 @@ impl Terrain {
 
 impl TerrainPart {
     /// Whether the part is flat.
+    #[inline]
     pub fn is_face(self) -> bool {
         super::FACES.contains(&self.kind)
     }

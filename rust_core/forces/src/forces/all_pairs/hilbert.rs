@@ -99,6 +99,7 @@ impl HilbertOrder {
     }
 
     /// Whether no key distinguishes the points of a range.
+    #[inline]
     pub fn have_one_key(&self, range: &Range<usize>) -> bool {
         let (order, first) = self.finest(range);
         order.depth(&(range.start - first..range.end - first)) == 0
@@ -118,6 +119,7 @@ impl HilbertOrder {
     }
 
     /// Index of each point in this order.
+    #[inline]
     pub fn slots(&self) -> Vec<u32> {
         let mut slots = vec![0; self.keys.len()];
         self.keys.iter().enumerate().for_each(|(slot, key)| slots[key.1 as usize] = slot as u32);

@@ -170,6 +170,7 @@ pub fn displacement(positions: &[DVec3]) -> (f64, f64) {
 }
 
 /// Largest change of a velocity [m/s], where `swing` is the speed that follows from the stiffness [m/s].
+#[inline]
 pub fn velocity_increment(velocities: &[DVec3], swing: f64) -> f64 {
     let fastest = velocities.iter().fold(swing, |fastest, velocity| fastest.max(velocity.length()));
     libm::cbrt(f64::EPSILON) * if fastest > 0.0 { fastest } else { 1.0 }

@@ -45,6 +45,7 @@ impl Hinge {
     }
 
     /// Sides of the two faces, by their ends in ascending order.
+    #[inline]
     pub fn sides(&self) -> [[u32; 2]; 5] {
         let [start, end, one, other] = self.corners;
         [[start, end], [start, one], [end, one], [start, other], [end, other]].map(|[a, b]| [a.min(b), a.max(b)])

@@ -104,6 +104,7 @@ pub struct ElectricFunction<V: Vector> {
 
 impl<V: Vector> ElectricFunction<V> {
     /// Force of an item.
+    #[inline]
     pub fn new(declared: &Declared<'_, V>, function: &Arc<dyn Callback>) -> Result<Self> {
         let potential = declared.item.optional_callback("potential")?;
         let path = format!("{}.potential", declared.item.path);
@@ -180,6 +181,7 @@ pub struct MagneticFunction<V: Vector>(FunctionField<V>);
 
 impl<V: Vector> MagneticFunction<V> {
     /// Force of an item.
+    #[inline]
     pub fn new(declared: &Declared<'_, V>, function: &Arc<dyn Callback>) -> Self {
         Self(FunctionField::new(declared, "magnetic", function))
     }

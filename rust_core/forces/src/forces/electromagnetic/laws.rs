@@ -127,11 +127,13 @@ impl ElectromagneticLaw {
     }
 
     /// Whether the field has a potential.
+    #[inline]
     pub fn is_conservative(self) -> bool {
         matches!(self, Self::Uniform(_) | Self::Quadrupole { .. })
     }
 
     /// Potential φ with E = −∇φ at a position and time [V]; 0 if there is none.
+    #[inline]
     pub fn potential(self, place: DVec3, time: f64) -> f64 {
         match self {
             Self::Uniform(field) => -field.dot(place),
@@ -141,6 +143,7 @@ impl ElectromagneticLaw {
     }
 
     /// Largest |eigenvalue| of the gradient at any position and time [V/m² or T/m]; 0 where unknown.
+    #[inline]
     pub fn gradient(self) -> f64 {
         match self {
             Self::Quadrupole { constant, alternating, .. } => constant.abs() + alternating.abs(),
@@ -150,6 +153,7 @@ impl ElectromagneticLaw {
     }
 
     /// Shortest period of the field at one position [s].
+    #[inline]
     pub fn period(self) -> f64 {
         match self {
             Self::Quadrupole { frequency, alternating, .. } if alternating != 0.0 => frequency.abs().recip(),

@@ -202,6 +202,7 @@ impl Gauges {
     }
 
     /// Adds the present readings to the integrals up to a time [s], and begins new readings.
+    #[inline]
     pub fn begin(&mut self, time: f64) {
         self.readings.advance(time);
         self.by_slots.fill(0.0);
@@ -218,6 +219,7 @@ impl Gauges {
     }
 
     /// The sums for the forces on walls, block by block of slots, and the instruments that add to them.
+    #[inline]
     pub fn on_walls(&mut self) -> (BlockedSlice<'_, f64>, &Instruments) {
         let Self { instruments, by_slots, .. } = self;
         (BlockedSlice::new(by_slots, instruments.numbers().max(1)), instruments)
@@ -260,26 +262,31 @@ impl Gauges {
     }
 
     /// Force on each boundary, and on each body [N].
+    #[inline]
     pub fn forces(&self) -> &[[f64; AXES]] {
         &self.readings.forces
     }
 
     /// Pressure at each probe [Pa].
+    #[inline]
     pub fn pressures(&self) -> &[f64] {
         &self.readings.pressures
     }
 
     /// Impulses ∫ force dt from the start to the last evaluation [N·s].
+    #[inline]
     pub fn impulses(&self) -> &[[f64; AXES]] {
         &self.readings.impulses
     }
 
     /// Integrals ∫ pressure dt from the start to the last evaluation [Pa·s].
+    #[inline]
     pub fn pressure_integrals(&self) -> &[f64] {
         &self.readings.pressure_integrals
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let Readings { forces, pressures, .. } = &self.readings;
         let blocks = size_of_val(self.by_slots.as_slice()) + size_of_val(self.by_members.as_slice());

@@ -68,6 +68,7 @@ impl Image {
     }
 
     /// Squared distance from the image of a neighbor at `separation` [m²].
+    #[inline]
     pub fn square(&self, separation: DVec3) -> f64 {
         (self.turn * separation - self.shift).length_squared()
     }

@@ -210,12 +210,14 @@ fn lattice_moment(shape: impl KernelShape, spacing: f64, dimension: usize) -> f6
 
 /// Lattice sum S = Σ Δ^D W over the neighbors on a lattice of spacing Δ, and the factor κ of differences from S. The factor makes
 /// a small compression of the lattice exact. Both are for unit smoothing length.
+#[inline]
 pub fn lattice_density(shape: impl KernelShape, spacing: f64, dimension: usize) -> (f64, f64) {
     let sum = over_lattice(spacing, dimension, |_, r| shape.height(dimension) * shape.value(0.5 * r));
     (sum, 1.0 / lattice_moment(shape, spacing, dimension))
 }
 
 /// Sum Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
+#[inline]
 pub fn lattice_gradient(shape: impl KernelShape, spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |_, r| -shape.height(dimension) * shape.factor() * shape.slope(0.5 * r) * r)
         / lattice_moment(shape, spacing, dimension)
@@ -253,6 +255,7 @@ pub struct FluidWave {
 }
 
 /// Waves resolved by a kernel, from the longest to the shortest.
+#[inline]
 pub fn waves(shape: impl KernelShape, dimension: usize) -> Vec<FluidWave> {
     (1..=WAVES).map(|wave| LARGEST * f64::from(wave) / f64::from(WAVES)).map(|k| wave_of(shape, dimension, k)).collect()
 }
@@ -283,6 +286,7 @@ fn wave_of(shape: impl KernelShape, dimension: usize, k: f64) -> FluidWave {
 }
 
 /// Variance σ² = ∫ W x² dV of a kernel along an axis, for unit smoothing length. By parts, σ² = −∫ F x²y² dV.
+#[inline]
 pub fn variance(shape: impl KernelShape, dimension: usize) -> f64 {
     integral(dimension, |r| shape.height(dimension) * shape.value(0.5 * r) * r * r) / dimension as f64
 }

@@ -244,6 +244,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> PairLaw<V, FORCES> for Moment
 
 impl<T: Real, K: KernelShape, const MIXED: bool> Momentum<T, K, MIXED> {
     /// The law without pressure tags, for images, which have none: the full pressure acts on obstacles.
+    #[inline]
     pub fn untagged(mut self) -> Self {
         self.coefficients[usize::from(OBSTACLE)].other_acts = [T::ONE; KINDS];
         self

@@ -14,6 +14,7 @@ use crate::systems::Mach;
 
 impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The Mach number at these velocities.
+    #[inline]
     pub fn speed(&self, velocity: View<'_, V>) -> Mach {
         let sound = self.materials.first().sound_speed;
         let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
@@ -26,6 +27,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
     }
 
     /// The largest force density [N/m^D].
+    #[inline]
     pub fn strongest(&self) -> f64 {
         let square = |(slot, force): (usize, &[V::Scalar; FORCES])| {
             let pull = self.tension.as_ref().map(|tension| tension.force(slot));

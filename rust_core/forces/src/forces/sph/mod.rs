@@ -79,6 +79,7 @@ pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Ex
 }
 
 /// Whether a scene has a fluid.
+#[inline]
 pub fn is_in(scene: &Scene) -> bool {
     start::fluids(scene).next().is_some()
 }

@@ -124,6 +124,7 @@ impl<V: Vector, K: KernelShape> Shifting<V, K> {
     }
 
     /// Computes the sums at the midpoint of a drift of `dt` seconds, from records of volumes and midpoint velocities.
+    #[inline]
     pub fn update(
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
@@ -151,11 +152,13 @@ impl<V: Vector, K: KernelShape> Shifting<V, K> {
     }
 
     /// Coefficient A.
+    #[inline]
     pub fn coefficient(&self) -> f64 {
         self.coefficient
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.sums.as_slice())
     }

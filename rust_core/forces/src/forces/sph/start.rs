@@ -70,11 +70,13 @@ impl Material {
     }
 
     /// Density at a pressure [kg/m³].
+    #[inline]
     pub fn density_under(&self, pressure: f64) -> f64 {
         self.density * libm::pow(1.0 + pressure / self.stiffness(), 1.0 / f64::from(GAMMA))
     }
 
     /// Specific energy of compression [J/kg]: ∫ p/ρ² dρ from ρ₀, which is c²/γ [s^(γ−1)/(γ−1) + 1/s − γ/(γ−1)] with s = ρ/ρ₀.
+    #[inline]
     pub fn energy(&self, density: f64) -> f64 {
         let ratio = density / self.density;
         let sixth = ratio.powi(GAMMA - 1);
@@ -90,16 +92,19 @@ impl Material {
     }
 
     /// Speed of sound at a density [m/s].
+    #[inline]
     pub fn sound_at(&self, density: f64) -> f64 {
         self.sound_speed * (density / self.density).powi((GAMMA - 1) / 2)
     }
 
     /// Artificial viscosity αhcρ₀ of a pair [Pa·s].
+    #[inline]
     pub fn artificial(&self) -> f64 {
         self.artificial_viscosity * self.smoothing_length * self.sound_speed * self.density
     }
 
     /// Diffusivity of density between two particles, 2δhc [m²/s].
+    #[inline]
     pub fn diffusion(&self) -> f64 {
         2.0 * self.density_diffusion * self.smoothing_length * self.sound_speed
     }
@@ -129,6 +134,7 @@ impl Choice {
 }
 
 /// Numerical method of a fluid.
+#[inline]
 pub fn method(fluid: &Item) -> Result<&Item> {
     fluid.record("method")
 }
@@ -140,6 +146,7 @@ pub const KIND: &str = "Fluid";
 const OWN: [&str; 3] = ["density", "viscosity", "surface_tension"];
 
 /// Fluids of a scene, each with the index of its body.
+#[inline]
 pub fn fluids(scene: &Scene) -> impl Iterator<Item = (usize, &Item)> {
     scene.bodies.iter().map(|body| &body.item).enumerate().filter(|(_, item)| item.kind == KIND)
 }
@@ -151,6 +158,7 @@ fn met(scene: &Scene) -> impl Iterator<Item = (usize, &Item)> {
 }
 
 /// Index of the boundary of each wall.
+#[inline]
 pub fn boundaries_of_walls(scene: &Scene, origin: DVec3) -> Result<Vec<usize>> {
     let mut found = Vec::new();
     for (index, item) in met(scene) {
@@ -270,11 +278,13 @@ impl Materials {
     }
 
     /// Whether there is more than one material.
+    #[inline]
     pub fn are_mixed(&self) -> bool {
         self.fluids.len() > 1 || self.of_body.contains(&Some(OBSTACLE))
     }
 
     /// The first fluid, with the parameters that all fluids share.
+    #[inline]
     pub fn first(&self) -> &Material {
         &self.fluids[0]
     }
@@ -286,6 +296,7 @@ impl Materials {
     }
 
     /// Rest density of a material [kg/m³]; for obstacles, that of the first fluid.
+    #[inline]
     pub fn rest_density(&self, kind: u8) -> f64 {
         self.fluid(kind).unwrap_or(self.first()).density
     }

@@ -45,6 +45,7 @@ pub struct Summation<V: Vector, K> {
 
 impl<V: Vector, K: KernelShape> Summation<V, K> {
     /// Summation over `count` particles with a common kernel.
+    #[inline]
     pub fn new(kernel: SmoothingKernel<V::Scalar, K>, materials: &Materials, count: usize) -> Self {
         let common = materials.first();
         let (rest, scale) = kernel::lattice_density(kernel.shape, common.spacing / common.smoothing_length, V::DIMENSION);
@@ -89,6 +90,7 @@ impl<V: Vector, K: KernelShape> Summation<V, K> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.sums.as_slice())
     }

@@ -119,11 +119,13 @@ impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
     }
 
     /// Highest frequency of sound [1/s].
+    #[inline]
     pub fn highest(&self) -> f64 {
         self.highest
     }
 
     /// Whether no particle is at a free surface.
+    #[inline]
     pub fn is_closed(&self) -> bool {
         self.wall_factors.iter().all(|wall_factor| !wall_factor.at_surface)
     }
@@ -162,6 +164,7 @@ impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.gradients.as_slice()) + 2 * std::mem::size_of_val(self.wall_factors.as_slice())
     }

@@ -308,6 +308,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Tension<V, K, MIXED> {
     }
 
     /// Force density of the particle at a slot, per rest volume [N/m^D].
+    #[inline]
     pub fn force(&self, slot: usize) -> &[V::Scalar; AXES] {
         &self.forces[slot]
     }
@@ -334,11 +335,13 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Tension<V, K, MIXED> {
     }
 
     /// Largest stiffness of a particle of a material, for a local density of at most [`DENSEST`], per rest volume [N/m^(D+1)].
+    #[inline]
     pub fn stiffness(&self, kind: u8) -> f64 {
         self.stiffness[usize::from(kind)]
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.color_sums.as_slice()) + std::mem::size_of_val(self.forces.as_slice())
     }

@@ -85,6 +85,7 @@ struct ImageList {
 
 impl FluidWalls {
     /// Walls for the particles of a neighbor list.
+    #[inline]
     pub fn new(sides: Vec<FluidWall>, neighbor_list: &NeighborList) -> Self {
         let neighbors = neighbor_list.neighbors();
         let blocks = if sides.is_empty() { 0 } else { neighbors.count().div_ceil(BLOCK) };
@@ -95,6 +96,7 @@ impl FluidWalls {
     }
 
     /// Copy of the walls with updated images, for another neighbor list.
+    #[inline]
     pub fn anew(&self, neighbor_list: &NeighborList, executor: &Executor) -> Self {
         let mut anew = Self::new(self.sides.clone(), neighbor_list);
         anew.update(neighbor_list, executor);
@@ -102,6 +104,7 @@ impl FluidWalls {
     }
 
     /// Lists the images within reach, and those that may come within reach before the next build of the neighbor lists.
+    #[inline]
     pub fn update(&mut self, neighbor_list: &NeighborList, executor: &Executor) {
         let Self { sides, images, .. } = self;
         let count = neighbor_list.neighbors().count();
@@ -127,11 +130,13 @@ impl FluidWalls {
     }
 
     /// Whether a point is farther than `distance` [m] from all walls, on their allowed side.
+    #[inline]
     pub fn admit(&self, x: DVec3, distance: f64) -> bool {
         self.sides.iter().all(|side| side.wall.distance(x).0 > distance)
     }
 
     /// Number of the nearest wall, its distance [m], and its normal.
+    #[inline]
     pub fn nearest(&self, x: DVec3) -> Option<(u32, f64, DVec3)> {
         let each = (0..).zip(&self.sides).map(|(number, side)| {
             let (distance, normal) = side.wall.distance(x);
@@ -141,11 +146,13 @@ impl FluidWalls {
     }
 
     /// Whether there are no walls.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.sides.is_empty()
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let bytes =
             |block_images: &BlockImages| block_images.lists.capacity() * size_of::<ImageList>() + block_images.originals.bytes();
@@ -226,6 +233,7 @@ impl Mirrors {
     const NONE: Self = Self { slot: 0, x: DVec3::ZERO, walls: [(0, DVec3::ZERO); AXES], count: 0 };
 
     /// Number and normal of the wall of each reflection.
+    #[inline]
     pub fn walls(&self) -> &[(u32, DVec3)] {
         &self.walls[..self.count]
     }

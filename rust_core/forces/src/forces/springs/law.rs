@@ -22,6 +22,7 @@ impl<T: Real> SpringLaw<T> {
     pub const NONE: Self = Self { stiffness: T::ZERO, damping: T::ZERO, rest_length: T::ZERO };
 
     /// Law of a spring of the scene.
+    #[inline]
     pub fn of(spring: &Spring) -> Self {
         Self {
             stiffness: T::from_f64(spring.stiffness),
@@ -31,6 +32,7 @@ impl<T: Real> SpringLaw<T> {
     }
 
     /// Sort key, equal only for equal laws.
+    #[inline]
     pub fn key(&self) -> [u64; 3] {
         [self.stiffness, self.damping, self.rest_length].map(|number| number.to_f64().to_bits())
     }

@@ -152,6 +152,7 @@ impl<T: Real> Slices<T> {
     }
 
     /// Number of distinct laws by which rows are sorted; None with one law per spring.
+    #[inline]
     pub fn kinds(&self) -> Option<usize> {
         match &self.laws {
             Laws::Shared { kinds, .. } => Some(kinds.len()),
@@ -160,6 +161,7 @@ impl<T: Real> Slices<T> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         let laws = match &self.laws {
             Laws::Shared { kinds, of } => std::mem::size_of_val(kinds.as_slice()) + std::mem::size_of_val(of.as_slice()),

@@ -138,6 +138,7 @@ impl<T: Real> SpringStencil<T> {
     }
 
     /// Memory [bytes].
+    #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.present.as_slice())
     }
@@ -165,6 +166,7 @@ impl<T: Real> SpringStencil<T> {
     }
 
     /// Length of the columns of factors for a block of `length` particles: two for each spring that reaches it.
+    #[inline]
     pub fn factors(&self, length: usize) -> usize {
         2 * (padded(length + self.offset) + LANES)
     }

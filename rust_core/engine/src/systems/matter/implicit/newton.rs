@@ -178,12 +178,14 @@ impl Newton {
         }
         let (mut scale, mut rounding) = (0.0_f64, 0.0_f64);
         for index in 0..u.len() {
-            let force = linear(dynamics, index, self.places[index], self.velocities[index]);
+            let [force, terms] = linear(dynamics, index, self.places[index], self.velocities[index]);
             let mass = if self.mass[index].is_finite() { self.mass[index] } else { 0.0 };
             let inertia = equation.inertia * mass * (u[index] - equation.predicted[index]);
             self.residual[index] = inertia - square * mass * force;
             scale = scale.max(inertia.length()).max(square * mass * force.length());
+            // Terms may balance each other, as gravity and drag do: what rounding leaves of them is no residual.
             rounding = rounding.max(equation.inertia * mass * equation.predicted[index].abs().max_element());
+            rounding = rounding.max(square * mass * terms.max_element());
         }
         for spring in &self.springs {
             let [one, other] = spring.ends.map(|end| end as usize);
@@ -259,13 +261,15 @@ impl Newton {
     }
 }
 
-/// Acceleration by linear forces [m/s²].
-fn linear<V: Space>(dynamics: &Dynamics<V>, index: usize, place: DVec3, velocity: DVec3) -> DVec3 {
+/// Acceleration by linear forces, and the sum of the sizes of its terms, along each axis [m/s²].
+fn linear<V: Space>(dynamics: &Dynamics<V>, index: usize, place: DVec3, velocity: DVec3) -> [DVec3; 2] {
     let (place, velocity) = (place.to_array(), velocity.to_array());
-    let mut acceleration = [0.0; 3];
+    let (mut acceleration, mut sizes) = ([0.0; 3], [0.0; 3]);
     for axis in 0..V::DIMENSION {
         let [constant, rate, well] = dynamics.linear.coefficients(axis, index);
-        acceleration[axis] = constant + rate * velocity[axis] + well * place[axis];
+        let terms = [constant, rate * velocity[axis], well * place[axis]];
+        acceleration[axis] = terms[0] + terms[1] + terms[2];
+        sizes[axis] = terms[0].abs() + terms[1].abs() + terms[2].abs();
     }
-    DVec3::from_array(acceleration)
+    [acceleration, sizes].map(DVec3::from_array)
 }

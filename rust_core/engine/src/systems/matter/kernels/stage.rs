@@ -176,6 +176,10 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
     action: StageAction,
     (power, squares): (&mut Power, &mut Lanes<G::Scalar>),
 ) {
+    let [now, after] = match action {
+        StageAction::StageUpdate(stage, next) => [swept.at(stage), swept.at(next.unwrap_or(0))],
+        StageAction::Begin | StageAction::StageState => [swept.at(0); 2],
+    };
     let (step, zero) = (G::constant(h), G::constant(0.0));
     let Axis { x, v, registers, residual } = axis;
     // A copy: writes to columns might change the value behind a reference.
@@ -201,10 +205,10 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
         }
         match action {
             StageAction::Begin => S::begin(&mut component, a),
-            StageAction::StageState => stage_state::<G, S>(swept, 0, &mut component, step),
+            StageAction::StageState => stage_state::<G, S>(now, 0, &mut component, step),
             StageAction::StageUpdate(stage, next) => {
                 let predicted = component.v;
-                stage_update::<G, S>(swept, stage, &mut component, a, step);
+                stage_update::<G, S>(now, stage, &mut component, a, step);
                 if let (true, Some(damping)) = (S::CORRECTED_WEIGHT != 0.0, input.damping.get(group)) {
                     corrected += G::load(damping) * (predicted - component.v);
                 }
@@ -214,7 +218,7 @@ fn one_stage<G: Pack<Scalar: Real>, S: Swept, L: AxisForce<G::Scalar>>(
                         let rest = settle::<G, S>(&mut component, from);
                         (from, component.x) = (component.x, rest);
                     }
-                    stage_state::<G, S>(swept, next, &mut component, step);
+                    stage_state::<G, S>(after, next, &mut component, step);
                 }
             }
         }
@@ -274,12 +278,12 @@ macro_rules! at_stage {
 
 /// Computes the state of a stage.
 #[inline(always)]
-fn stage_state<G: Pack, S: Swept>(swept: S, number: usize, component: &mut Component<G>, h: G) {
-    at_stage!(S, number, stage => swept.state(stage, component, h));
+fn stage_state<G: Pack, S: Swept>(at: S::At, number: usize, component: &mut Component<G>, h: G) {
+    at_stage!(S, number, stage => S::state(at, stage, component, h));
 }
 
 /// Updates the state by the acceleration of a stage.
 #[inline(always)]
-fn stage_update<G: Pack, S: Swept>(swept: S, number: usize, component: &mut Component<G>, a: G, h: G) {
-    at_stage!(S, number, stage => swept.update(stage, component, a, h));
+fn stage_update<G: Pack, S: Swept>(at: S::At, number: usize, component: &mut Component<G>, a: G, h: G) {
+    at_stage!(S, number, stage => S::update(at, stage, component, a, h));
 }
