@@ -37,16 +37,18 @@ dev: $(VENV)/maturin.stamp ## build for editing, in seconds after the first time
 	@rm -f $(VENV)/package.stamp
 	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --profile editing --locked
 
-test: test-rust test-python ## run every test, Rust and Python, in a few minutes
+test: test-rust test-python ## run every test, Rust and Python, in a quarter of an hour on two cores
 
 # Unit tests are compiled with debug assertions and overflow checks, and hardly optimized, which is quickest. The other tests
 # use the wheel's profile and the same features of all dependencies, so that the engine is compiled once for both.
 test-rust: | check
+	@echo 'The tests of the Rust crates, 300 of them, in a minute; before that the crates are compiled, in minutes.'
 	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) $(TESTED) --lib
 	$(CARGO_TEST) $(TESTED) --release --test '*'
 
 test-python: $(VENV)/tools.stamp
-	$(BIN)/python -m pytest -m 'not long' --numprocesses auto
+	@echo 'The tests of the package, 9000 of them, in some seven minutes on two cores.'
+	$(BIN)/python -m pytest -q -m 'not long' --numprocesses auto --durations=10
 
 # Wave functions take their transforms from AVX at this level too.
 test-portable: $(VENV)/tools.stamp ## compare the bits of the level of other targets, in a build of its own

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -222,3 +223,13 @@ def test_synonyms_lead_to_names_and_hide_none():
     words = [word for words in SYNONYMS.values() for word in words]
     assert len(words) == len(set(words))
     assert not {word.casefold() for word in words} & {name.casefold() for name in pc.__all__}
+
+
+@pytest.mark.parametrize("module", [pc, pc.styles, pc.materials, pc.units], ids=lambda module: module.__name__)
+def test_completion_shows_public_names_alone(module):
+    assert len(dir(module)) > 5
+    for name in dir(module):
+        value = getattr(module, name)
+        assert not name.startswith("_") or name == "__version__"
+        assert not isinstance(value, ModuleType) or module is pc
+        assert not isinstance(value, float) or module is pc.units

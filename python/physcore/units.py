@@ -61,3 +61,7 @@ proton_mass: Final = 1.67262192369e-27
 """Mass of the proton [kg]."""
 atomic_mass: Final = 1.66053906660e-27
 """Atomic mass unit [kg]."""
+
+
+def __dir__() -> list[str]:
+    return [name for name, value in globals().items() if isinstance(value, float)]

@@ -94,3 +94,7 @@ rubber: Final = _elastic(1000.0, 1.5e6, 0.5, 1e-3, "soft rubber, E = 1.5 MPa, of
 """Soft rubber, 1 mm thick, for small strains; in a spring network its Poisson's ratio is 1/4."""
 steel: Final = _elastic(7850.0, 2e11, 0.3, 1e-4, "mild steel, E = 200 GPa, of any handbook")
 """Steel foil, 0.1 mm thick."""
+
+
+def __dir__() -> list[str]:
+    return ["Material", *(name for name, value in globals().items() if isinstance(value, Material))]

@@ -68,3 +68,7 @@ __all__ = [
     "SystemStyle",
     "Trails",
 ]
+
+
+def __dir__() -> list[str]:
+    return list(__all__)
