@@ -69,7 +69,7 @@ edges: $(VENV)/tools.stamp ## write out/edges.md: what becomes of the edge value
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/fuzz/edges.py $(OUT)/edges.md
 
-asan: ## run the tests of the engine and the canvas under AddressSanitizer, where a nightly Rust is installed
+asan: ## run the tests of the library crates under AddressSanitizer, where a nightly Rust is installed
 	scripts/address-sanitizer
 
 validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write out/validation.md
