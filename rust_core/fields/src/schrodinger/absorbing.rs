@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use super::fourier::{Complex, FourierReal, product};
 use crate::error::Result;
-use crate::grid::{Edge, Edges, Padding};
+use crate::grid::{Edge, Edges, Grid, Padding};
 use crate::math::AXES;
 use crate::scene::{Item, Value};
 
@@ -35,13 +35,15 @@ impl Layer {
     ///
     /// # Errors
     /// If a value is missing or out of range.
-    pub fn declared(item: &Item, edges: Edges, k: f64) -> Result<Option<Self>> {
+    pub fn declared(item: &Item, grid: &Grid, edges: Edges, k: f64) -> Result<Option<Self>> {
         if !edges.any(Edge::Absorbing) {
             return Ok(None);
         }
         let item = item.record("absorbing")?;
         let width = match item.values.get("cells") {
-            Some(Value::Text(word)) if word == "auto" => (WAVELENGTHS * 2.0 * PI / k).ceil().clamp(WIDTHS[0], WIDTHS[1]) as usize,
+            Some(Value::Text(word)) if word == "auto" => {
+                transformable((WAVELENGTHS * 2.0 * PI / k).ceil().clamp(WIDTHS[0], WIDTHS[1]) as usize, grid, edges)
+            }
             Some(Value::Number(cells)) if *cells >= 1.0 && *cells <= 1e4 && cells.fract() == 0.0 => *cells as usize,
             other => return Err(item.wrong("cells", "a whole number from 1 to 10000 or \"auto\"", other)),
         };
@@ -84,6 +86,26 @@ impl Layer {
         };
         (0..AXES).map(|axis| self.strength * depth(axis).powi(3)).sum()
     }
+}
+
+/// Smallest width from `width` to 1.5 times that with fast transforms: the numbers of cells of all axes with layers have no prime
+/// factor above 7. Falls back to `width`.
+fn transformable(width: usize, grid: &Grid, edges: Edges) -> usize {
+    let layers = |axis: usize| edges.0[axis].iter().filter(|edge| matches!(edge, Edge::Absorbing)).count();
+    let is_fast =
+        |width: &usize| (0..AXES).filter(|&axis| layers(axis) > 0).all(|axis| is_smooth(grid.cells[axis] + layers(axis) * width));
+    (width..=width + width / 2).find(is_fast).unwrap_or(width)
+}
+
+/// Whether a number above 0 has no prime factor above 7.
+fn is_smooth(number: usize) -> bool {
+    let without = |mut number: usize, prime: usize| {
+        while number.is_multiple_of(prime) {
+            number /= prime;
+        }
+        number
+    };
+    [2, 3, 5, 7].into_iter().fold(number, without) == 1
 }
 
 /// Amplitude that a layer reflects for waves of k per spacing. The equation ψ'' = (−ε − iW) ψ is solved by differences inward
@@ -148,5 +170,18 @@ impl<T: FourierReal> Absorption<T> {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         self.cells.len() * (size_of::<usize>() + size_of::<f64>()) + size_of_val(self.factors.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_smooth;
+
+    #[test]
+    fn smooth_numbers_have_small_prime_factors() {
+        let smooth: Vec<usize> = (1..=30).filter(|&number| is_smooth(number)).collect();
+        let rough = [11, 13, 17, 19, 22, 23, 26, 29];
+        assert_eq!(smooth, (1..=30).filter(|number| !rough.contains(number)).collect::<Vec<_>>());
+        assert!(!is_smooth(5532) && is_smooth(5544 / 11));
     }
 }

@@ -65,7 +65,7 @@ impl<T: FourierReal> Schrodinger<T> {
         })?;
         let inside = initial::<T>(item, &grid)?;
         let bare = declared(item, Padding::new(&grid, [[0; 2]; 3]), edges)?;
-        let layer = Layer::declared(item, edges, wave_number(&bare, &inside))?;
+        let layer = Layer::declared(item, &grid, edges, wave_number(&bare, &inside))?;
         let padding = Padding::new(&grid, Layer::widths(layer, edges));
         let hamiltonian = if layer.is_some() { declared(item, padding, edges)? } else { bare };
         let count = hamiltonian.padding.outer.count();
