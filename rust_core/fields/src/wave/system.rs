@@ -1,5 +1,7 @@
 //! Wave as a system: history, plan, budget and fields.
 
+use std::f64::consts::TAU;
+
 use super::absorbing::{AbsorptionParameters, Layers};
 use super::stage::WaveStageAction;
 use super::state::{DAMPING, EDGES, SINKS, SOURCE};
@@ -14,6 +16,8 @@ use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
 use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
 
+/// Wavelength for which the plan states the reflection of layers [cells].
+const SHORT_WAVE: f64 = 20.0;
 /// Duration of a batch of steps [s].
 const BATCH: f64 = 0.05;
 /// Minimum and maximum number of steps of a batch: the state at its start costs a sweep, and its activities cost memory.
@@ -73,8 +77,10 @@ impl<T: Real> System for Wave<T> {
         names.push("update of displacement and rate".to_owned());
         let open = self.absorption.is_some();
         let absent = [(damped, "damping"), (driven, "sources"), (self.walls.is_some(), "walls"), (open, "absorbing edges")];
-        let note = |AbsorptionParameters { width, reflection }| {
-            format!("absorbing edges: layers of {width} cells, of which {reflection:e} comes back at normal incidence")
+        let note = |absorption: AbsorptionParameters| {
+            let (width, returned) = (absorption.width, absorption.returned(TAU / SHORT_WAVE));
+            let wave = format!("of a wave of {SHORT_WAVE} cells at normal incidence");
+            format!("absorbing edges: layers of {width} cells, which return {returned:.1e} of the amplitude {wave}")
         };
         let layout = match self.depth {
             1 => "a sweep over all cells per evaluation".to_owned(),
