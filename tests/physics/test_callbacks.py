@@ -345,3 +345,33 @@ def test_a_function_may_use_its_arguments_as_scratch():
         run.step(10)
     assert runs[0].state_hash() == runs[1].state_hash()
     assert runs[0].energy().total == runs[1].energy().total
+
+
+def steep(time: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """A force away from the center that overflows at a distance of 15 m."""
+    with np.errstate(over="ignore"):
+        return np.sign(x) * np.exp(50.0 * np.abs(x))
+
+
+def growth(n: np.ndarray) -> tuple[np.ndarray]:
+    """A logistic rate, which overflows only where steps do."""
+    with np.errstate(over="ignore"):
+        return (2.0 * n * (1.0 - n),)
+
+
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
+def test_a_function_that_overflows_in_a_step_has_diverged():
+    """The state that the step led to is not one of the function's, and the simulation stands before it."""
+    run = pc.Simulation(pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CustomForce(steep)), dt=0.1)
+    with pytest.raises(pc.SimulationDiverged, match=r"is where forces\[0\]\.function returns \[inf"):
+        run.step(1000)
+    assert np.isfinite(run.positions).all()
+
+
+def test_an_overflow_does_not_end_a_search_for_the_cheapest_method():
+    grid = pc.Grid(80, 0.05)
+    start = np.random.default_rng(1).uniform(size=80)
+    dish = pc.ReactionDiffusion(grid, pc.Reaction(("n",), growth), {"n": 1.0}, {"n": start})
+    found = pc.simulate(pc.Scene(dish), 1.0, fps=4, accuracy=1e-4)
+    fine = pc.simulate(pc.Scene(dish), 1.0, fps=4, dt=2e-4)
+    assert np.abs(found[dish]["n"] - fine[dish]["n"]).max() <= 1e-4

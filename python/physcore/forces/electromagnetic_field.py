@@ -38,8 +38,8 @@ class ElectromagneticField(Force):
 
     Raises:
         SceneError: a field is not valid, not finite, or not of the scene's dimension. In a run: a function raised an
-            exception, or returned an invalid value. The message begins with `forces[i].electric`, `.magnetic` or
-            `.potential`.
+            exception, or returned what is no array of numbers. The message begins with `forces[i].electric`,
+            `.magnetic` or `.potential`.
 
     Source: J. D. Jackson, Classical Electrodynamics, 3rd edition (1999), § 6.7 and § 12.1.
     """

@@ -20,6 +20,16 @@ pub enum Error {
         /// Remedy; empty if obvious.
         hint: String,
     },
+    /// A user-defined function returned a number that is not finite. In a step this counts as a divergence.
+    #[error("{path}: expected {expected}, got {found}")]
+    Undefined {
+        /// Path of the function: `forces[2].function`.
+        path: String,
+        /// Accepted values.
+        expected: String,
+        /// Value found.
+        found: String,
+    },
     /// The trajectory diverged. The simulation is restored to the last good step.
     #[error(transparent)]
     Diverged(Box<Divergence>),
@@ -77,6 +87,11 @@ impl Error {
     #[allow(clippy::needless_pass_by_value)]
     pub fn parameter(path: impl Into<String>, expected: impl Into<String>, found: impl std::fmt::Display) -> Self {
         Self::Parameter { path: path.into(), expected: expected.into(), found: found.to_string(), hint: String::new() }
+    }
+
+    /// Error for a user-defined function at `path` whose value `found` is not finite.
+    pub fn undefined(path: impl Into<String>, expected: impl Into<String>, found: impl Into<String>) -> Self {
+        Self::Undefined { path: path.into(), expected: expected.into(), found: found.into() }
     }
 
     /// Returns the error that a step has no solution for the particle `index`, in the caller's order. The monitor adds step, time

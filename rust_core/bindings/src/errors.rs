@@ -13,7 +13,9 @@ pyo3::import_exception!(physcore.errors, InternalError);
 /// Returns the exception for an error.
 pub fn exception(py: Python<'_>, error: Error) -> PyErr {
     match error {
-        Error::Parameter { .. } | Error::State(_) | Error::Memory { .. } => SceneError::new_err(error.to_string()),
+        Error::Parameter { .. } | Error::Undefined { .. } | Error::State(_) | Error::Memory { .. } => {
+            SceneError::new_err(error.to_string())
+        }
         Error::Callback { ref cause, .. } => raised(py, &error, cause),
         Error::Diverged(divergence) => diverged(py, &divergence).unwrap_or_else(|failure| failure),
         // If the signal handler raised an exception of its own, that exception is used.

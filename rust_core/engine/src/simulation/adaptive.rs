@@ -133,7 +133,10 @@ impl Simulation {
 
     /// Largest admissible step of the rule in the present state [s].
     pub(super) fn allowed(&mut self, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<f64> {
-        let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Present, time, executor))?.dt();
+        let limit = match self.ask(interrupted, |system, time, executor| system.limit(Horizon::Present, time, executor)) {
+            Err(Error::Undefined { .. }) => f64::NAN,
+            limit => limit?.dt(),
+        };
         Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
     }
 

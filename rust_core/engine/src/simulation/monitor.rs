@@ -159,6 +159,7 @@ impl Simulation {
         match self.advance(steps, record, interrupted) {
             Err(error) if stops_a_step(&error) && steps > 1 => return self.batch(steps / 2, rule, interrupted),
             Err(error) if is_beyond_search(&error) => return Err(self.step_beyond_search(1)),
+            Err(Error::Undefined { path, found, .. }) => return Err(self.in_next_step(self.undefined(&path, &found))),
             Err(Error::Diverged(divergence)) => return Err(self.in_next_step(*divergence)),
             outcome => outcome?,
         }
@@ -256,6 +257,7 @@ impl Simulation {
         }
         let energy = match self.ask(interrupted, |system, time, executor| system.audit(time, executor)) {
             Err(error) if is_beyond_search(&error) => return Ok(Finding::OutOfRange(self.beyond_search())),
+            Err(Error::Undefined { path, found, .. }) => return Ok(Finding::OutOfRange(self.undefined(&path, &found))),
             outcome => outcome?,
         };
         // Energies are squares: they overflow long before the state does.
@@ -291,6 +293,11 @@ impl Simulation {
     /// Divergence of a state whose neighbors cannot be searched.
     fn beyond_search(&self) -> Divergence {
         divergence(self.system.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
+    }
+
+    /// Divergence of a state at which a user-defined function is not finite.
+    fn undefined(&self, path: &str, found: &str) -> Divergence {
+        divergence(self.system.fastest(), "state", format!("is where {path} returns {found}"))
     }
 
     /// Error of a step, `steps` from here, in which neighbors could not be searched.
@@ -340,7 +347,10 @@ impl Simulation {
             return Ok(format!("no dt is {certain} with {method} here: take another integrator"));
         }
         let (most, name, term) = (limit.dt(), limit.name(), limit.term);
-        Ok(if dt > most {
+        Ok(if dt > RUN_AWAY * most {
+            let smaller = 0.25 * dt;
+            format!("the {name} set by {term} had fallen to {most:.3e} s by then; try dt = {smaller:.3e} s, or AdaptiveStep()")
+        } else if dt > most {
             format!("dt = {dt:.3e} s is beyond the {name} of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
         } else if most.is_finite() {
             format!("dt = {dt:.3e} s is within the {name} of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
@@ -349,6 +359,9 @@ impl Simulation {
         })
     }
 }
+
+/// Ratio of the time step to its limit in a state that has run away: the limit of such a state is no advice.
+const RUN_AWAY: f64 = 100.0;
 
 /// Divergence at an element, without the step and the hint.
 fn divergence(Element { name, index }: Element, quantity: &'static str, cause: String) -> Divergence {
@@ -362,7 +375,8 @@ fn is_above(activity: f64, threshold: f64) -> bool {
 
 /// Whether the error belongs to a single step, independent of the steps before.
 fn stops_a_step(error: &Error) -> bool {
-    is_beyond_search(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. } | Error::Diverged(_))
+    is_beyond_search(error)
+        || matches!(error, Error::Memory { .. } | Error::Callback { .. } | Error::Undefined { .. } | Error::Diverged(_))
 }
 
 /// Whether a step failed because positions are too large for a neighbor search. Positions diverge before they overflow.

@@ -122,7 +122,7 @@ impl ReactionFunction {
             Some(index) if values.iter().all(|value| value.is_finite()) => {
                 let cell = index % count;
                 let found = format!("{} for the species number {} in the cell number {cell}", rates[index], index / count);
-                Err(Error::parameter(self.path.clone(), "rates that are finite", found))
+                Err(Error::undefined(self.path.clone(), "rates that are finite", found))
             }
             _ => Ok(rates),
         }

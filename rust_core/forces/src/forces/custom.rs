@@ -95,7 +95,7 @@ impl<V: Vector> Custom<V> {
             if forces[row].is_finite() { format!("forces that {} can hold", V::Scalar::NAME) } else { "finite forces".into() };
         let found =
             format!("{components:?} N in row {row}, for the particle at {:?} m", &positions[row].to_array()[..V::DIMENSION]);
-        Err(Error::parameter(self.path(FUNCTION), expected, found))
+        Err(Error::undefined(self.path(FUNCTION), expected, found))
     }
 
     /// Gradients of the force on the movable particles, by position and by velocity.
@@ -131,7 +131,7 @@ impl<V: Vector> Custom<V> {
         let path = || self.path(POTENTIAL);
         let energy = potential.call(&[Argument::Vectors(&self.positions(at))], "one energy", &[]);
         let energy = energy.map_err(|failure| failure.at(path()))?.first().copied().unwrap_or(f64::NAN);
-        if energy.is_finite() { Ok(energy) } else { Err(Error::parameter(path(), "a finite energy", format!("{energy} J"))) }
+        if energy.is_finite() { Ok(energy) } else { Err(Error::undefined(path(), "a finite energy", format!("{energy} J"))) }
     }
 
     /// Gradients of the last estimate, for the plan.

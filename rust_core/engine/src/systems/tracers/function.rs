@@ -46,7 +46,7 @@ fn call<const D: usize>(function: &dyn Callback, path: &str, time: f64, rows: &[
         Some(tracer) => {
             let place = &rows[tracer * D..(tracer + 1) * D];
             let found = format!("NaN for tracer {tracer} at {place:?}, t = {time:?} s");
-            Err(Error::parameter(path.to_owned(), "velocities that are numbers", found))
+            Err(Error::undefined(path.to_owned(), "velocities that are numbers", found))
         }
         None => Ok(velocities),
     }

@@ -69,7 +69,7 @@ impl<V: Vector> FunctionField<V> {
             if let Some(found) = numbers.iter().find(|number| !number.is_finite()) {
                 let place = &place.to_array()[..V::DIMENSION];
                 let found = format!("{found} in row {row}, for the particle at {place:?} m");
-                return Err(Error::parameter(self.path.clone(), "a finite field", found));
+                return Err(Error::undefined(self.path.clone(), "a finite field", found));
             }
             let component = |axis: usize| numbers.get(axis).copied().unwrap_or(0.0);
             Ok(if self.axial { DVec3::Z * numbers[0] } else { DVec3::new(component(0), component(1), component(2)) })
@@ -141,7 +141,7 @@ impl<V: Vector> Force<V> for ElectricFunction<V> {
         let energy = potential.call(&[Argument::Vectors(&self.field.positions(at))], "one energy", &[]);
         let energy = energy.map_err(|failure| failure.at(self.path.clone()))?.first().copied().unwrap_or(f64::NAN);
         if !energy.is_finite() {
-            return Err(Error::parameter(self.path.clone(), "a finite energy", format!("{energy} J")));
+            return Err(Error::undefined(self.path.clone(), "a finite energy", format!("{energy} J")));
         }
         ledger.add(Class::Potential, NAME, energy);
         Ok(())
