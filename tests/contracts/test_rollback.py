@@ -145,3 +145,26 @@ def test_an_interrupted_run_stands_at_a_whole_step_and_goes_on(name):
     plain.step(STEPS)
     assert plain.state_hash() == run.state_hash()
     assert vars(plain.energy()) == vars(run.energy())
+
+
+WEB = pc.cloth((60, 60), 0.02, 1e4, mass=0.01, origin=(0.0, 0.0, 0.0), pinned="top")
+WIDE = pc.cloth((150, 150), 0.02, 1e4, mass=0.01, origin=(0.0, 0.0, 0.0), pinned="top")
+HEAVY = {
+    "sweeps": ({"integrator": pc.XPBD(iterations=100_000)}, pc.Scene(WEB, pc.Gravity())),
+    "projections": ({"integrator": pc.ProjectiveDynamics(100_000)}, pc.Scene(WIDE, pc.Gravity())),
+    "equations": ({"integrator": pc.BackwardEuler()}, pc.Scene(WEB, pc.Gravity(), pc.Drag(1e-4, wind=(3.0, 1.0, 2.0)))),
+}
+"""Scenes of which one step takes seconds or minutes."""
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs interval timers")
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
+@pytest.mark.parametrize("kind", HEAVY)
+def test_a_step_that_takes_long_is_interrupted_within(kind):
+    numerics, scene = HEAVY[kind]
+    run = pc.Simulation(scene, dt=1.0, **numerics)
+    state = run.state_hash()
+    with interrupted(0.05), pytest.raises(KeyboardInterrupt):
+        run.step()
+    assert run.steps == 0
+    assert run.state_hash() == state

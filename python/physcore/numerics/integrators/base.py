@@ -7,6 +7,9 @@ from typing import ClassVar
 
 from physcore.scene.items import Equation
 
+MOST_ITERATIONS = 100_000
+"""Largest number of iterations per step; a larger one is a mistake."""
+
 
 # To add an integrator: a module here, a line in `INTEGRATORS`, and its counterpart in Rust.
 @dataclass(frozen=True)

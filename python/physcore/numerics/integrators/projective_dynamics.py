@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import MOST, count
-from physcore.numerics.integrators.base import Integrator
+from physcore.checks import count
+from physcore.numerics.integrators.base import MOST_ITERATIONS, Integrator
 from physcore.scene.items import Equation
 
 
@@ -45,5 +45,5 @@ class ProjectiveDynamics(Integrator):
     iterations: int = 10
 
     def __post_init__(self) -> None:
-        iterations = count(self.iterations, "ProjectiveDynamics.iterations", least=1, most=MOST)
+        iterations = count(self.iterations, "ProjectiveDynamics.iterations", least=1, most=MOST_ITERATIONS)
         object.__setattr__(self, "iterations", iterations)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import MOST, count
-from physcore.numerics.integrators.base import Integrator
+from physcore.checks import count
+from physcore.numerics.integrators.base import MOST_ITERATIONS, Integrator
 from physcore.scene.items import Equation
 
 
@@ -48,4 +48,4 @@ class XPBD(Integrator):
 
     def __post_init__(self) -> None:
         for name in ("substeps", "iterations"):
-            object.__setattr__(self, name, count(getattr(self, name), f"XPBD.{name}", least=1, most=MOST))
+            object.__setattr__(self, name, count(getattr(self, name), f"XPBD.{name}", least=1, most=MOST_ITERATIONS))

@@ -86,6 +86,9 @@ impl SelfContacts {
         self.mesh.sort(|vertex| self.start[vertex as usize]);
         self.nearby.begin(&self.vertices, (&self.start, velocities), h, thickness);
         for round in 0..=ROUNDS {
+            if step.executor.stopped() {
+                break;
+            }
             let known = active.contacts.len();
             let longer = self.tauten(&mut active, velocities, h);
             self.keep_inside(&mut active, &free, velocities, step);
@@ -200,7 +203,7 @@ impl SelfContacts {
         let mut zones = Zones::new(self.start.len());
         let mut last = 0;
         for _ in 0..MERGERS {
-            if met.is_empty() {
+            if met.is_empty() || step.executor.stopped() {
                 return Ok(());
             }
             last = met[0].0.pair.nodes[0] as usize;

@@ -104,6 +104,7 @@ impl Newton {
         let mut products = 0;
         let (mut worst, mut first) = (self.evaluate(dynamics, equation, &u, executor)?, None);
         for iteration in 0..MOST_ITERATIONS {
+            executor.check()?;
             // The divergence monitor reports states that are not finite.
             if worst.1 <= self.tolerance || worst.1.is_nan() {
                 return Ok((u, [iteration, products]));
@@ -122,8 +123,8 @@ impl Newton {
             let tolerance = (norm / start).sqrt().min(0.1);
             // Near the solution, with all derivatives, convergence is quadratic. Elsewhere compressed springs may make the
             // matrix indefinite; their stiffness across is then left out.
-            let exact = (worst.1 < NEAR).then(|| self.descend(tolerance, false));
-            let count = exact.flatten().or_else(|| self.descend(tolerance, true));
+            let exact = (worst.1 < NEAR).then(|| self.descend(tolerance, false, executor));
+            let count = exact.flatten().or_else(|| self.descend(tolerance, true, executor));
             products += count.unwrap_or_default();
             let slope = dot(&self.residual, &self.direction);
             worst = self.search(dynamics, equation, &mut u, slope, executor)?;
@@ -150,6 +151,7 @@ impl Newton {
         let mut part = 1.0;
         let mut worst = (0, f64::INFINITY);
         for _ in 0..MOST_TRIALS {
+            executor.check()?;
             u.iter_mut().zip(&before).zip(&self.direction).for_each(|((u, &before), &p)| *u = before + part * p);
             worst = self.evaluate(dynamics, equation, u, executor)?;
             let derivative = dot(&self.residual, &self.direction);
@@ -226,7 +228,7 @@ impl Newton {
 
     /// Solves A p = −R for the direction p, to a relative residual. Returns the number of products, or None if A is not
     /// definite.
-    fn descend(&mut self, tolerance: f64, definite: bool) -> Option<u64> {
+    fn descend(&mut self, tolerance: f64, definite: bool, executor: &Executor) -> Option<u64> {
         let Self { matrix, residual, direction, vectors: [r, z, p, product], .. } = self;
         direction.fill(DVec3::ZERO);
         r.iter_mut().zip(residual.iter()).for_each(|(r, &residual)| *r = -residual);
@@ -235,7 +237,7 @@ impl Newton {
         let (mut now, target) = (dot(r, z), tolerance * tolerance * dot(r, r));
         let most = 3 * r.len() as u64 + 10;
         for count in 0..most {
-            if dot(r, r) <= target || now <= 0.0 {
+            if dot(r, r) <= target || now <= 0.0 || executor.stopped() {
                 return Some(count);
             }
             matrix.multiply(p, product, definite);

@@ -39,8 +39,9 @@ pub trait Projector<V: Space>: Send + Sync {
     fn substeps(&self) -> usize;
     /// Prepares for the springs of a scene.
     fn begin(&mut self, dynamics: &Dynamics<V>);
-    /// Converts predicted displacements over `h` seconds [m], of particles in a state, into projected ones.
-    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64);
+    /// Converts predicted displacements over `h` seconds [m], of particles in a state, into projected ones. Ends early on an
+    /// interrupt.
+    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64, executor: &Executor);
     /// Memory [bytes].
     fn bytes(&self) -> usize;
 }
@@ -69,7 +70,8 @@ impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
         dynamics.prepare(matter, time, executor)?;
         dynamics.begin_self_contacts(matter);
         self.predict(dynamics, matter, workspace, h, executor);
-        self.projector.project(dynamics, matter, &mut self.displacement, h);
+        self.projector.project(dynamics, matter, &mut self.displacement, h, executor);
+        executor.check()?;
         if let Some([position, velocity]) = &mut workspace.before {
             position.copy_from(&matter.position);
             velocity.copy_from(&matter.velocity);

@@ -20,6 +20,7 @@ use crate::error::Result;
 use crate::forces::Space;
 use crate::math::Real;
 use crate::matter::{Columns, Matter};
+use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::sparse::Factorization;
@@ -115,7 +116,7 @@ impl<V: Space> Projector<V> for Projective<V> {
         self.prepared = None;
     }
 
-    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64) {
+    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64, executor: &Executor) {
         if self.prepared.as_ref().is_none_or(|(known, _)| *known != h) {
             self.prepared = Some((h, prepare(dynamics, h)));
         }
@@ -127,7 +128,7 @@ impl<V: Space> Projector<V> for Projective<V> {
         self.curvature.clear();
         self.balance(dynamics, &prepared);
         for iteration in 0..self.iterations {
-            if !self.iterate(dynamics, &prepared, iteration == 0) {
+            if executor.stopped() || !self.iterate(dynamics, &prepared, iteration == 0) {
                 break;
             }
         }

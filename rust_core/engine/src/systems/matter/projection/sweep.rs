@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::math::Real;
 use crate::matter::{Columns, Matter};
+use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
@@ -70,7 +71,7 @@ impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
         self.h = 0.0;
     }
 
-    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64) {
+    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64, executor: &Executor) {
         if self.h != h {
             (self.h, self.links) = (h, links(&dynamics.springs, &dynamics.properties, h));
         }
@@ -80,6 +81,9 @@ impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
         gather(displacement, &mut self.displacements);
         let Self { links, multipliers, from, displacements, .. } = self;
         for _ in 0..self.iterations {
+            if executor.stopped() {
+                break;
+            }
             dispatch(ProjectionSweep { links, multipliers, from, displacements });
         }
         scatter(&self.displacements, displacement);
