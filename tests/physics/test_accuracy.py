@@ -298,4 +298,44 @@ def test_rounding_and_chaos_are_told_from_convergence():
     assert stagnant([4.2, 3.9, 3.9, 4.3, 4.4, 3.6, 4.3], 4.0)
     assert not stagnant([4.2, 3.9, 3.9, 4.3], 4.0)
     bounces = [1.3e-3, 1.6e-3, 5.4e-5, 3.5e-7, 9.0e-5, 4.6e-5, 3.4e-6, 1.3e-5, 6.4e-6]
+    # Of equal reductions per step, some halvings reduce much, and steps that are near each other little.
+    steps = [18, 36, 43, 50, 92]
+    assert not stagnant([1.0 / count**2 for count in steps], 1.0, steps)
     assert not any(stagnant(bounces[:count], 0.0) for count in range(len(bounces) + 1))
+
+
+@pytest.mark.parametrize("seed", range(23, 29))
+def test_what_is_within_reach_is_not_refused(seed):
+    """Steps that are near each other differ by little, which is no stagnation."""
+    rng = np.random.default_rng(seed)
+    places, duration = rng.normal(size=(8, 3)) * 3.0 + (0.0, 0.0, 25.0), float(rng.uniform(1.0, 4.0))
+    scene = pc.Scene(pc.Tracers(places, pc.Lorenz()))
+    found = pc.simulate(scene, duration, fps=4.0 / duration, accuracy=1e-4)
+    fine = pc.simulate(scene, duration, fps=4.0 / duration, integrator="RungeKutta4", dt=duration / 40_000)
+    off = found[scene.systems[0]].positions - fine[scene.systems[0]].positions
+    assert np.linalg.norm(off, axis=-1).max() <= 1e-4
+
+
+def stars(angle: float) -> pc.Scene:
+    rng = np.random.default_rng(5)
+    places, velocities = rng.normal(size=(600, 3)), 0.3 * rng.normal(size=(600, 3))
+    force = pc.Gravitation(1.0, softening=0.05, opening_angle=angle)
+    return pc.Scene(pc.Particles(places, velocities, mass=1.0 / 600.0), force)
+
+
+def test_the_error_of_a_tree_counts():
+    """All runs share it, so that no comparison of steps shows it."""
+    with pytest.raises(pc.AccuracyError, match=r"^forces\[0\]\.opening_angle: the trees alone are off by") as refused:
+        pc.simulate(stars(1.2), 0.5, fps=4, accuracy=1e-5)
+    rough = pc.simulate(stars(1.2), 0.5, fps=4, dt=1.0 / 256.0)
+    exact = pc.simulate(stars(0.0), 0.5, fps=4, dt=1.0 / 256.0)
+    off = np.linalg.norm(rough.positions - exact.positions, axis=-1).max()
+    assert off > 1e-5
+    assert refused.value.error == pytest.approx(off, rel=0.5)
+    pc.simulate(stars(0.2), 0.5, fps=4, accuracy=1e-3)
+
+
+def test_rods_are_held_by_the_order_that_is_cheaper(capsys):
+    rod = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], math.inf, mass=1.0, fixed=[0])
+    recording = pc.simulate(pc.Scene(rod, pc.Gravity((0.0, -9.81))), 2.0, fps=8, accuracy=1e-8)
+    assert recording.plan.order == 4

@@ -9,8 +9,11 @@ from typing import Unpack
 
 from physcore.checks import flag, is_word, number, span
 from physcore.errors import AccuracyError, SceneError
-from physcore.forces import SoftSpheres
+from physcore.forces import Coulomb, Gravitation, SoftSpheres
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, suited
+from physcore.numerics.integrators import RATTLE
+from physcore.scene.channels import has_rods
+from physcore.scene.items import Force
 from physcore.scene.scene import Scene
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
@@ -64,9 +67,8 @@ def simulate(
             first field of the first system, in its unit.
         energy_drift: largest drift of the energy balance, as in `Recording.energy.drift`.
         numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, as in Simulation. dt
-            must
-            not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for each item, no other is
-            tried.
+            must not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for each item, no
+            other is tried.
 
     Raises:
         SceneError, SimulationDiverged: as for Simulation.
@@ -124,7 +126,9 @@ def _search(
     def record(choice: Choice) -> Trial:
         return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys((primary(scene), *channels))))
 
-    some = [kind() for kind in suited(scene) if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
+    some = [numerics.integrator]
+    if is_word(given, "auto"):
+        some = [kind() for kind in suited(scene) if kind.order > 1] + [RATTLE(order=4)] * has_rods(scene)
     found = methods(experiment, some, numerics.precision)
     if any(isinstance(force, SoftSpheres) for force in scene.forces):
         # The contact force has a kink at first touch, which limits all methods to order two.
@@ -144,6 +148,7 @@ def _search(
     )
     if selection is not None and selection.proven:
         trial = selection.trial
+        _refuse_trees(selection, target)
         return replace(selection, trial=trial if trial.recording is not None else record(trial.choice))
     asked = [f"within {target.accuracy:g} {unit(scene)}"] * target.compares
     asked += [f"energy drift {target.energy_drift:g}"] * math.isfinite(target.energy_drift)
@@ -159,6 +164,47 @@ def _search(
         error=error,
         energy_drift=drift,
     )
+
+
+def _refuse_trees(selection: Selection, target: Target) -> None:
+    """Compare the run with one by trees of half the opening angle. All runs of the search share the error of the trees.
+
+    Raises:
+        AccuracyError: the error of the trees is above the target.
+    """
+    experiment, trial = selection.candidate.experiment, selection.trial
+    scene = experiment.scene
+    trees = [index for index, force in enumerate(scene.forces) if _finer(force) is not force]
+    if not trees or not target.compares:
+        return
+    finer = Scene(
+        *scene.bodies,
+        *map(_finer, scene.forces),
+        *scene.boundaries,
+        *scene.constraints,
+        *scene.systems,
+        *scene.probes,
+    )
+    samples = replace(experiment, scene=finer).completed(trial.choice).samples
+    common = min(len(samples), len(trial.samples))
+    # The error falls at least by the factor 8: a quadrupole's next term has the third power of the angle.
+    error = float(experiment.distances(trial.samples[:common], samples[:common]).max()) * 8.0 / 7.0
+    if error + selection.error > target.accuracy:
+        raise AccuracyError(
+            f"forces[{trees[0]}].opening_angle: the trees alone are off by {error:.1e} {unit(scene)}, and "
+            f"{target.accuracy:g} {unit(scene)} is asked; take a smaller one, or 0 for exact sums",
+            error=error + selection.error,
+            energy_drift=selection.drift,
+        )
+
+
+def _finer(force: Force) -> Force:
+    """A force with trees of half the opening angle, or of a tenth of the error; others as they are."""
+    if not isinstance(force, (Gravitation, Coulomb)) or force.opening_angle == 0.0:
+        return force
+    if force.opening_angle == "auto":
+        return replace(force, force_error=0.1 * force.force_error)
+    return replace(force, opening_angle=0.5 * force.opening_angle)
 
 
 def _advice(numerics: Options, scene: Scene) -> str:

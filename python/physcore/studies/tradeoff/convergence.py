@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from physcore.arithmetic import log, power
 
@@ -104,16 +105,24 @@ def order_between(steps: Sequence[int], values: Sequence[float], order: int) -> 
     return min(max(seen, 1.0), float(order))
 
 
-def stagnant(values: Sequence[float], scale: float) -> bool:
+def errors_of(steps: Sequence[int], differences: Sequence[float]) -> list[float]:
+    """The errors of all runs but the first, from the differences between successive runs, as for order one."""
+    ratios = [min(after / before, 2.0) for before, after in pairwise(steps)]
+    return [difference / (ratio - 1.0) for difference, ratio in zip(differences, ratios, strict=True)]
+
+
+def stagnant(values: Sequence[float], scale: float, steps: Sequence[int] = ()) -> bool:
     """Whether smaller steps no longer reduce a value, because of rounding or a lack of convergence.
 
     Args:
-        values: differences or errors, in the order of decreasing steps.
+        values: errors, in the order of decreasing steps.
         scale: the scale by which values are small or large.
+        steps: numbers of steps of the same runs; by default each has twice as many as the one before.
     """
     small = bool(values) and values[-1] < SMALL * scale
     runs = 2 if small else STUCK
     if len(values) <= runs:
         return False
     # Values that are not small can be small by chance in single runs, so the maximum is used.
-    return values[-1] > math.prod([FLAT] * runs) * (values[-1 - runs] if small else max(values[:-runs]))
+    halvings = _log2(steps[-1] / steps[-1 - runs]) if steps else float(runs)
+    return values[-1] > float(power(FLAT, halvings)) * (values[-1 - runs] if small else max(values[:-runs]))

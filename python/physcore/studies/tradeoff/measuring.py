@@ -79,10 +79,8 @@ def tradeoff(
             reference of the same method. With `resolutions`, the errors include those of the methods, each relative to
             the limit of its own resolutions.
         observe: function of the simulation that returns the compared values, an array of numbers. None: the positions
-            of
-            all particles [m], or with `resolutions` the centers of the bodies; without particles, the first field of
-                the
-            first system.
+            of all particles [m], or with `resolutions` the centers of the bodies; without particles, the first field of
+            the first system.
         budget: approximate total time [s]. The first three rows of each integrator may take as long again, and the very
             first ones are always run.
         threads: as in Simulation.

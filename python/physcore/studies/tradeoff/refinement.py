@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from physcore.arithmetic import power
 from physcore.checks import FloatArray
 from physcore.forces import LennardJones, SoftSpheres
-from physcore.studies.tradeoff.convergence import Convergence, convergence, order_between, stagnant
+from physcore.studies.tradeoff.convergence import Convergence, convergence, errors_of, order_between, stagnant
 from physcore.studies.tradeoff.experiment import Experiment, Trial
 
 AIM = 0.7
@@ -155,7 +155,9 @@ class Refinement:
         if not self.trials:
             return False
         drifts = self.drifts if self.drifts[-1] > self.target.energy_drift else []
-        return stagnant(drifts, 1.0) or (self.target.compares and stagnant(self.changes, self._motion()))
+        if stagnant(drifts, 1.0, self.counts):
+            return True
+        return self.target.compares and stagnant(errors_of(self.counts, self.changes), self._motion(), self.counts[1:])
 
     def distance(self, one: FloatArray, other: FloatArray) -> float:
         """The largest distance of any particle at the end of any interval [m]."""
