@@ -162,3 +162,13 @@ class Part(Snapshot):
             SceneError: there is no such field, the field is derived from others, or the values do not have its shape.
         """
         self.replace(values)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The state without its simulation, which is not copied."""
+        return {**self.__dict__, "replace": _detached}
+
+
+def _detached(values: Mapping[str, Any]) -> None:
+    """Refuse to modify a copied or unpickled part."""
+    del values
+    raise SceneError("set: this Part is a copy and belongs to no simulation; take simulation[item]")
