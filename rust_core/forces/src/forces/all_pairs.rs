@@ -10,6 +10,7 @@
 
 mod accuracy;
 mod derivatives;
+mod encounters;
 mod evaluation;
 mod expansion;
 mod hilbert;
@@ -285,9 +286,11 @@ impl<V: Vector> Force<V> for AllPairs<V> {
         Ok(())
     }
 
-    /// The largest stiffness of such a force is unknown. The frequency of the fastest orbit limits the accuracy.
+    /// The largest stiffness of such a force is unknown. The frequency of the fastest orbit limits the accuracy: in the present
+    /// state, and among few particles also at the next periapsis.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
-        let frequency_squared = self.frequency_squared(at);
+        let ahead = if bound.horizon() == Horizon::Present || !self.is_few() { 0.0 } else { self.frequency_squared_ahead(at) };
+        let frequency_squared = self.frequency_squared(at).max(ahead);
         if frequency_squared > 0.0 && frequency_squared.is_finite() {
             bound.accuracy(self.name, TAU / frequency_squared.sqrt() / STEPS_PER_TURN);
         }
@@ -295,7 +298,7 @@ impl<V: Vector> Force<V> for AllPairs<V> {
     }
 
     fn validity(&self, _at: &StateView<'_, V>, horizon: Horizon) -> Validity {
-        if horizon == Horizon::Present { Validity::Now } else { Validity::Always }
+        if horizon == Horizon::Present || self.is_few() { Validity::Now } else { Validity::Always }
     }
 
     fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
