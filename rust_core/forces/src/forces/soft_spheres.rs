@@ -10,6 +10,8 @@
 //! spheres: H. Hertz, J. reine angew. Math. 92 (1881) 156; for friction that grows with the slip up to Coulomb's: P. K. Haff and
 //! B. T. Werner, Powder Technol. 48 (1986) 239.
 
+use std::f64::consts::PI;
+
 use glam::{DMat3, DVec3};
 
 use super::derivatives::{Directed, outer};
@@ -21,6 +23,13 @@ use crate::matter::Properties;
 use crate::neighbors::sums::{Pair, PairLaw};
 use crate::scene::{Item, Value};
 use crate::simd::Number;
+use crate::stability::SpectralBound;
+
+/// Name of the term.
+const REPULSION: &str = "repulsion";
+
+/// Steps per impact at the limit of accuracy. An automatic time step is half of that.
+const STEPS_PER_IMPACT: f64 = 10.0;
 
 /// The contact law in the precision of the run.
 #[derive(Debug, Clone, Copy)]
@@ -135,7 +144,7 @@ impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for SoftSpheres<V::Scalar
 }
 
 impl<V: Vector, const HERTZIAN: bool> Interaction<V> for SoftSpheres<V::Scalar, HERTZIAN> {
-    const NAME: &'static str = "repulsion";
+    const NAME: &'static str = REPULSION;
     const SPARES_BONDED: bool = true;
 
     fn cutoff(&self) -> f64 {
@@ -198,22 +207,37 @@ impl<V: Vector, const HERTZIAN: bool> Interaction<V> for SoftSpheres<V::Scalar, 
         }
     }
 
-    /// As many contacts as the kissing number of equal spheres, with one overlap δ. The overlap is that of an impact of two
-    /// particles of the largest mass at twice the largest speed: ½ (m/2) v² = ⅖ k δ^2.5. It is at least [`OVERLAP`] of the
-    /// smallest radius.
+    /// As many contacts as the kissing number of equal spheres, with one overlap δ, that of [`SoftSpheres::deepest`].
     ///
     /// The largest eigenvalue of Σ nnᵀ is needed for directions n at 60° to each other. In 2D it is 3. The directions around one
     /// end of any axis are at t − 60°, t and t + 60°, and their cos² sum to 3/2. In 3D it is 9/2: two directions lie on an axis,
     /// and ten are at 60° to it.
     fn expected(&self, at: &StateView<'_, V>, members: &[u32]) -> [f64; 2] {
         let (kissing, aligned) = if V::DIMENSION == 2 { (6.0, 3.0) } else { (12.0, 4.5) };
+        let overlap = self.deepest(at, members);
+        let Directed { along, across } = self.dampings();
+        let damping = kissing * across + aligned * (along - across).max(0.0);
+        [aligned * self.stiffness_at(overlap), damping]
+    }
+
+    /// The impact of two particles of the smallest mass lasts π √(m/2k). Fewer steps leave its restitution to chance.
+    fn bound(&self, at: &StateView<'_, V>, members: &[u32], bound: &mut SpectralBound) {
+        let lightest = members.iter().map(|&index| at.properties.mass[index as usize]).fold(f64::INFINITY, f64::min);
+        let stiffness = self.stiffness_at(self.deepest(at, members));
+        if stiffness > 0.0 && lightest.is_finite() {
+            bound.accuracy(REPULSION, PI * (0.5 * lightest / stiffness).sqrt() / STEPS_PER_IMPACT);
+        }
+    }
+}
+
+impl<T: Real, const HERTZIAN: bool> SoftSpheres<T, HERTZIAN> {
+    /// Overlap δ of an impact of two particles of the largest mass at twice the largest speed: ½ (m/2) v² = ⅖ k δ^2.5. It is at
+    /// least [`OVERLAP`] of the smallest radius.
+    fn deepest<V: Vector<Scalar = T>>(&self, at: &StateView<'_, V>, members: &[u32]) -> f64 {
         let speed = members.iter().map(|&index| at.velocity.get(index as usize).widen().length()).fold(0.0, f64::max);
         let mobile = members.iter().map(|&index| at.properties.mass[index as usize]).filter(|mass| mass.is_finite());
         let energy = mobile.fold(0.0, f64::max) * speed * speed;
         let overlap = libm::pow(2.5 * energy / self.stiffness.to_f64().max(f64::MIN_POSITIVE), 0.4);
-        let overlap = overlap.clamp(self.least, 0.5 * self.cutoff);
-        let Directed { along, across } = self.dampings();
-        let damping = kissing * across + aligned * (along - across).max(0.0);
-        [aligned * self.stiffness_at(overlap), damping]
+        overlap.clamp(self.least, 0.5 * self.cutoff)
     }
 }
