@@ -178,8 +178,7 @@ def cloth(
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape, there is neither a stiffness nor a material, or
-            the
-            shear stiffness is above the material's stiffness along warp or weft.
+            the shear stiffness is above the material's stiffness along warp or weft.
 
     Source: X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics
     Interface 1995.

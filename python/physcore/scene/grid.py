@@ -186,8 +186,7 @@ class Grid:
 
         Args:
             value: one word for all sides, words for all 2·D sides, or a mapping from axes ("x") and sides ("x-", "x+")
-                to
-                words. Sides without a word have the default. An `Absorbing` is used as the word "absorbing".
+                to words. Sides without a word have the default. An `Absorbing` is used as the word "absorbing".
             path: path of the argument.
             words: the known words. A periodic axis has the word "periodic", and takes no other.
             default: the default word.

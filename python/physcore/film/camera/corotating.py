@@ -41,8 +41,7 @@ class Corotating:
 
     Raises:
         SceneError: an argument is not valid; a scene has boundaries, a periodic domain or systems, which would rotate
-            in
-            this frame; or the two members of the pair coincide.
+            in this frame; or the two members of the pair coincide.
 
     Source: V. Szebehely, Theory of Orbits (1967), section 1.4.
     """
