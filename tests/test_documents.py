@@ -27,6 +27,7 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
     assert (tmp_path / "cloth.gif").read_bytes().startswith(b"GIF89a")
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize(("script", "printed"), TROUBLES)
 def test_the_scripts_of_the_troubles_print_what_stands_beneath_them(script, printed, capsys):
     exec(compile(script, "docs/troubles.md", "exec"), {})

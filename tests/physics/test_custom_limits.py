@@ -52,7 +52,7 @@ def test_damping_has_the_limit_of_drag(integrator):
 def test_stiffness_and_damping_are_told_apart(precision):
     """As for a well with drag, of which a VelocityVerlet needs h ≤ 2 (√(4ξ² + 1) − 2ξ)/ω, ξ = c/2√(km)."""
     own = pc.CustomForce(lambda time, x, v: -40.0 * x - 3.0 * v)
-    run = pc.Simulation(pc.Scene(dust(mass=0.5), own), precision=precision)
+    run = pc.Simulation(pc.Scene(dust(mass=0.5), own), "VelocityVerlet", precision=precision)
     frequency = math.sqrt(40.0 / 0.5)
     ratio = 3.0 / 0.5 / (2.0 * frequency)
     assert run.plan.dt_limit == pytest.approx(2.0 / frequency * (math.hypot(1.0, 2.0 * ratio) - 2.0 * ratio), rel=1e-3)
@@ -207,7 +207,7 @@ def stiff(strength: float) -> pc.Scene:
 
 def test_an_automatic_time_step_conserves_the_energy_of_a_stiff_force():
     """Verlet keeps v² + (1 − (ωh)²/4) ω²x²: at ωh ≤ 1 the energy swings by a third, and does not grow."""
-    run = pc.Simulation(stiff(1e5))
+    run = pc.Simulation(stiff(1e5), "VelocityVerlet", pc.AutoStep())
     energies = []
     for _ in range(50):
         run.run(0.1)
@@ -230,7 +230,7 @@ def growing() -> pc.Scene:
 
 def test_a_stiffness_that_grows_in_time_is_looked_at_again():
     """ω = 100 (1 + t/4) /s grows fourfold in 12 s, and less than √2 times in 256 steps: no step is above the limit."""
-    run = pc.Simulation(growing())
+    run = pc.Simulation(growing(), "VelocityVerlet", pc.AutoStep())
     assert run.plan.dt_limit == pytest.approx(0.02, rel=ROUNDING)
     first = run.dt
     for end in range(1, 13):
@@ -296,7 +296,7 @@ def test_the_calls_of_a_look_are_as_many_as_the_plan_says():
         times.append(time)
         return -x
 
-    run = pc.Simulation(pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CustomForce(force)))
+    run = pc.Simulation(pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CustomForce(force)), "VelocityVerlet")
     begun = len(times)
     assert run.plan.dt_limit == pytest.approx(2.0, rel=ROUNDING)
     assert begun <= 1 + 2 + 2 + 2

@@ -64,7 +64,7 @@ def test_without_matplotlib_the_plot_says_how_to_get_it(monkeypatch):
 def test_the_audit_lists_every_term():
     scene = pc.Scene(pc.rope(3, 1.0, 100.0, pinned="start"), pc.Gravity((0.0, -1.0)))
     text = audit(pc.simulate(scene, 0.5))
-    for word in ("3 particles", "VelocityVerlet", "kinetic", "potential: gravity", "potential: springs", "dissipated"):
+    for word in ("3 particles", "BlanesMoan4", "kinetic", "potential: gravity", "potential: springs", "dissipated"):
         assert word in text
     for word in ("work", "balance", "drift: at most", "momentum", "angular momentum"):
         assert word in text

@@ -40,7 +40,7 @@ def test_run_takes_the_steps_that_reach_the_duration_and_keeps_dt(duration, step
 def test_auto_ends_a_run_exactly_at_the_duration():
     scene = spring()
     limit = pc.stability_limit(scene, pc.VelocityVerlet())
-    simulation = pc.Simulation(scene)
+    simulation = pc.Simulation(scene, dt=pc.AutoStep())
     simulation.run(1.0)
     assert simulation.time == pytest.approx(1.0, rel=1e-15)
     assert simulation.steps == math.ceil(1.0 / (pc.AutoStep().safety * limit))
@@ -66,7 +66,7 @@ def test_where_nothing_limits_the_step_there_are_four_to_a_frame():
 
 
 def test_the_plan_names_the_step_its_limit_and_the_term():
-    plan = pc.Simulation(spring()).plan
+    plan = pc.Simulation(spring(), dt=pc.AutoStep()).plan
     assert 0 < plan.dt < plan.dt_limit
     assert plan.margin == plan.dt / plan.dt_limit
     assert "springs" in plan.limit_term

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, TypedDict
 
-from physcore.checks import MOST, count, is_word, number, shown, span, word
+from physcore.checks import MOST, count, flag, is_word, number, shown, span, word
 from physcore.errors import SceneError
-from physcore.forces import ElectromagneticField
+from physcore.numerics.defaults import default_integrator, is_magnetic, is_small
 from physcore.numerics.fluids import FluidMethod, Fluids, fluid_methods
 from physcore.numerics.integrators import (
     INTEGRATORS,
@@ -58,15 +58,20 @@ class AutoStep:
             oscillation 5 % too fast (arcsin(½)/½ = 1.047); the error of slower ones falls with their frequency squared.
             A fraction near 1 of the limit of springs as they stand would not hold when they turn: the step is never
             above the certified limit, which does.
+        resolve: whether the fastest oscillation is resolved too: after ten periods an undamped one is off by at most
+            half a percent of its amplitude. Verlet then takes 140 steps in a period. Methods of first order, implicit
+            methods, and systems other than bodies keep to `safety` alone.
 
     Raises:
-        SceneError: `safety` is out of range.
+        SceneError: a value is out of range.
     """
 
     safety: float = 0.5
+    resolve: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "safety", number(self.safety, "AutoStep.safety", above=0.0, most=1.0))
+        object.__setattr__(self, "resolve", flag(self.resolve, "AutoStep.resolve"))
 
 
 @dataclass(frozen=True)
@@ -168,7 +173,9 @@ def check(options: Options, scene: Scene) -> Numerics:
     threads = options.get("threads")
     rule = word(options.get("on_divergence", "raise"), "on_divergence", DIVERGENCE_RULES)
     growth = options.get("max_energy_growth")
-    chosen, dt = _integrators(options.get("integrator", "auto"), scene), _dt(options.get("dt", "auto"), scene)
+    step = options.get("dt", "auto")
+    automatic = is_word(step, "auto")
+    chosen, dt = _integrators(options.get("integrator", "auto"), scene, automatic), _dt(step, scene)
     integrator = next(iter(chosen.values()))
     for each in chosen.values():
         if isinstance(dt, AutoStep) and each.self_adaptive and len(chosen) > 1:
@@ -205,26 +212,27 @@ def suited(scene: Scene) -> list[type[Integrator]]:
     """
     equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
-    others = (*(() if _is_magnetic(scene) else (Boris,)), *(() if has_rods(scene) else (RATTLE,)))
+    others = (*(() if is_magnetic(scene) else (Boris,)), *(() if has_rods(scene) else (RATTLE,)))
     kinds = [
         kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not (kind.self_adaptive or kind.stiff)
     ]
     return [kind for kind in kinds if kind not in others and (kind.holds_rods or not has_rods(scene))]
 
 
-def _is_magnetic(scene: Scene) -> bool:
-    """Whether there is a magnetic field."""
-    return any(isinstance(force, ElectromagneticField) and force.is_magnetic for force in scene.forces)
-
-
-def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
-    """The integrator of the bodies, if there are any, and of each further system, by their paths.
+def _integrators(value: object, scene: Scene, automatic: bool) -> dict[str, Integrator]:
+    """The integrator of the bodies, if there are any, and of each further system, by their paths; `automatic` says
+    whether the time step is.
 
     Raises:
         SceneError: something is no integrator or no item, or an integrator cannot drive what it is to.
     """
-    paths: dict[str, tuple[Equation, str]] = {BODIES: ("bodies", _default(scene))} if scene.bodies else {}
-    paths |= {str(scene.system(each)): (each.equation, each.default_integrator) for each in scene.systems}
+    paths: dict[str, tuple[Equation, Integrator]] = {}
+    if scene.bodies:
+        paths[BODIES] = ("bodies", default_integrator(scene, automatic))
+    paths |= {
+        str(scene.system(each)): (each.equation, INTEGRATORS_BY_NAME[each.default_integrator]())
+        for each in scene.systems
+    }
     chosen: dict[str, Integrator | None] = {}
     if isinstance(value, Mapping):
         for key, given in value.items():
@@ -238,14 +246,7 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
         if not driven:
             _integrator(value, "integrator", next(iter(paths.values()))[0])  # says which can
         chosen = dict.fromkeys(driven, one)
-    return {path: chosen.get(path) or INTEGRATORS_BY_NAME[default]() for path, (_, default) in paths.items()}
-
-
-def _default(scene: Scene) -> str:
-    """The integrator of the bodies where nothing is said."""
-    if has_rods(scene):
-        return "RATTLE"
-    return "Boris" if _is_magnetic(scene) else "VelocityVerlet"
+    return {path: chosen.get(path) or default for path, (_, default) in paths.items()}
 
 
 def _path(key: object, scene: Scene) -> str:
@@ -284,11 +285,14 @@ def _integrator(value: object, path: str, equation: Equation | None) -> Integrat
 
 
 def _dt(value: object, scene: Scene) -> float | StepRule:
-    """Where there are rods, "auto" is AdaptiveStep(): they turn the faster the farther they have fallen."""
+    """Where there are rods, "auto" is AdaptiveStep(): they turn the faster the farther they have fallen.
+
+    In small scenes it resolves the fastest oscillation.
+    """
     if isinstance(value, StepRule):
         return value
     if is_word(value, "auto"):
-        return AdaptiveStep() if has_rods(scene) else AutoStep()
+        return AdaptiveStep() if has_rods(scene) else AutoStep(resolve=is_small(scene))
     if isinstance(value, (str, type)):
         raise SceneError(f"dt: must be a number of seconds, 'auto', AutoStep(…) or AdaptiveStep(…), got {shown(value)}")
     return span(value, "dt")
@@ -324,6 +328,11 @@ class Limit:
     is known exactly, as for particles under harmonic central forces and linear drag alone, the two are equal, but for
     integrators that are stable on both sides of a resonance; inf where no such step is known."""
 
+    @property
+    def kept(self) -> float:
+        """The largest step that stays stable wherever springs turn, and that is accurate [s]."""
+        return min(self.certified, self.accuracy)
+
 
 def largest_step(limit: Limit, rule: StepRule, integrator: Integrator, fps: float) -> float:
     """The largest time step [s] that the rule allows.
@@ -341,7 +350,8 @@ def largest_step(limit: Limit, rule: StepRule, integrator: Integrator, fps: floa
         )
     if math.isinf(limit.dt):
         return free_step(fps)
-    return min(rule.safety * limit.dt, limit.certified)
+    resolved = integrator.resolving if isinstance(rule, AutoStep) and rule.resolve else math.inf
+    return min(rule.safety * limit.dt, resolved * limit.stability, limit.certified)
 
 
 def free_step(fps: float) -> float:

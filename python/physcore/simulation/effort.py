@@ -25,6 +25,13 @@ RELAX = {
 """Advice if a term of the scene limits the time step, by the term's name in the plan."""
 
 
+ENCOUNTERS = ("gravitation", "coulomb", "central")
+"""Terms whose time scale shortens without bound as particles approach each other or a center."""
+
+ENCOUNTER_CURE = "take dt=pc.AdaptiveStep(), integrator=pc.GaussRadau15(), or a softening"
+"""Advice for close encounters, in which no fixed step is right."""
+
+
 def remedy(term: str, given: bool) -> str:
     """Advice for a run with too many steps. The time step was given, or follows from a term of the scene."""
     if given:

@@ -17,17 +17,21 @@ if TYPE_CHECKING:
 
 T = TypeVar("T", float, FloatArray)
 
-GOOD_DRIFT = 1e-2
-"""Largest drift that is called good. The amplitude of an oscillation is proportional to the square root of its energy,
-and is thus off by half the drift. This is less than 2 of the 320 pixels between the middle and the edge of a film.
+GOOD_DRIFT, FAIR_DRIFT = 1e-4, 1e-2
+"""Largest drifts that are called good and fair.
+
+The amplitude of an oscillation is proportional to the square root of its energy, and is thus off by half the drift. In
+a film a fair one is less than 2 of the 320 pixels between the middle and the edge.
 """
 WRONG_DRIFT = 0.05
 """Drift above which a run is visibly wrong: the amplitude is off by 8 of 320 pixels."""
+BROKEN_DRIFT = 0.25
+"""Drift above which a run with a given time step is warned of too."""
 
 
 def verdict(drift: float) -> str:
-    """The assessment of a drift of the energy balance: "good", or "look at dt"."""
-    return "good" if abs(drift) <= GOOD_DRIFT else "look at dt"
+    """The assessment of a drift of the energy balance: "good", "fair", or "look at dt"."""
+    return "good" if abs(drift) <= GOOD_DRIFT else "fair" if abs(drift) <= FAIR_DRIFT else "look at dt"
 
 
 @dataclass(frozen=True, eq=False)

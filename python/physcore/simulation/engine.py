@@ -113,7 +113,7 @@ def limit(world: World) -> Limit:
 
 
 def certified(world: World) -> float:
-    """The limit of stability [s] that holds wherever springs turn, while none is shorter than half its rest length."""
+    """The limit [s] that holds wherever springs turn, while none is shorter than half its rest length."""
     return world.certified()
 
 

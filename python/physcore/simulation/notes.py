@@ -15,7 +15,7 @@ from physcore.scene.bodies import SpringNetwork
 from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
 from physcore.scene.scene import Scene
-from physcore.simulation.energy import GOOD_DRIFT, verdict
+from physcore.simulation.energy import FAIR_DRIFT, verdict
 from physcore.simulation.recording import Recording
 
 ROUNDING = 1e-12
@@ -29,9 +29,9 @@ def noted(recording: Recording) -> Recording:
 
 
 def _drift(recording: Recording) -> Iterator[str]:
-    """A note on the drift, if it is not good."""
+    """A note on the drift, if it is not even fair."""
     largest = float(np.abs(recording.energy.drift).max())
-    if not largest <= GOOD_DRIFT:
+    if not largest <= FAIR_DRIFT:
         yield (
             f"the energy balance drifted by {largest:.2g} of the energy in motion: {verdict(largest)}; "
             "pc.diagnose(recording) says more"

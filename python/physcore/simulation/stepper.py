@@ -12,6 +12,7 @@ from dataclasses import asdict, replace
 from typing import Any, TypedDict
 
 from physcore._core import World
+from physcore.arithmetic import power
 from physcore.checks import count, number
 from physcore.errors import (
     MachWarning,
@@ -35,19 +36,28 @@ from physcore.numerics.choices import (
 )
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
-from physcore.simulation.effort import MOST_STEPS, long_run
-from physcore.simulation.energy import WRONG_DRIFT
+from physcore.simulation.effort import ENCOUNTER_CURE, ENCOUNTERS, MOST_STEPS, long_run
+from physcore.simulation.energy import BROKEN_DRIFT, FAIR_DRIFT, WRONG_DRIFT
 from physcore.simulation.provenance import Segment, segments_from
+from physcore.systems.reaction_diffusion import ReactionDiffusion
 
 CHECK_INTERVAL = 256
 """Number of steps between two checks of the limit of stability with dt="auto". Checks are at multiples of this number,
 so that the bits do not depend on how the steps are requested.
 """
 
-FLUID_CHECK_INTERVAL = 8
-"""Number of steps between two checks of the limit with a fluid. At a tenth of the speed of sound and half of the limit,
-no particle moves farther than a spacing in this time.
+SHORT_CHECK_INTERVAL = 8
+"""Number of steps between two checks of the limit with a fluid or a reaction.
+
+At a tenth of the speed of sound and half of the limit, no particle of a fluid moves farther than a spacing in this
+time. A check costs a reaction a few percent.
 """
+
+FEW_CELLS = 10_000
+"""Number of cells up to which the limit of a reaction is checked in each step, to resolve the fastest spikes."""
+
+RESOLVED, NOTED = 0.005, 0.01
+"""Errors of an oscillation after ten periods over its amplitude: of a resolved one, and of one that a note names."""
 
 RECOVERED = 1.25
 """Factor by which the limit must rise before the time step follows it."""
@@ -104,7 +114,7 @@ class Stepper:
         self._limits: tuple[Limit, Limit] | None = None
         """The initial limit, and the limit that the present time step obeys; None unless dt="auto"."""
         self._varies = engine.limit_varies(world)
-        self._interval = FLUID_CHECK_INTERVAL if scene.fluids else CHECK_INTERVAL
+        self._interval = _check_interval(scene)
         self._stepping = threading.Lock()
         self._mach_warned = False
         self._long_warned = False
@@ -191,9 +201,9 @@ class Stepper:
         return None
 
     def notes(self) -> list[str]:
-        """Notes of the plan about steps of different sizes."""
+        """Notes of the plan about steps of different sizes, and about oscillations that steps do not resolve."""
         if self._adaptive is None:
-            return []
+            return self._unresolved()
         by = (
             f"keep their last coefficient within {self._adaptive.tolerance:g} of the largest acceleration"
             if self._numerics.integrator.self_adaptive and self._adaptive.tolerance is not None
@@ -208,6 +218,21 @@ class Stepper:
             else "none taken so far"
         )
         return [f"adaptive steps {by}: {taken}"]
+
+    def _unresolved(self) -> list[str]:
+        """A note on the fastest oscillation of bodies, if it is off by more than 1 % after ten periods."""
+        limit, integrator = self.limit, self._numerics.integrator
+        if not self._scene.bodies or limit.kind != "stability" or limit.stability == 0.0 or integrator.resolving == 1.0:
+            return []
+        ratio = self.dt / (integrator.resolving * limit.stability)
+        slower = ratio * float(power(RESOLVED / NOTED, 1.0 / integrator.order))
+        if slower <= 1.0:
+            return []
+        return [
+            f"the fastest oscillations ({limit.term}) are not resolved; motion that is at least {slower:.2g} times "
+            "slower is within 1 % of its amplitude after ten periods; dt=pc.AutoStep(resolve=True) resolves all, in "
+            f"{ratio:.2g} times as many steps"
+        ]
 
     def _adapt(self, interval: float, fps: float, rule: AdaptiveStep) -> None:
         """Advance by an interval [s] in steps that follow the motion."""
@@ -317,14 +342,28 @@ class Stepper:
             warn(message, SceneWarning)
 
     def warn_of_drift(self, drift: float) -> None:
-        """Warn of a large drift of the energy balance over a whole run, if the time step was not given."""
-        if self.fixed is not None or drift <= WRONG_DRIFT or _UNWARNED.get():
+        """Warn of a large drift of the energy balance over a whole run; with a given time step, of a very large one."""
+        if drift <= (WRONG_DRIFT if self.fixed is None else BROKEN_DRIFT) or _UNWARNED.get():
             return
         warn(
-            f"the energy balance drifted by {drift:.2g} of the energy in motion: the motion is not resolved; take "
-            "dt=pc.AutoStep(safety=0.1), and see pc.diagnose(recording)",
+            f"the energy balance drifted by {drift:.2g} of the energy in motion: the motion is not resolved; "
+            f"{self._finer(drift)}, and see pc.diagnose(recording)",
             StabilityWarning,
         )
+
+    def _finer(self, drift: float) -> str:
+        """Advice for a fair drift, from drift ∝ dt^order."""
+        rule, order = self._numerics.dt, max(1, self._numerics.integrator.order)
+        if self.limit.term in ENCOUNTERS and not isinstance(rule, AdaptiveStep):
+            return ENCOUNTER_CURE
+        factor = float(power(FAIR_DRIFT / min(drift, 1.0), 1.0 / order))
+        if not isinstance(rule, StepRule):
+            return f"take dt={factor * rule:.1g}"
+        if isinstance(rule, AdaptiveStep) and rule.tolerance is not None:
+            return f"take dt=pc.AdaptiveStep(tolerance={0.01 * rule.tolerance:.1g})"
+        # Steps may be shorter than the rule asks for, where frames are near each other.
+        safety = rule.safety if isinstance(rule, AdaptiveStep) else min(rule.safety, self.dt / self.limit.dt)
+        return f"take dt=pc.{type(rule).__name__}(safety={factor * safety:.1g})"
 
     def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:
         if self._mach_warned or share <= FAST_SHARE:
@@ -352,12 +391,12 @@ class Stepper:
         assert self._limits
         first, kept = self._limits
         certified = engine.certified(self._world)
-        if kept != first and certified >= first.certified:
+        if kept != first and certified >= first.kept:
             kept = first
-        elif self._world.dt > certified or (kept != first and certified >= RECOVERED * kept.certified):
+        elif self._world.dt > certified or (kept != first and certified >= RECOVERED * kept.kept):
             present = engine.limit(self._world)
             # Without an initial limit, as for grains that do not touch yet, there is no lower bound of the time step.
-            least = first.dt / SLOWEST if math.isfinite(first.dt) else 0.0
+            least = first.dt / SLOWEST if math.isfinite(first.dt) and present.term == "springs" else 0.0
             kept = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
         else:
             return False
@@ -404,6 +443,14 @@ class Stepper:
         if state["limits"]:
             first, kept = (Limit(**limit) for limit in state["limits"])
             self._limits = first, kept
+
+
+def _check_interval(scene: Scene) -> int:
+    """The number of steps between two checks of the limit."""
+    cells = [math.prod(system.grid.cells) for system in scene.systems if isinstance(system, ReactionDiffusion)]
+    if cells and max(cells) <= FEW_CELLS:
+        return 1
+    return SHORT_CHECK_INTERVAL if cells or scene.fluids else CHECK_INTERVAL
 
 
 def _how_much_larger(limit: Limit) -> str:

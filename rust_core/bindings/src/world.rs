@@ -364,7 +364,7 @@ impl World {
     }
 
     fn certified(&self, py: Python<'_>) -> PyResult<f64> {
-        self.ask(py, |world, executor| Ok(world.limit(Horizon::Certified, executor)?.stability))
+        self.ask(py, |world, executor| Ok(world.limit(Horizon::Certified, executor)?.dt()))
     }
 
     fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

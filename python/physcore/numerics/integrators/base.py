@@ -34,6 +34,10 @@ class Integrator:
     """Whether the method is for motion that steps do not resolve. `tradeoff` compares such methods only if they are
     named.
     """
+    resolving: ClassVar[float] = 1.0
+    """Fraction of the limit of stability up to which an undamped oscillation is off by at most half a percent of its
+    amplitude after ten periods; 1 for methods that `AutoStep(resolve=True)` leaves alone.
+    """
     holds_rods: ClassVar[bool] = False
     """Whether the method keeps springs of infinite stiffness (rods) at their lengths."""
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order")

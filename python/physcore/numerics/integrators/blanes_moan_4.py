@@ -29,3 +29,4 @@ class BlanesMoan4(Integrator):
 
     order: ClassVar[int] = 4
     symplectic: ClassVar[bool] = True
+    resolving: ClassVar[float] = 0.42

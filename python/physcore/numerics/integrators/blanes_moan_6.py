@@ -30,3 +30,4 @@ class BlanesMoan6(Integrator):
 
     order: ClassVar[int] = 6
     symplectic: ClassVar[bool] = True
+    resolving: ClassVar[float] = 0.9

@@ -28,5 +28,6 @@ class BogackiShampine3(Integrator):
 
     order: ClassVar[int] = 3
     symplectic: ClassVar[bool] = False
+    resolving: ClassVar[float] = 0.07
     embedded: ClassVar[bool] = True
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

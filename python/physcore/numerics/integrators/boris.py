@@ -34,6 +34,7 @@ class Boris(Integrator):
 
     order: ClassVar[int] = 2
     symplectic: ClassVar[bool] = False
+    resolving: ClassVar[float] = 0.022
     solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     exact_angle: bool = False

@@ -32,5 +32,6 @@ class DormandPrince5(Integrator):
 
     order: ClassVar[int] = 5
     symplectic: ClassVar[bool] = False
+    resolving: ClassVar[float] = 0.74
     embedded: ClassVar[bool] = True
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

@@ -30,3 +30,4 @@ class PEFRL(Integrator):
 
     order: ClassVar[int] = 4
     symplectic: ClassVar[bool] = True
+    resolving: ClassVar[float] = 0.36

@@ -28,4 +28,5 @@ class RungeKutta4(Integrator):
 
     order: ClassVar[int] = 4
     symplectic: ClassVar[bool] = False
+    resolving: ClassVar[float] = 0.11
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

@@ -30,3 +30,4 @@ class VelocityVerlet(Integrator):
 
     order: ClassVar[int] = 2
     symplectic: ClassVar[bool] = True
+    resolving: ClassVar[float] = 0.022

@@ -1,0 +1,87 @@
+"""Defaults: the integrator of the bodies where none is named, and which scenes are small."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physcore.forces import (
+    Coulomb,
+    CustomForce,
+    Dihedral,
+    Drag,
+    ElectromagneticField,
+    Gravitation,
+    LennardJones,
+    SoftSpheres,
+    Wind,
+)
+from physcore.numerics.integrators import (
+    RATTLE,
+    BlanesMoan4,
+    Boris,
+    DormandPrince5,
+    Integrator,
+    VelocityVerlet,
+)
+from physcore.scene.bodies import SpringNetwork
+from physcore.scene.channels import has_rods
+from physcore.scene.scene import Scene
+
+SMALL = 1000
+"""Largest number of particles, and of pairs at a distance, of a small scene.
+
+Ten periods of the slowest motion of a chain of so many particles are 6000 periods of its fastest one. With 24
+evaluations in each these are 10⁸ evaluations of a particle, or a second or two.
+"""
+
+
+def default_integrator(scene: Scene, automatic: bool) -> Integrator:
+    """The integrator of the bodies where none is named.
+
+    With an automatic time step it is the cheapest one for an error of 1 % after ten periods in the scenes of
+    `tests/textbook.py`: a splitting of order 4 where forces are smooth and conserve energy, Dormand and Prince's method
+    where they are smooth, and Verlet's method at contacts. Verlet's method advances large scenes, and steps of a given
+    length.
+    """
+    fine = automatic and is_small(scene) and _is_smooth(scene)
+    if has_rods(scene):
+        return RATTLE(order=4) if fine and not _is_damped(scene) else RATTLE()
+    if is_magnetic(scene):
+        return Boris()
+    if not fine:
+        return VelocityVerlet()
+    return DormandPrince5() if _is_damped(scene) else BlanesMoan4()
+
+
+def is_small(scene: Scene) -> bool:
+    """Whether accuracy costs little: bodies of few particles, without fluids and constraints, and no other systems."""
+    count = scene.particles
+    pairs = count * (count - 1) // 2 if any(isinstance(force, (Gravitation, Coulomb)) for force in scene.forces) else 0
+    return 0 < count <= SMALL and pairs <= SMALL and not (scene.systems or scene.fluids or scene.constraints)
+
+
+def is_magnetic(scene: Scene) -> bool:
+    """Whether there is a magnetic field."""
+    return any(isinstance(force, ElectromagneticField) and force.is_magnetic for force in scene.forces)
+
+
+def _is_smooth(scene: Scene) -> bool:
+    """Whether the motion has no contacts, cuts and tears, at which a method of high order loses its order."""
+    networks = [body for body in scene.bodies if isinstance(body, SpringNetwork)]
+    cut = any(isinstance(force, (SoftSpheres, LennardJones)) for force in scene.forces)
+    return not (
+        scene.boundaries or cut or any(body.can_tear or np.isfinite(body.strain_limit).any() for body in networks)
+    )
+
+
+def _is_damped(scene: Scene) -> bool:
+    """Whether forces may depend on velocities, which lowers splittings to order 2."""
+    damped = any(body.damping.any() for body in scene.bodies if isinstance(body, SpringNetwork))
+    return damped or any(_dissipates(force) for force in scene.forces)
+
+
+def _dissipates(force: object) -> bool:
+    """Whether a force may depend on velocities."""
+    if isinstance(force, CustomForce):
+        return force.potential is None
+    return isinstance(force, (Drag, Wind)) or (isinstance(force, Dihedral) and force.damping > 0.0)
