@@ -54,10 +54,15 @@ def default_integrator(scene: Scene, automatic: bool) -> Integrator:
 
 
 def is_small(scene: Scene) -> bool:
-    """Whether accuracy costs little: bodies of few particles, without fluids and constraints, and no other systems."""
+    """Whether accuracy costs little: bodies of few particles, without fluids and constraints, and no other systems.
+
+    Atoms are left out, because their limit of accuracy resolves their bonds.
+    """
     count = scene.particles
     pairs = count * (count - 1) // 2 if any(isinstance(force, (Gravitation, Coulomb)) for force in scene.forces) else 0
-    return 0 < count <= SMALL and pairs <= SMALL and not (scene.systems or scene.fluids or scene.constraints)
+    atoms = any(isinstance(force, LennardJones) for force in scene.forces)
+    few = 0 < count <= SMALL and pairs <= SMALL
+    return few and not (atoms or scene.systems or scene.fluids or scene.constraints)
 
 
 def is_magnetic(scene: Scene) -> bool:
@@ -68,7 +73,7 @@ def is_magnetic(scene: Scene) -> bool:
 def _is_smooth(scene: Scene) -> bool:
     """Whether the motion has no contacts, cuts and tears, at which a method of high order loses its order."""
     networks = [body for body in scene.bodies if isinstance(body, SpringNetwork)]
-    cut = any(isinstance(force, (SoftSpheres, LennardJones)) for force in scene.forces)
+    cut = any(isinstance(force, SoftSpheres) for force in scene.forces)
     return not (
         scene.boundaries or cut or any(body.can_tear or np.isfinite(body.strain_limit).any() for body in networks)
     )

@@ -193,6 +193,16 @@ class System(SceneItem):
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of the fields by name, as in the engine."""
 
+    def unresolved(self, integrator: str, rate: float) -> list[str]:
+        """Notes on what the system does not resolve.
+
+        Args:
+            integrator: name of the integrator.
+            rate: fastest rate of the system's reaction in the present state [1/s]; 0 if unknown.
+        """
+        del integrator, rate
+        return []
+
     def values(self, field: str, value: object, path: str) -> FloatArray:
         """Validated new values of a field.
 

@@ -168,10 +168,10 @@ class Simulation:
     @property
     def plan(self) -> Plan:
         """The plan: the stages of one step, and the choices that were made."""
-        plan = engine.plan(self._world, self._scene, self._stepper.limit, self.dt)
-        return replace(
-            plan, substeps=self.substeps, notes=(*plan.notes, *of_scene(self._scene), *self._stepper.notes())
-        )
+        limit = self._stepper.limit
+        plan = engine.plan(self._world, self._scene, limit, self.dt)
+        notes = (*plan.notes, *of_scene(self._scene, self._numerics, limit), *self._stepper.notes())
+        return replace(plan, substeps=self.substeps, notes=notes)
 
     @property
     def provenance(self) -> Provenance:

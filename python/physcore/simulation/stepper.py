@@ -59,6 +59,9 @@ FEW_CELLS = 10_000
 RESOLVED, NOTED = 0.005, 0.01
 """Errors of an oscillation after ten periods over its amplitude: of a resolved one, and of one that a note names."""
 
+COARSE = 25.0
+"""Ratio of a given time step to the limit of accuracy above which it is warned of: a quarter of a turn in a step."""
+
 RECOVERED = 1.25
 """Factor by which the limit must rise before the time step follows it."""
 
@@ -411,6 +414,12 @@ class Stepper:
             return
         limit = engine.limit(self._world)
         if dt <= limit.stability:
+            if limit.kind == "accuracy" and dt > COARSE * limit.accuracy and not self._numerics.integrator.stiff:
+                warn(
+                    f"dt = {dt:g} s is {dt / limit.accuracy:.2g} times the limit of accuracy in this scene, "
+                    f"{limit.accuracy:g} s ({limit.term}): the motion is not resolved",
+                    StabilityWarning,
+                )
             return
         name = type(self._numerics.integrator).__name__
         if limit.endured == 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
@@ -11,6 +12,7 @@ from physcore.errors import SceneError
 from physcore.scene.grid import Field, Grid, GridSystem
 from physcore.scene.items import Equation
 from physcore.systems.kinetics import KINETICS, Kinetics
+from physcore.systems.resolution import SLOW, front_speed
 
 Edge = Literal["free", "fixed"]
 Edges: TypeAlias = Edge | Mapping[str, Edge] | Sequence[str]
@@ -107,6 +109,21 @@ class ReactionDiffusion(GridSystem):
     def signed(self) -> bool:
         """Whether values have both signs."""
         return self.reaction.signed
+
+    def unresolved(self, integrator: str, rate: float) -> list[str]:
+        """A note on fronts of a single species that the grid makes too fast."""
+        del integrator
+        diffusion = next(iter(self.diffusion.values()))
+        if len(self.diffusion) != 1 or not diffusion > 0.0 or not rate > 0.0:
+            return []
+        cells = math.sqrt(diffusion / rate) / self.grid.spacing
+        speed = front_speed(cells)
+        if speed <= 1.0 + SLOW:
+            return []
+        return [
+            f"fronts have {cells:.2g} cells in their width √(D/r), with r = {rate:.2g}/s, and run {speed:.2f} times "
+            f"too fast on this grid; a spacing of {1.1 * cells * self.grid.spacing:.2g} m keeps {SLOW:.0%}"
+        ]
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""

@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from physcore.arithmetic import arctan2, cos, exp, sin
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, number, regular, require, shown, text
-from physcore.errors import SceneError
+from physcore.errors import SceneError, SceneWarning, warn
 from physcore.scene.grid import Absorbing, Field, Grid, GridSystem
 from physcore.scene.items import Equation
 from physcore.spelling import spelled
+from physcore.systems.resolution import note, wave_number
 from physcore.systems.wave import EDGES, Edges
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -51,6 +52,13 @@ def wave_packet(
     require(np.abs(places) <= LONGEST, places, "wave_packet.center", f"at most {LONGEST:g} in size")
     require(widths > 0.0, widths, "wave_packet.width", "> 0")
     unit = number(hbar, "wave_packet.hbar", above=0.0)
+    turns = np.abs(momenta) * grid.spacing / unit
+    if (turns > math.pi).any():
+        warn(
+            f"wave_packet.momentum: p h/ħ = {turns.max():.3g} is above π, the largest of a grid, which takes it for "
+            f"another momentum; take a spacing below {math.pi * grid.spacing / turns.max():.2g} m",
+            SceneWarning,
+        )
     envelope, phase = np.zeros(grid.cells), np.zeros(grid.cells)
     with np.errstate(over="ignore", invalid="ignore"):  # a very narrow packet underflows beside its center
         for axis, x in enumerate(grid.coordinates):
@@ -160,6 +168,14 @@ class Schrodinger(GridSystem):
             absorbing=layer or absorbing or Absorbing(),
         )
 
+    def unresolved(self, integrator: str, rate: float) -> list[str]:
+        """A note on an initial wave function that differences slow down; SplitStep takes modes, which are exact."""
+        del rate
+        if integrator == "SplitStep":
+            return []
+        number = wave_number(np.ascontiguousarray(self.wave_function).view(np.complex128)[..., 0])
+        return note("wave function at the start", number, _group_velocity, self.grid.spacing)
+
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of the fields by name, as in the engine."""
         return {"density": self.grid.cells, "wave_function": (*self.grid.cells, 2)}
@@ -178,6 +194,11 @@ class Schrodinger(GridSystem):
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
         return f"Schrodinger({label}{' × '.join(map(str, self.grid.cells))} cells)"
+
+
+def _group_velocity(number: float) -> float:
+    """The group velocity over p/m of waves with p h/ħ = `number`, by differences."""
+    return float(sin(number)) / number if number > 0.0 else 1.0
 
 
 def _per_axis(value: ArrayLike, grid: Grid, path: str) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.arithmetic import exp
+from physcore.arithmetic import cos, exp, sin
 from physcore.checks import (
     BoolArray,
     FloatArray,
@@ -25,8 +25,9 @@ from physcore.checks import (
     shown,
     text,
 )
-from physcore.errors import SceneError
+from physcore.errors import SceneError, SceneWarning, warn
 from physcore.scene.grid import AXES, Absorbing, Field, Grid, GridSystem
+from physcore.systems.resolution import angle, note, wave_number
 
 Edge = Literal["fixed", "free", "absorbing"]
 Edges: TypeAlias = Edge | Absorbing | Mapping[str, Edge | Absorbing] | Sequence[str]
@@ -140,6 +141,18 @@ class Source:
         what = f"{self.frequency:g} Hz" if self.signal is None else shown(self.signal)
         return f"Source({where}, {self.amplitude:g}, {what})"
 
+    def steepness(self, grid: Grid, speed: float | FloatArray) -> float:
+        """ω h/2c for the frequency of the source and the slowest waves at it; waves exist up to 1. 0 if unknown."""
+        frequency = self.signal.frequency if isinstance(self.signal, Ricker) else self.frequency
+        speeds = np.broadcast_to(speed, grid.cells)
+        if isinstance(self.where, tuple):
+            place = (np.array(self.where) - grid.origin) / grid.spacing
+            cell = np.clip(place.astype(int), 0, np.array(grid.cells) - 1)
+            slowest = float(speeds[tuple(cell)])
+        else:
+            slowest = float(speeds[np.asarray(self.where) != 0.0].min(initial=math.inf))
+        return math.pi * frequency * grid.spacing / slowest if slowest > 0.0 else 0.0
+
     def check(self, grid: Grid, path: str) -> None:
         """Check that the source fits a grid.
 
@@ -250,16 +263,17 @@ class Wave(GridSystem):
             raise SceneError("Wave.order: must be 2 beside absorbing edges, got 4")
         if layer is not None and absorbing is not None and layer != absorbing:
             raise SceneError(f"Wave.absorbing: edges have {layer} already, got {absorbing}")
+        speeds = _at_least_zero(grid, speed, "Wave.speed")
         self._set(
             grid=grid,
-            speed=_at_least_zero(grid, speed, "Wave.speed"),
+            speed=speeds,
             displacement=grid.uniform_or_field(displacement, "Wave.displacement"),
             rate=grid.uniform_or_field(rate, "Wave.rate"),
             density=number(density, "Wave.density", above=0.0),
             damping=_at_least_zero(grid, damping, "Wave.damping"),
             edges=words,
             walls=None if walls is None else frozen(grid.mask(walls, "Wave.walls")),
-            sources=_sources(sources, grid),
+            sources=_sources(sources, grid, speeds),
             order=differences,
             name=None if name is None else text(name, "Wave.name"),
             absorbing=layer or absorbing or Absorbing(),
@@ -275,6 +289,26 @@ class Wave(GridSystem):
         """The walls."""
         return self.walls
 
+    def unresolved(self, integrator: str, rate: float) -> list[str]:
+        """Notes on waves that the grid slows down: those of the initial field, and of the sources."""
+        del integrator, rate
+        notes = []
+        for name in ("displacement", "rate"):
+            field = np.asarray(getattr(self, name))
+            if field.ndim and (number := wave_number(field)) > 0.0:
+                notes += note(f"{name} at the start", number, self._group_velocity, self.grid.spacing)
+        for index, source in enumerate(self.sources):
+            if (steepness := source.steepness(self.grid, self.speed)) > 0.0:
+                own = angle(steepness)
+                notes += note(f"sources[{index}]", own, self._group_velocity, self.grid.spacing, 2.0 * steepness)
+        return notes
+
+    def _group_velocity(self, number: float) -> float:
+        """The group velocity over c of waves with k h = `number` along an axis, as steps become small."""
+        square = float(np.square(sin(0.5 * number)))
+        slope = float(cos(0.5 * number))
+        return slope if self.order == 2 else slope * (1.0 + 2.0 / 3.0 * square) / math.sqrt(1.0 + square / 3.0)
+
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
         return f"Wave({label}{' × '.join(map(str, self.grid.cells))} cells)"
@@ -287,13 +321,21 @@ def _at_least_zero(grid: Grid, value: Field, path: str) -> float | FloatArray:
     return field
 
 
-def _sources(given: object, grid: Grid) -> tuple[Source, ...]:
-    """Validated sources on a grid."""
+def _sources(given: object, grid: Grid, speed: float | FloatArray) -> tuple[Source, ...]:
+    """Validated sources on a grid. Warns of those whose waves it cannot carry."""
     sources = [given] if isinstance(given, Source) else items(given, "Wave.sources", "sources")
     for index, source in enumerate(sources):
         if not isinstance(source, Source):
             raise SceneError(f"Wave.sources[{index}]: must be a Source, got {shown(source)}")
         source.check(grid, f"Wave.sources[{index}]")
+        steepness = source.steepness(grid, speed)
+        if steepness > 1.0:
+            warn(
+                f"Wave.sources[{index}]: its waves have {math.pi / steepness:.2g} cells in a wavelength, and none "
+                f"shorter than {math.pi:.2g} travel on a grid; "
+                f"take a spacing of {0.2 * grid.spacing / steepness:.2g} m",
+                SceneWarning,
+            )
     return tuple(sources)
 
 

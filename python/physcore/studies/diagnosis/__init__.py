@@ -13,6 +13,7 @@ from physcore.simulation.simulation import Simulation
 from physcore.spelling import spelled
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.clumps import clumps
+from physcore.studies.diagnosis.coarse import coarse
 from physcore.studies.diagnosis.explodes import explodes
 from physcore.studies.diagnosis.finding import Diagnosis, Finding
 from physcore.studies.diagnosis.jitters import jitters
@@ -23,7 +24,7 @@ from physcore.studies.diagnosis.sluggish import sluggish
 
 __all__ = ["SYMPTOMS", "Diagnosis", "Finding", "diagnose"]
 
-SYMPTOMS = (explodes, sluggish, penetrates, jitters, clumps, slow, large)
+SYMPTOMS = (explodes, sluggish, penetrates, jitters, clumps, coarse, slow, large)
 """All symptoms, in the order of the report."""
 
 

@@ -1,0 +1,75 @@
+"""Symptom "coarse": a field has waves that its grid does not carry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.scene.grid import GridSystem
+from physcore.scene.items import System
+from physcore.studies.diagnosis.case import Case
+from physcore.studies.diagnosis.finding import Finding
+
+OCTAVE = 0.5
+"""The last octave of a grid begins at this fraction of its largest wave number, with four cells in a wavelength."""
+LAST_MODES = 0.9
+"""Where the last modes of a transform begin, likewise."""
+SHARE = 0.05
+"""Share of the squared amplitude in the last octave above which a field is coarse."""
+
+
+def coarse(case: Case) -> Iterator[Finding]:
+    """Check the spectra of the first, middle and last frames of fields on grids."""
+    for system in case.scene.systems:
+        if not isinstance(system, GridSystem) or system.solid is not None:
+            continue
+        begin = LAST_MODES if case.plan.integrator == "SplitStep" else OCTAVE
+        share = max((_share(field, begin) for field in _fields(case, system)), default=0.0)
+        if share > SHARE:
+            cells = 2.0 / begin
+            cause = (
+                f"{case.scene.system(system)} has {share:.0%} of its square in waves of fewer than {cells:.2g} cells, "
+                "which differences slow down or turn around"
+            )
+            cure = f"take a spacing of {0.5 * system.grid.spacing:.2g} m or less, or smoother fields and slower sources"
+            yield Finding("coarse", cause, cure, share)
+
+
+def _fields(case: Case, system: System) -> list[np.ndarray[tuple[int, ...], np.dtype[np.complex128]]]:
+    """The first field of a system, or its wave function, at some frames; none that was not recorded."""
+    own: Mapping[str, FloatArray]
+    if case.recording is not None:
+        own = case.recording[system].channels
+    else:
+        assert case.simulation is not None
+        own = case.simulation[system].fields
+    values = own.get("wave_function", own.get(next(iter(system.shapes()))))
+    if values is None:
+        return []
+    if case.recording is None:
+        return [np.asarray(values)]
+    return [np.asarray(values[frame]) for frame in (0, len(values) // 2, -1)]
+
+
+def _share(field: FloatArray | np.ndarray[tuple[int, ...], np.dtype[np.complex128]], begin: float) -> float:
+    """The share of the squared amplitude in waves beyond a fraction of the largest wave number of an axis.
+
+    The window cos² lets a field that is not periodic have no step at its ends. A mean of real fields is no wave.
+    """
+    values = np.array(field, dtype=complex)
+    if not np.iscomplexobj(field):
+        values -= values.mean()
+    for axis, count in enumerate(values.shape):
+        along = [1] * values.ndim
+        along[axis] = count
+        values *= np.sin(np.pi * (np.arange(count) + 0.5) / count).reshape(along) ** 2
+    power = np.square(np.abs(np.fft.fftn(values)))
+    total = float(power.sum())
+    short = np.zeros(values.shape, dtype=bool)
+    for axis, count in enumerate(values.shape):
+        along = [1] * values.ndim
+        along[axis] = count
+        short |= (np.abs(np.fft.fftfreq(count)) > 0.5 * begin).reshape(along)
+    return float(power[short].sum()) / total if total > 0.0 else 0.0

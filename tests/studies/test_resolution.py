@@ -1,0 +1,105 @@
+"""What a grid cannot carry is said, with the speed that is measured."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from physcore.systems.resolution import front_speed, wave_number
+
+
+def symptoms(run: pc.Recording | pc.Simulation) -> set[str]:
+    return {finding.symptom for finding in pc.diagnose(run)}
+
+
+def noted(recording: pc.Recording) -> float:
+    """The relative speed that the plan states; 1 where it has no note."""
+    notes = [note for note in recording.plan.notes if "of their speed on this grid" in note]
+    return float(notes[0].partition("travel at ")[2].split()[0]) if notes else 1.0
+
+
+@pytest.mark.parametrize("turns", [0.2, 1.0, 1.5])
+@pytest.mark.parametrize("integrator", ["CrankNicolson", "Staggered", "SplitStep"])
+def test_a_packet_moves_as_the_plan_says(integrator, turns):
+    """Differences move it at sin(kh)/kh of p/m, modes at p/m. The packet's own width in k adds some percent."""
+    grid = pc.Grid.over(-60.0, 60.0, 0.5)
+    packet = pc.wave_packet(grid, -20.0, turns / 0.5, 4.0)
+    recording = pc.simulate(pc.Scene(pc.Schrodinger(grid, packet)), 8.0, fps=1.0, integrator=integrator)
+    density = recording[recording.scene.systems[0]].density
+    middle = (density * grid.centers[:, 0]).sum(axis=1) / density.sum(axis=1)
+    assert (middle[-1] - middle[0]) / (8.0 * turns / 0.5) == pytest.approx(noted(recording), abs=0.06)
+    slow = integrator != "SplitStep" and turns >= 1.0
+    assert (noted(recording) < 1.0) == slow
+
+
+def test_a_momentum_beyond_the_grid_is_warned_of():
+    grid = pc.Grid.over(-50.0, 50.0, 0.5)
+    with pytest.warns(pc.SceneWarning, match=r"p h/ħ = 3\.5 is above π"):
+        packet = pc.wave_packet(grid, 0.0, 7.0, 3.0)
+    recording = pc.simulate(pc.Scene(pc.Schrodinger(grid, packet)), 1.0)
+    assert symptoms(recording) == {"coarse"}
+
+
+@pytest.mark.parametrize(("order", "cells"), [(2, 6.0), (2, 30.0), (4, 5.0), (4, 12.0)])
+def test_a_train_of_waves_travels_as_the_plan_says(order, cells):
+    """The envelope of a train that runs to the right, u_t = −c u_x, in small steps."""
+    grid = pc.Grid((1200,), spacing=1.0)
+    k = math.tau / cells
+
+    def train(x: np.ndarray) -> np.ndarray:
+        return np.exp(-(((x - 200.0) / 50.0) ** 2)) * np.cos(k * (x - 200.0))
+
+    def rate(x: np.ndarray) -> np.ndarray:
+        return -(train(x + 1e-4) - train(x - 1e-4)) / 2e-4
+
+    wave = pc.Wave(grid, 1.0, train, rate, order=order)
+    recording = pc.simulate(pc.Scene(wave), 600.0, fps=1.0 / 600.0, dt=0.1)
+    energy = np.square(recording[wave].rate[-1])
+    ahead = grid.centers[:, 0] > 200.0
+    middle = (energy * grid.centers[:, 0])[ahead].sum() / energy[ahead].sum()
+    assert (middle - 200.0) / 600.0 == pytest.approx(noted(recording), abs=0.05)
+    assert (noted(recording) < 1.0) == (cells < 10.0)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "warned", "coarse"), [(1.0 / 0.25, True, False), (1.0 / 0.34, False, True), (0.5, False, False)]
+)
+def test_sources_of_short_waves_are_named(frequency, warned, coarse):
+    grid = pc.Grid((300,), spacing=0.1)
+    source = pc.Source((15.0,), 1.0, frequency=frequency)
+    if warned:
+        with pytest.warns(pc.SceneWarning, match=r"Wave\.sources\[0\]: its waves have 2\.5 cells in a wavelength"):
+            pc.Wave(grid, 1.0, sources=source)
+        return
+    recording = pc.simulate(pc.Scene(pc.Wave(grid, 1.0, sources=source, edges="absorbing")), 10.0)
+    assert any("sources[0]: 3.4 cells" in note for note in recording.plan.notes) == coarse
+    assert (symptoms(recording) == {"coarse"}) == coarse
+
+
+@pytest.mark.parametrize("cells", [0.3, 1.5])
+def test_a_front_runs_as_the_plan_says(cells):
+    """Fisher's front with r = 1, D = 1. Its speed falls below the asymptotic one by 3/(2t), Bramson's correction."""
+    spacing = 1.0 / cells
+    grid = pc.Grid((int(200.0 * cells),), spacing=spacing)
+    logistic = pc.Reaction(("n",), lambda n: (n * (1.0 - n),))
+    dish = pc.ReactionDiffusion(grid, logistic, {"n": 1.0}, {"n": lambda x: 1.0 * (x < 20.0)})
+    recording = pc.simulate(pc.Scene(dish), 50.0, fps=0.2)
+    amount = recording[dish]["n"].sum(axis=1) * spacing
+    late = (amount[-1] - amount[-5]) / 20.0
+    expected = 2.0 * front_speed(cells)
+    assert late == pytest.approx(expected - 1.5 / 40.0 / front_speed(cells), rel=0.03)
+    notes = [note for note in recording.plan.notes if "fronts have" in note]
+    assert bool(notes) == (cells < 1.0)
+    assert not notes or f"run {front_speed(cells):.2f} times too fast" in notes[0]
+
+
+def test_the_wave_number_of_a_sine_is_exact():
+    """Where it is periodic: Σ|Δu|² = 4 sin²(kh/2) Σu²; of a field of zeros and of an alternating one 0 and π."""
+    cells = np.arange(4000)
+    assert wave_number(np.sin(0.3 * cells)) == pytest.approx(0.3, rel=2.0 / 4000.0)
+    assert wave_number(np.exp(1.2j * cells)) == pytest.approx(1.2, rel=2.0 / 4000.0)
+    assert wave_number((-1.0) ** cells) == pytest.approx(math.pi, abs=0.05)
+    assert wave_number(np.zeros(5)) == 0.0
