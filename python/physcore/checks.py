@@ -25,6 +25,8 @@ FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 Vector: TypeAlias = Sequence[float] | NDArray[np.floating] | NDArray[np.integer]
+TimedVector: TypeAlias = Vector | Callable[[float], ArrayLike]
+"""A vector, or a function of the time [s] that returns one."""
 T = TypeVar("T")
 Word = TypeVar("Word", bound=str)
 
@@ -203,6 +205,18 @@ def vector(value: object, path: str, *, finite: bool = True) -> tuple[float, ...
     if result.shape not in [(dimension,) for dimension in DIMENSIONS]:
         raise SceneError(f"{path}: must be 2 or 3 numbers, one for each dimension, got {shown(value)}")
     return tuple(result.tolist())
+
+
+def timed(value: object, path: str) -> tuple[float, ...] | Callable[[float], ArrayLike]:
+    """A vector, or a function of the time that returns one, which is called at the time 0.
+
+    Raises:
+        SceneError: the value is neither, or the function raised an exception.
+    """
+    if not callable(value):
+        return vector(value, path)
+    vector(called(value, path, 0.0), f"{path}: its value")
+    return value
 
 
 def regular(value: object, path: str) -> np.ndarray:

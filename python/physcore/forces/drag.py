@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import Vector, number, vector
+from physcore.checks import TimedVector, number, timed
 from physcore.scene.items import Force
 
 
@@ -22,7 +22,8 @@ class Drag(Force):
     Args:
         linear: b [N·s/m], at least zero.
         quadratic: c [N·s²/m²], at least zero.
-        wind: velocity of the medium [m/s]; None: at rest.
+        wind: velocity of the medium [m/s], or a function of the time [s] that returns it, called in every evaluation;
+            None: at rest.
         on: the body or bodies that the drag acts on; all except fluids by default.
 
     Raises:
@@ -33,7 +34,7 @@ class Drag(Force):
 
     linear: float = 0.0
     quadratic: float = 0.0
-    wind: Vector | None = None
+    wind: TimedVector | None = None
 
     spares_fluids: ClassVar[bool] = True
 
@@ -42,5 +43,5 @@ class Drag(Force):
         self._set(
             linear=number(self.linear, "Drag.linear", least=0.0),
             quadratic=number(self.quadratic, "Drag.quadratic", least=0.0),
-            wind=None if self.wind is None else vector(self.wind, "Drag.wind"),
+            wind=None if self.wind is None else timed(self.wind, "Drag.wind"),
         )

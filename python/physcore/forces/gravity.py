@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from physcore.checks import Vector, vector
+from physcore.checks import TimedVector, timed
 from physcore.scene.items import Force
 
 G = 9.81
@@ -17,22 +17,24 @@ class Gravity(Force):
 
         scene = pc.Scene(pc.Particles([[0.0, 1.0]]), pc.Gravity())
         on_the_moon = pc.Gravity((0.0, -1.62))
+        in_a_lift = pc.Gravity(lambda t: (0.0, -9.81 - 2.0 * math.sin(t)))
 
     Args:
-        acceleration: g [m/s²], one number for each dimension of the scene; None: 9.81 m/s² downward, against the last
-            axis, y in 2D and z in 3D.
+        acceleration: g [m/s²], one number for each dimension of the scene; or a function of the time [s] that returns
+            it, called in every evaluation, whose power counts as work. None: 9.81 m/s² downward, against the last axis,
+            y in 2D and z in 3D.
         on: the body or bodies that the force acts on, or their names; all by default.
 
     Raises:
-        SceneError: `acceleration` is not two or three finite numbers.
+        SceneError: `acceleration` is not two or three finite numbers, or a function fails.
     """
 
-    acceleration: Vector | None = None
+    acceleration: TimedVector | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.acceleration is not None:
-            self._set(acceleration=vector(self.acceleration, "Gravity.acceleration"))
+            self._set(acceleration=timed(self.acceleration, "Gravity.acceleration"))
 
     def resolved(self, dimension: int) -> Gravity:
         """The gravity with its acceleration in a scene of `dimension` dimensions."""

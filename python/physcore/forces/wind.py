@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import Vector, number, vector
+from physcore.checks import TimedVector, number, timed
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Force
@@ -30,7 +30,8 @@ class Wind(Force):
     the air and sheltering are neglected.
 
     Args:
-        velocity: velocity of the air [m/s], shape (3,).
+        velocity: velocity of the air [m/s], shape (3,), or a function of the time [s] that returns it, called in every
+            evaluation: `lambda t: (6.0 + 2.0 * math.sin(3.0 * t), 0.0, 0.0)`.
         density: density of the air [kg/m³], at least zero; by default 1.225, the value at sea level.
         normal: coefficient of the force normal to a face, at least zero; 1.17 is the value of a square plate.
         tangential: coefficient of skin friction, at least zero; 0.01 for both sides at Reynolds numbers near 10⁵.
@@ -43,7 +44,7 @@ class Wind(Force):
     Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3.
     """
 
-    velocity: Vector
+    velocity: TimedVector
     density: float = 1.225
     normal: float = 1.17
     tangential: float = 0.01
@@ -53,7 +54,7 @@ class Wind(Force):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(
-            velocity=vector(self.velocity, "Wind.velocity"),
+            velocity=timed(self.velocity, "Wind.velocity"),
             density=number(self.density, "Wind.density", least=0.0),
             normal=number(self.normal, "Wind.normal", least=0.0),
             tangential=number(self.tangential, "Wind.tangential", least=0.0),

@@ -11,6 +11,7 @@ from physcore.forces import (
     Drag,
     ElectromagneticField,
     Gravitation,
+    Gravity,
     LennardJones,
     SoftSpheres,
     Wind,
@@ -86,7 +87,9 @@ def _is_damped(scene: Scene) -> bool:
 
 
 def _dissipates(force: object) -> bool:
-    """Whether a force may depend on velocities."""
+    """Whether a force may depend on velocities, or on time, which splittings do not resolve in steps without limit."""
     if isinstance(force, CustomForce):
         return force.potential is None
+    if isinstance(force, Gravity):
+        return callable(force.acceleration)
     return isinstance(force, (Drag, Wind)) or (isinstance(force, Dihedral) and force.damping > 0.0)

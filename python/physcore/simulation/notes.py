@@ -87,6 +87,8 @@ def _edge_on(scene: Scene) -> list[str]:
     pull = np.zeros(scene.dimension)
     for force in scene.forces:
         if isinstance(force, Gravity):
+            if callable(force.acceleration):
+                return []
             pull += np.array(force.resolved(scene.dimension).acceleration)
         elif not isinstance(force, Dihedral) and not (isinstance(force, Drag) and force.wind is None):
             return []

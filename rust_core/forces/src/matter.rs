@@ -164,6 +164,14 @@ impl<V: Vector> Matter<V> {
         self.tallies.iter().map(|tally| tally.total(sink)).sum()
     }
 
+    /// Tallies the energies that contacts of particles, given by their indices, dissipate in a step [J]. A sum below 0 is an error
+    /// of the step: it is left to the drift. `driven` says whether fixed particles may supply it.
+    pub fn lose_in_contacts(&mut self, losses: &[(usize, f64)], driven: bool) {
+        if driven || losses.iter().map(|(_, lost)| lost).sum::<f64>() > 0.0 {
+            losses.iter().for_each(|&(index, lost)| self.tallies[index / self.block].add(EnergySink::Contact, lost));
+        }
+    }
+
     /// Memory [bytes].
     #[inline]
     pub fn bytes(&self) -> usize {

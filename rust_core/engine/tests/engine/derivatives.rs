@@ -77,7 +77,7 @@ impl<V: Space<Scalar = f64>> Laboratory<V> {
     /// Forces at the state changed by these displacements and velocities.
     fn forces(&mut self, displacement: &[DVec3], change: &[DVec3]) -> Vec<DVec3> {
         let [position, velocity] = self.at(displacement, change);
-        let at = Motion { position: &position, velocity: &velocity, origin: self.properties.origin };
+        let at = Motion { position: &position, velocity: &velocity, origin: self.properties.origin, time: 0.0 };
         let derivatives = self.force.derivatives().expect("derivatives");
         derivatives.arrange(&at, &SERIAL).unwrap();
         let mut sum = vec![DVec3::ZERO; 12];
@@ -87,7 +87,7 @@ impl<V: Space<Scalar = f64>> Laboratory<V> {
 
     /// Product of s K + r C with displacements; checks that uᵀ B u of its definite part is not negative for random u.
     fn product(&mut self, weights: [f64; 2], u: &[DVec3]) -> Vec<DVec3> {
-        let at = Motion { position: &self.position, velocity: &self.velocity, origin: self.properties.origin };
+        let at = Motion { position: &self.position, velocity: &self.velocity, origin: self.properties.origin, time: 0.0 };
         let derivatives = self.force.derivatives().expect("derivatives");
         derivatives.arrange(&at, &SERIAL).unwrap();
         let (mut exact, mut definite) = (vec![DVec3::ZERO; 12], vec![DVec3::ZERO; 12]);

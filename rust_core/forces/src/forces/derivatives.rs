@@ -22,6 +22,8 @@ pub struct Motion<'a> {
     pub velocity: &'a [DVec3],
     /// The origin of the positions [m].
     pub origin: DVec3,
+    /// The time [s].
+    pub time: f64,
 }
 
 /// Part of a symmetric matrix, for displacements u. On a single particle it acts as B u. On a pair it acts as B (u₁ − u₂) on the

@@ -4,16 +4,16 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
+use super::timed::TimedVector;
 use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
+use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::simd::Number;
 use crate::stability::{Horizon, SpectralBound};
@@ -26,7 +26,7 @@ pub struct Drag<V: Vector> {
     /// Quadratic drag coefficient q [N·s²/m²].
     quadratic: f64,
     /// Velocity of the wind w [m/s].
-    wind: DVec3,
+    wind: TimedVector,
     /// Weights of the particles: 1 if affected, else 0; padded.
     members: Vec<V::Scalar>,
 }
@@ -43,10 +43,10 @@ impl<V: Vector> Drag<V> {
     /// Linear and quadratic part of an item's drag, each omitted if 0. They are separate because only the linear part can be
     /// fused.
     fn parts(item: &Item, members: &[V::Scalar]) -> Result<Vec<Self>> {
-        let wind = item.optional_vector("wind")?.unwrap_or(DVec3::ZERO);
+        let wind = TimedVector::declared(item, "wind", V::DIMENSION)?;
         let (linear, quadratic) = (item.non_negative("linear")?, item.non_negative("quadratic")?);
         let parts = [(linear, 0.0), (0.0, quadratic)].into_iter().filter(|&part| part != (0.0, 0.0));
-        Ok(parts.map(|(linear, quadratic)| Self { linear, quadratic, wind, members: members.to_vec() }).collect())
+        Ok(parts.map(|(linear, quadratic)| Self { linear, quadratic, wind: wind.clone(), members: members.to_vec() }).collect())
     }
 
     fn acts_on(&self, index: usize) -> bool {
@@ -61,35 +61,42 @@ impl<V: Vector> Force<V> for Drag<V> {
         About {
             velocity: VelocityDependence::Dissipative,
             potential: None,
+            callback: self.wind.varies(),
             bytes: std::mem::size_of_val(self.members.as_slice()),
             ..About::new("drag", Reach::Pointwise)
         }
     }
 
     fn fuse(&self, properties: &Properties<V>, fusion: &mut Fusion) -> bool {
-        if self.quadratic != 0.0 || fusion.wind.is_some_and(|wind| wind != self.wind) {
+        let wind = self.wind.value;
+        if self.wind.varies() || self.quadratic != 0.0 || fusion.wind.is_some_and(|other| other != wind) {
             return false;
         }
-        fusion.wind = Some(self.wind);
+        fusion.wind = Some(wind);
         for index in (0..properties.count()).filter(|&index| self.acts_on(index)) {
             let rate = self.linear / properties.mass[index];
             fusion.drag[index] += self.linear;
             fusion.rate[index] -= rate;
-            fusion.acceleration[index] += self.wind * rate;
+            fusion.acceleration[index] += wind * rate;
         }
         true
     }
 
+    fn prepare(&mut self, at: &StateView<'_, V>, _executor: &Executor) -> Result<()> {
+        self.wind.update(at.time)
+    }
+
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         let [linear, quadratic] = [self.linear, self.quadratic].map(V::Scalar::from_f64);
-        let wind = self.wind.to_array().map(V::Scalar::from_f64);
+        let wind = self.wind.value.to_array().map(V::Scalar::from_f64);
         pointwise::accumulate::<V>(DragLaw { linear, quadratic, wind }, &self.members, block, at, rates);
     }
 
     /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
+        let wind = self.wind.at(at.time)?;
         for index in (0..at.properties.count()).filter(|&index| self.acts_on(index)) {
-            let speed = (at.velocity.get(index).widen() - self.wind).length();
+            let speed = (at.velocity.get(index).widen() - wind).length();
             bound.point(index, "drag", 0.0, self.linear + 2.0 * self.quadratic * speed);
             bound.steady(index, 0.0, self.linear);
         }
@@ -107,16 +114,20 @@ impl<V: Vector> Force<V> for Drag<V> {
 
 /// Damping matrix C: γ + 2q|u| along u, and γ + q|u| across it.
 impl<V: Vector> Derivatives for Drag<V> {
+    fn arrange(&mut self, at: &Motion<'_>, _executor: &Executor) -> Result<()> {
+        self.wind.update(at.time)
+    }
+
     fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
         for particle in (0..at.velocity.len()).filter(|&index| self.acts_on(index)) {
-            let u = at.velocity[particle] - self.wind;
+            let u = at.velocity[particle] - self.wind.value;
             push(Push { particle, force: -(self.linear + self.quadratic * u.length()) * u, stiffness: 0.0 });
         }
     }
 
     fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
         for particle in (0..at.velocity.len()).filter(|&index| self.acts_on(index)) {
-            let u = at.velocity[particle] - self.wind;
+            let u = at.velocity[particle] - self.wind.value;
             let per_speed = self.quadratic * u.length();
             let damping = Directed { along: self.linear + 2.0 * per_speed, across: self.linear + per_speed };
             let matrix = rate * damping.matrix(u.normalize_or_zero());

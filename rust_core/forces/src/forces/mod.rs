@@ -33,6 +33,7 @@ mod soft_spheres;
 pub mod sph;
 pub mod springs;
 mod strength;
+mod timed;
 mod wind;
 
 pub use central::{InverseSquare, InverseSquareLaw};
@@ -42,6 +43,7 @@ pub use electromagnetic::ReadyField;
 pub use electromagnetic::{Affine, ElectromagneticLaw, FieldLaw, Use, times};
 use linear::Fusion;
 pub use pointwise::ForceField;
+pub use soft_spheres::KIND as SOFT_SPHERES;
 use springs::{Spring, Springs};
 pub use strength::{PART, Strength};
 

@@ -25,6 +25,9 @@ use crate::scene::{Item, Value};
 use crate::simd::Number;
 use crate::stability::SpectralBound;
 
+/// Name in the scene.
+pub const KIND: &str = "SoftSpheres";
+
 /// Name of the term.
 const REPULSION: &str = "repulsion";
 
@@ -55,7 +58,7 @@ const OVERLAP: f64 = 0.01;
 
 /// Entry in the registry of forces.
 pub fn kind<V: Vector>() -> ForceKind<V> {
-    ForceKind { name: "SoftSpheres", reach: Reach::Pairs, charges: false, build }
+    ForceKind { name: KIND, reach: Reach::Pairs, charges: false, build }
 }
 
 /// Builds the force of an item.

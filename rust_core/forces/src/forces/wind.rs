@@ -17,6 +17,7 @@ use glam::{DMat3, DVec3};
 
 use super::corners::Corners;
 use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push, outer};
+use super::timed::TimedVector;
 use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
@@ -29,7 +30,7 @@ use crate::stability::{Horizon, SpectralBound};
 #[derive(Debug)]
 struct Air {
     /// Velocity w [m/s].
-    velocity: DVec3,
+    velocity: TimedVector,
     /// Density ρ [kg/m³].
     density: f64,
     /// Coefficient `C_n` of normal force.
@@ -69,7 +70,7 @@ fn area([a, b, c]: [DVec3; 3]) -> DVec3 {
 impl Air {
     /// Velocity r of the air relative to a face [m/s].
     fn relative(&self, velocities: [DVec3; 3]) -> DVec3 {
-        self.velocity - velocities.iter().sum::<DVec3>() / 3.0
+        self.velocity.value - velocities.iter().sum::<DVec3>() / 3.0
     }
 
     /// Force on a face [N], from its area times its unit normal and the relative velocity.
@@ -103,7 +104,7 @@ impl<V: Vector> Wind<V> {
             return Err(Error::parameter(&item.path, "a scene in 3D", format!("{}D", V::DIMENSION)));
         }
         let air = Air {
-            velocity: item.vector("velocity")?,
+            velocity: TimedVector::declared(item, "velocity", V::DIMENSION)?,
             density: item.non_negative("density")?,
             normal: item.non_negative("normal")?,
             tangential: item.non_negative("tangential")?,
@@ -128,6 +129,7 @@ impl<V: Vector> Force<V> for Wind<V> {
         About {
             velocity: VelocityDependence::Dissipative,
             potential: None,
+            callback: self.air.velocity.varies(),
             pairs: self.faces.len(),
             bytes: size_of_val(self.faces.as_slice()) + size_of_val(self.torn.as_slice()) + self.corners.bytes(),
             layout: format!("{} faces", self.faces.len()),
@@ -136,6 +138,7 @@ impl<V: Vector> Force<V> for Wind<V> {
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+        self.air.velocity.update(at.time)?;
         let (air, faces, torn) = (&self.air, &self.faces, &self.torn);
         self.corners.evaluate(executor, |face| {
             if torn[face] {
@@ -143,7 +146,7 @@ impl<V: Vector> Force<V> for Wind<V> {
             }
             let relative = air.relative(gather(faces[face], &at.velocity));
             let force = air.force(area(gather(faces[face], &at.position)), relative);
-            ([force / 3.0; 3], [force.dot(relative), force.dot(air.velocity)])
+            ([force / 3.0; 3], [force.dot(relative), force.dot(air.velocity.value)])
         })
     }
 
@@ -168,9 +171,10 @@ impl<V: Vector> Force<V> for Wind<V> {
     /// fraction δ/hⱼ. With q² + t² = r², F then changes by at most ½ ρ A r² (5/2 `C_n` + 7/2 `C_t`) δ/hⱼ. A Σ 1/hⱼ is half the
     /// perimeter.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
+        let gust = self.air.velocity.at(at.time)? - self.air.velocity.value;
         for face in self.faces.iter().zip(&self.torn).filter_map(|(face, torn)| (!torn).then_some(*face)) {
             let x = gather(face, &at.position);
-            let (area, relative) = (area(x), self.air.relative(gather(face, &at.velocity)));
+            let (area, relative) = (area(x), gust + self.air.relative(gather(face, &at.velocity)));
             let across = area.normalize_or_zero().dot(relative).abs();
             let along = (relative.length_squared() - across * across).max(0.0).sqrt();
             let damping = self.air.density * area.length() * (self.air.normal * across).max(self.air.tangential * along) / 3.0;
@@ -203,6 +207,10 @@ impl<V: Vector> Wind<V> {
 /// A third of F acts on each corner, and each corner moves the centroid by a third of its displacement. −∂Fᵢ/∂vⱼ is therefore a
 /// ninth of ∂F/∂r for all corners i and j. The derivatives by position have a negligible symmetric part, and are omitted.
 impl<V: Vector> Derivatives for Wind<V> {
+    fn arrange(&mut self, at: &Motion<'_>, _executor: &Executor) -> Result<()> {
+        self.air.velocity.update(at.time)
+    }
+
     fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
         for (face, area, relative) in self.met(at) {
             let force = self.air.force(area, relative) / 3.0;

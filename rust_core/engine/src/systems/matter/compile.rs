@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::linear::Fusion;
 use crate::forces::springs::{self, Spring};
-use crate::forces::{self, About, DensityScheme, Force, Reach, VelocityDependence, sph};
+use crate::forces::{self, About, DensityScheme, Force, Reach, SOFT_SPHERES, VelocityDependence, sph};
 use crate::integrators::{BlanesMoan4, BlanesMoan6, Facts, Integrator};
 use crate::math::Real;
 use crate::matter::{Columns, Matter, Properties};
@@ -60,6 +60,9 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
         executor.check()?;
         let mut built = V::forces(scene, item, &properties, executor)?;
         refuse_forces(&about, item, &mut built, (&properties, &mut fusion))?;
+        if item.kind == SOFT_SPHERES && about.springs != Treatment::Rods {
+            refuse_kinks(&about, "SoftSpheres")?;
+        }
         all.extend(built);
     }
     let tearing = Tearing::declared(scene, &springs)?;
@@ -79,8 +82,8 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
         }
     }
 
-    let independent =
-        !about.sweeps && rods.is_none() && self_contacts.is_none() && known.iter().all(|force| force.reach == Reach::Pointwise);
+    let alone = |force: &About| force.reach == Reach::Pointwise && !force.callback;
+    let independent = !about.sweeps && rods.is_none() && self_contacts.is_none() && known.iter().all(alone);
     let exact = rods.is_some() || known.iter().any(|force| force.reach == Reach::Pairs);
     let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block(&about, independent), exact)?;
     if let Some(contacts) = &contacts {
@@ -202,7 +205,7 @@ fn refuse_forces<V: Space>(
     (properties, fusion): (&Properties<V>, &mut Fusion),
 ) -> Result<()> {
     let mut fits = |force: &mut dyn Force<V>| match about.springs {
-        Treatment::Projections => force.about().reach == Reach::Pointwise && !force.about().callback,
+        Treatment::Projections => force.about().reach == Reach::Pointwise,
         Treatment::Solved => force.fuse(properties, fusion) || force.derivatives().is_some(),
         Treatment::Forces | Treatment::Rods => true,
     };

@@ -225,6 +225,7 @@ impl<V: Space> Dynamics<V> {
         if !touched {
             return Ok(false);
         }
+        let mut losses = Vec::new();
         for (index, (before, after)) in free.iter().zip(&velocities).enumerate() {
             if before == after || properties.is_fixed(index) {
                 continue;
@@ -246,8 +247,9 @@ impl<V: Space> Dynamics<V> {
                 Impulses::End => 0.5 * (meshes.start_velocities()[index] + *before),
             };
             let lost = -properties.mass[index] * change.dot(old + 0.5 * change);
-            matter.tallies[index / matter.block].add(EnergySink::Contact, lost);
+            losses.push((index, lost));
         }
+        matter.lose_in_contacts(&losses, self.driven);
         Ok(true)
     }
 
@@ -269,7 +271,7 @@ impl<V: Space> Dynamics<V> {
 
     /// Whether the particles are independent: no force acts between them.
     pub fn is_independent(&self) -> bool {
-        self.fused == self.together
+        self.fused == self.together && self.callbacks == 0
     }
 
     /// Whether all forces are fused.
@@ -322,17 +324,17 @@ impl<V: Space> Dynamics<V> {
 
     /// Prepares every force for all particles.
     pub fn prepare(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
-        let Self { properties, forces, fused, together, .. } = self;
+        let Self { properties, forces, fused, .. } = self;
         let at = state_view(properties, matter, time, executor);
-        forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
+        forces[*fused..].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 
     /// Prepares every force for all particles, at positions and velocities of a stage of a step.
     pub fn prepare_at(&mut self, [position, velocity]: [&Columns<V>; 2], time: f64, executor: &Executor) -> Result<()> {
-        let Self { properties, forces, fused, together, .. } = self;
+        let Self { properties, forces, fused, .. } = self;
         let (position, velocity, residual) = (position.view(), velocity.view(), View::default());
         let at = StateView { position, velocity, residual, properties, time, executor };
-        forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
+        forces[*fused..].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 
     /// Derivatives of the forces that are not fused, where they have derivatives.

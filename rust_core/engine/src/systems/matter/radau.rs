@@ -244,7 +244,7 @@ impl<V: Space<Scalar = f64>> Method<V> for GaussRadau15 {
             springs: Treatment::Forces,
             holds_rods: false,
             refuses_fields: None,
-            smooth_only: Some("its steps are polynomials of degree 9, which contacts and fluids would break"),
+            smooth_only: Some("its steps are polynomials of degree 9, which contacts, SoftSpheres and fluids would break"),
             impulses: None,
         }
     }

@@ -77,8 +77,8 @@ impl Implicit {
         Ok(Self { name, scheme, newton: Newton::new(tolerance), before: 0.0, saved: 0.0, taken: [0; 3] })
     }
 
-    /// Equation of a step of `h` seconds, and whether it is BDF2's with a step before it.
-    fn equation<V: Space>(&self, dynamics: &Dynamics<V>, matter: &Matter<V>, h: f64) -> (Equation, bool) {
+    /// Equation of a step of `h` seconds from `time` on, and whether it is BDF2's with a step before it.
+    fn equation<V: Space>(&self, dynamics: &Dynamics<V>, matter: &Matter<V>, (time, h): (f64, f64)) -> (Equation, bool) {
         let count = matter.count();
         let velocity = |index: usize| matter.velocity.get(index).widen();
         let two_step = self.scheme == Scheme::Bdf2 && self.before == h;
@@ -103,6 +103,7 @@ impl Implicit {
         };
         let equation = Equation {
             h,
+            time: if self.scheme == Scheme::Midpoint { time + 0.5 * h } else { time + h },
             inertia,
             position,
             rate,
@@ -123,7 +124,7 @@ impl Implicit {
         executor: &Executor,
     ) -> Result<f64> {
         dynamics.begin_self_contacts(matter);
-        let (equation, two_step) = self.equation(dynamics, matter, h);
+        let (equation, two_step) = self.equation(dynamics, matter, (time, h));
         let (displacements, counts) = self.newton.solve(dynamics, &equation, executor)?;
         self.taken.iter_mut().zip([1, counts[0], counts[1]]).for_each(|(sum, count)| *sum += count);
         if self.scheme == Scheme::Midpoint {

@@ -30,6 +30,8 @@ const ROUNDINGS: f64 = 4.0;
 pub struct Equation {
     /// Step size h [s].
     pub h: f64,
+    /// Time of the forces [s].
+    pub time: f64,
     /// Coefficients σ, α and β.
     pub inertia: f64,
     pub position: f64,
@@ -112,7 +114,7 @@ impl Newton {
             let factors = [square * equation.position, square * equation.rate / equation.h];
             self.matrix.assemble(&self.springs, &self.places, &self.velocities, factors);
             let Self { places, velocities, matrix, .. } = self;
-            let at = Motion { position: places, velocity: velocities, origin: dynamics.properties.origin };
+            let at = Motion { position: places, velocity: velocities, origin: dynamics.properties.origin, time: equation.time };
             for force in dynamics.derivatives() {
                 force.blocks(&at, factors, &mut |block| matrix.add(block));
             }
@@ -203,7 +205,7 @@ impl Newton {
             rounding = rounding.max(square * spring.stiffness * size);
         }
         let Self { places, velocities, residual, .. } = self;
-        let at = Motion { position: places, velocity: velocities, origin: dynamics.properties.origin };
+        let at = Motion { position: places, velocity: velocities, origin: dynamics.properties.origin, time: equation.time };
         for force in dynamics.derivatives() {
             force.arrange(&at, executor)?;
             force.forces(&at, &mut |Push { particle, force, stiffness }| {
