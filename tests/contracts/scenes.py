@@ -280,16 +280,14 @@ def ripples(side: int = 24, **options: Any) -> pc.Scene:
     end = grid.upper[0]
     hump = _rounded(0.2 * np.exp(-((x - 0.3 * end) ** 2 + (y - 0.4 * end) ** 2) / (0.05 * end) ** 2))
     row = (np.abs(x - grid.origin[0] - 0.25) < 0.1) & (y > 0.2 * end)
-    sources = [pc.Source((0.61 * end, 0.52 * end), 0.4, 0.7, phase=0.3), pc.Source(row, 0.1, signal=pc.Ricker(1.0))]
+    sources = [pc.Source((0.61 * end, 0.52 * end), 0.4, 0.7, phase=0.3), pc.Source(row, 0.1, signal=pc.Ricker(0.5))]
     medium = {
         "speed": np.where(x + y < end, 1.0, 1.5),
         "damping": np.where(x > 0.8 * end, 0.4, 0.0),
         "walls": (np.abs(x - 0.5 * end) < 0.5) & (y < 0.3 * end),
         "edges": {"x": "fixed", "y": "free"},
     }
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", pc.SceneWarning)  # one source is too fast for the grid
-        return pc.Scene(pc.Wave(grid, displacement=hump, sources=sources, **{**medium, **options}))
+    return pc.Scene(pc.Wave(grid, displacement=hump, sources=sources, **{**medium, **options}))
 
 
 def string(cells: int = 200, **options: Any) -> pc.Scene:
