@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import tracemalloc
+import warnings
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
@@ -302,7 +303,9 @@ def test_any_value_of_any_argument_is_taken_or_refused_by_name(call, parameter, 
         if (call, parameter, name) in LEGITIMATE:
             continue
         try:
-            function(**{**arguments, parameter: value})
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", pc.SceneWarning)
+                function(**{**arguments, parameter: value})
         except pc.PhyscoreError as error:
             messages.append(str(error))
         except Exception as error:

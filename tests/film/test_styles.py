@@ -256,6 +256,7 @@ def test_a_smoothed_uniform_flow_is_uniform_and_ends_where_nothing_is() -> None:
     assert np.isnan(at(np.array([[3.5, 2.5], [-40.0, 0.0]]))).all()
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 def test_the_acceleration_is_that_of_the_scenes_forces() -> None:
     """Gravity and an inverse-square attraction, felt from rest."""
     scene = pc.Scene(

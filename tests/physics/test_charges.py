@@ -47,6 +47,7 @@ def field_of(kind: str, field: Any, points: Array) -> Array:
     return np.stack([-y[:, 2], x[:, 2], y[:, 0]], axis=1)
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @given(electric=vectors, magnetic=vectors, velocity=vectors, mass=st.floats(0.5, 2.0), dt=st.floats(0.01, 3.0))
 def test_a_step_is_boris_map(electric, magnetic, velocity, mass, dt):
     """Half a drift, half a kick, the rotation, half a kick, half a drift, in NumPy; some 20 roundings of numbers below
@@ -229,6 +230,7 @@ def test_a_loop_is_the_sum_of_its_elements():
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=4 * EPSILON * 2.0**20)
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize("name", ["trap", "alternating"])
 def test_forces_are_gradients_of_potentials(name):
     """−∇φ by central differences, exact for a quadratic potential but for rounding, ε/2h."""

@@ -144,6 +144,7 @@ def test_told_to_ignore_it_an_angular_momentum_that_is_not_finite_is_said():
         run.angular_momentum()
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 def test_the_energy_of_coincident_atoms_is_infinite_and_that_is_said():
     """A wall stops both atoms at one point in the first step: U(0) = ∞, and neither NaN nor silence."""
     atoms = pc.Particles([[0.0, 0.0], [0.3, 0.0]], [[1.0, 0.0], [2.0, 0.0]])

@@ -49,6 +49,7 @@ def test_a_custom_force_is_asked_at_the_points_at_rest_and_at_the_present_time()
     assert (simulation.acceleration(POINTS) == 0.5 * POINTS**2).all()
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_it_is_the_acceleration_of_a_particle_that_is_there(dimension):
     """Explicit Euler gives a particle at rest the velocity h·a; for h a power of two the quotient is exact."""
@@ -99,6 +100,7 @@ def test_the_forces_on_one_body_count_by_themselves():
     assert simulation.acceleration([[0.0, 0.0]]).tolist() == [[4.0, -3.0]]
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 def test_single_precision_does_not_matter():
     star = pc.CentralForce((0.0, 0.0, 0.0), 2.0)
     assert (field(star, DOWN, precision="f32") == field(star, DOWN, precision="f64")).all()
@@ -126,6 +128,7 @@ def test_what_makes_no_sense_is_refused(points, on, message):
         pc.Simulation(pc.Scene(BODY, DOWN)).acceleration(points, on)
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 def test_an_acceleration_without_end_is_refused_with_its_point():
     simulation = pc.Simulation(pc.Scene(BODY, pc.CentralForce((0.0, 0.0, 0.0), 1.0, -8.0)), dt=1e-3)
     with pytest.raises(pc.SceneError, match=r"acceleration\.points\[1\]: expected a place with a finite acceleration"):

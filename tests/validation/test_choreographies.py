@@ -27,6 +27,7 @@ def polygon(corners: int) -> pc.Scene:
     return pc.Scene(pc.Particles(places, velocities), pc.Gravitation(1.0))
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize("corners", POLYGONS)
 def test_c05_the_accelerations_of_a_polygon(corners, record_property):
     """Good: 1e-14, of sums of N − 1 terms whose components are rounded with the places of the corners, 1.1e-16 each.

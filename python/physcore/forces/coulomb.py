@@ -41,7 +41,8 @@ class Coulomb(Force):
         softening: softening length [m], at least zero.
         opening_angle: θ, at least zero. 0.0 is the exact sum. "auto" is an angle up to 2 whose error is at most
             `force_error` and near it, or the exact sum if this needs fewer terms.
-        force_error: the requested rms error of the accelerations relative to their rms, for "auto"; above zero.
+        force_error: the requested rms error of the accelerations relative to their rms, for "auto"; from above zero
+            to 0.02.
         on: the body or bodies that feel the force; all by default.
         sources: the body or bodies whose charges exert the force; all by default.
 
@@ -54,6 +55,7 @@ class Coulomb(Force):
     """
 
     feels_charges: ClassVar[bool] = True
+    needs_charges: ClassVar[bool] = True
 
     constant: float = coulomb_constant
     softening: float = 0.0
@@ -69,5 +71,5 @@ class Coulomb(Force):
             constant=number(self.constant, "Coulomb.constant", least=0.0),
             softening=number(self.softening, "Coulomb.softening", least=0.0),
             opening_angle=opening_angle(self.opening_angle, "Coulomb.opening_angle"),
-            force_error=number(self.force_error, "Coulomb.force_error", above=0.0),
+            force_error=number(self.force_error, "Coulomb.force_error", above=0.0, most=0.02),
         )

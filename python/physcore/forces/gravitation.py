@@ -42,7 +42,8 @@ class Gravitation(Force):
         softening: softening length ε [m], at least zero (Plummer 1911).
         opening_angle: θ, at least zero. 0.0 is the exact sum. "auto" is an angle up to 2 whose error is at most
             `force_error` and near it, or the exact sum if this needs fewer terms.
-        force_error: the requested rms error of the accelerations relative to their rms, for "auto"; above zero.
+        force_error: the requested rms error of the accelerations relative to their rms, for "auto"; from above zero
+            to 0.02.
         on: the body or bodies that feel the force; all by default.
         sources: the body or bodies that attract others; all by default.
 
@@ -70,5 +71,5 @@ class Gravitation(Force):
             constant=number(self.constant, "Gravitation.constant", least=0.0),
             softening=number(self.softening, "Gravitation.softening", least=0.0),
             opening_angle=opening_angle(self.opening_angle, "Gravitation.opening_angle"),
-            force_error=number(self.force_error, "Gravitation.force_error", above=0.0),
+            force_error=number(self.force_error, "Gravitation.force_error", above=0.0, most=0.02),
         )

@@ -6,9 +6,12 @@ from typing import Literal
 
 from physcore.checks import is_word, number
 
+WIDEST = 2.0
+"""Largest opening angle: from there on the rms error of accelerations is some 2 %, whatever the angle."""
+
 
 def opening_angle(value: object, path: str) -> float | Literal["auto"]:
-    """A number, at least zero, or "auto"."""
+    """A number from 0 to `WIDEST`, or "auto"."""
     if is_word(value, "auto"):
         return "auto"
-    return number(value, path, least=0.0)
+    return number(value, path, least=0.0, most=WIDEST)

@@ -256,6 +256,13 @@ class SpringNetwork(Body):
                     f"SpringNetwork.{column}[{row}]: must be infinite for {what}, which has no strain, "
                     f"got {strains[row]:g}"
                 )
+        whole = np.isfinite(self.breaking_strain) & (self.strain_limit < self.breaking_strain)
+        if whole.any():
+            row = int(np.argmax(whole))
+            raise SceneError(
+                f"SpringNetwork.strain_limit[{row}]: must be at least the breaking_strain of "
+                f"{self.breaking_strain[row]:g}, which the spring would never reach, got {self.strain_limit[row]:g}"
+            )
         limited = np.flatnonzero(np.isfinite(self.strain_limit))
         ends = self.positions[self.pairs[limited]]
         apart = lengths(ends[:, 1] - ends[:, 0])

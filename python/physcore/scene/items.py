@@ -143,6 +143,8 @@ class Force(ActingItem):
 
     feels_charges: ClassVar[bool] = False
     """Whether the force may act on the charges of bodies."""
+    needs_charges: ClassVar[bool] = False
+    """Whether the force acts on nothing else."""
 
 
 Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]

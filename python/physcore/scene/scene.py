@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -75,6 +76,7 @@ class Scene:
         self._check_items("constraints", self.constraints)
         self._check_items("systems", self.systems)
         self._check_probes()
+        self._check_sizes()
         self._warn_of_charges()
 
     @property
@@ -272,9 +274,25 @@ class Scene:
             if self.periodic is not None and not self.periodic.holds(probe.position):
                 raise SceneError(f"{path}.position: must be in the periodic domain, got {shown(probe.position)}")
 
+    def _check_sizes(self) -> None:
+        """Check that no particle in a fluid is larger than a particle of the fluid, whose volume it displaces."""
+        spacing = min((fluid.spacing for fluid in self.fluids if fluid.obstacles), default=math.inf)
+        for index, body in enumerate(self.bodies):
+            largest = float(body.radius.max(initial=0.0))
+            if not isinstance(body, Fluid) and largest > spacing:
+                raise SceneError(
+                    f"{self.path(index)}.radius: a particle displaces as much fluid as one of its particles, of a "
+                    f"spacing of {spacing:g} m, and its radius is {largest:g} m; fill the body with particles, as "
+                    "pc.ball does, leave the radius out, or let it pass by Fluid(…, obstacles=False)"
+                )
+
     def _warn_of_charges(self) -> None:
-        """Warn if there are charges but no force that acts on charges."""
+        """Warn if there are charges but no force that acts on charges, or Coulomb's force and no charges."""
         charged = [position for position, body in enumerate(self.bodies) if body.charge.any()]
+        if self.bodies and not charged:
+            for index, force in enumerate(self.forces):
+                if force.needs_charges:
+                    warn(f"forces[{index}]: no body has a charge: give Particles(…, charge=…)", SceneWarning)
         if charged and not any(force.feels_charges for force in self.forces):
             warn(
                 f"{self.path(charged[0])}.charge: no force of the scene acts on charges; "

@@ -106,6 +106,10 @@ class Energy(Budget[float]):
     time: float
     """Time of the budget [s]."""
 
+    def __repr__(self) -> str:
+        """The table, as at a prompt."""
+        return str(self)
+
     def __str__(self) -> str:
         return _table([f"at {self.time:.4g} s"], {name: [value] for name, value in self._rows().items()})
 
@@ -139,6 +143,10 @@ class EnergySeries(Budget[FloatArray]):
         scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
         drift: FloatArray = change / scale if scale > 0 else change
         return drift
+
+    def __repr__(self) -> str:
+        """The table, as at a prompt."""
+        return str(self)
 
     def __str__(self) -> str:
         ends = {name: [values[0], values[-1]] for name, values in self._rows().items()}
@@ -214,6 +222,12 @@ class Stock(Generic[T]):
         """Balance, total + removed − supplied: constant, up to the method's error."""
         return self.total + self.removed - self.supplied
 
+    def _rows(self) -> dict[str, T]:
+        """The rows of the table, from top to bottom."""
+        removed = {f"+ removed by {name}": value for name, value in self.removed_by.items() if np.any(value)}
+        supplied = {f"− supplied by {name}": value for name, value in self.supplied_by.items() if np.any(value)}
+        return {"total": self.total, **removed, **supplied, "= balance": self.balance}
+
 
 @dataclass(frozen=True, eq=False)
 class Amount(Stock[float]):
@@ -229,6 +243,14 @@ class Amount(Stock[float]):
     time: float
     """Time of the budget [s]."""
 
+    def __repr__(self) -> str:
+        """The table, as at a prompt."""
+        return str(self)
+
+    def __str__(self) -> str:
+        rows = {name: [value] for name, value in self._rows().items()}
+        return _table([f"at {self.time:.4g} s"], rows, f"amount [{self.unit}]")
+
 
 @dataclass(frozen=True, eq=False)
 class AmountSeries(Stock[FloatArray]):
@@ -243,6 +265,15 @@ class AmountSeries(Stock[FloatArray]):
 
     times: FloatArray
     """Times of the budgets [s]: the last step at or before each frame."""
+
+    def __repr__(self) -> str:
+        """The table, as at a prompt."""
+        return str(self)
+
+    def __str__(self) -> str:
+        rows = {name: [values[0], values[-1]] for name, values in self._rows().items()}
+        drift = f"  drift: at most {np.abs(self.drift).max():.1e} of the largest total"
+        return f"{_table(['start', 'end'], rows, f'amount [{self.unit}]')}\n{drift}"
 
     @property
     def drift(self) -> FloatArray:
@@ -296,9 +327,9 @@ class Drift:
         return float(change / scale if scale > 0 else change)
 
 
-def _table(heads: Sequence[str], rows: Mapping[str, Sequence[float]]) -> str:
-    """Energies [J] in columns, as text."""
-    width = max(map(len, rows))
-    lines = [f"  {'energy [J]':<{width}}" + "".join(f"  {head:>12}" for head in heads)]
+def _table(heads: Sequence[str], rows: Mapping[str, Sequence[float]], corner: str = "energy [J]") -> str:
+    """Numbers in columns, as text."""
+    width = max(map(len, [*rows, corner]))
+    lines = [f"  {corner:<{width}}" + "".join(f"  {head:>12}" for head in heads)]
     lines += [f"  {name:<{width}}" + "".join(f"  {value:>12.6g}" for value in row) for name, row in rows.items()]
     return "\n".join(lines)

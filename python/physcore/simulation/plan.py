@@ -86,6 +86,10 @@ class Plan:
         }
         return {name: text for name, text in rows.items() if text}
 
+    def __repr__(self) -> str:
+        """The text, as at a prompt."""
+        return str(self)
+
     def __str__(self) -> str:
         lines = [f"  {name:<11}{text}" for name, text in self._rows().items()]
         return "\n".join(["Plan", *lines, *(f"  {'note':<11}{note}" for note in self.notes)])

@@ -52,8 +52,9 @@ def wave_packet(
     require(np.abs(places) <= LONGEST, places, "wave_packet.center", f"at most {LONGEST:g} in size")
     require(widths > 0.0, widths, "wave_packet.width", "> 0")
     unit = number(hbar, "wave_packet.hbar", above=0.0)
-    turns = np.abs(momenta) * grid.spacing / unit
-    if (turns > math.pi).any():
+    with np.errstate(over="ignore"):
+        turns = np.abs(momenta) * grid.spacing / unit
+    if np.isfinite(turns).all() and (turns > math.pi).any():
         warn(
             f"wave_packet.momentum: p h/ħ = {turns.max():.3g} is above π, the largest of a grid, which takes it for "
             f"another momentum; take a spacing below {math.pi * grid.spacing / turns.max():.2g} m",

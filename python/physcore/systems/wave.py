@@ -144,14 +144,17 @@ class Source:
     def steepness(self, grid: Grid, speed: float | FloatArray) -> float:
         """ω h/2c for the frequency of the source and the slowest waves at it; waves exist up to 1. 0 if unknown."""
         frequency = self.signal.frequency if isinstance(self.signal, Ricker) else self.frequency
-        speeds = np.broadcast_to(speed, grid.cells)
-        if isinstance(self.where, tuple):
-            place = (np.array(self.where) - grid.origin) / grid.spacing
-            cell = np.clip(place.astype(int), 0, np.array(grid.cells) - 1)
-            slowest = float(speeds[tuple(cell)])
-        else:
-            slowest = float(speeds[np.asarray(self.where) != 0.0].min(initial=math.inf))
+        slowest = float(np.broadcast_to(speed, grid.cells)[self.cells(grid)].min(initial=math.inf))
         return math.pi * frequency * grid.spacing / slowest if slowest > 0.0 else 0.0
+
+    def cells(self, grid: Grid) -> BoolArray:
+        """Mask of the cells of the source, of a point that of the cell around it."""
+        if not isinstance(self.where, tuple):
+            return np.not_equal(self.where, 0.0)
+        mask = np.zeros(grid.cells, dtype=bool)
+        place = (np.array(self.where) - grid.origin) / grid.spacing
+        mask[tuple(np.clip(place.astype(int), 0, np.array(grid.cells) - 1))] = True
+        return mask
 
     def check(self, grid: Grid, path: str) -> None:
         """Check that the source fits a grid.
@@ -264,6 +267,7 @@ class Wave(GridSystem):
         if layer is not None and absorbing is not None and layer != absorbing:
             raise SceneError(f"Wave.absorbing: edges have {layer} already, got {absorbing}")
         speeds = _at_least_zero(grid, speed, "Wave.speed")
+        solid = None if walls is None else frozen(grid.mask(walls, "Wave.walls"))
         self._set(
             grid=grid,
             speed=speeds,
@@ -272,8 +276,8 @@ class Wave(GridSystem):
             density=number(density, "Wave.density", above=0.0),
             damping=_at_least_zero(grid, damping, "Wave.damping"),
             edges=words,
-            walls=None if walls is None else frozen(grid.mask(walls, "Wave.walls")),
-            sources=_sources(sources, grid, speeds),
+            walls=solid,
+            sources=_sources(sources, grid, speeds, solid),
             order=differences,
             name=None if name is None else text(name, "Wave.name"),
             absorbing=layer or absorbing or Absorbing(),
@@ -321,13 +325,15 @@ def _at_least_zero(grid: Grid, value: Field, path: str) -> float | FloatArray:
     return field
 
 
-def _sources(given: object, grid: Grid, speed: float | FloatArray) -> tuple[Source, ...]:
+def _sources(given: object, grid: Grid, speed: float | FloatArray, walls: BoolArray | None) -> tuple[Source, ...]:
     """Validated sources on a grid. Warns of those whose waves it cannot carry."""
     sources = [given] if isinstance(given, Source) else items(given, "Wave.sources", "sources")
     for index, source in enumerate(sources):
         if not isinstance(source, Source):
             raise SceneError(f"Wave.sources[{index}]: must be a Source, got {shown(source)}")
         source.check(grid, f"Wave.sources[{index}]")
+        if walls is not None and walls[source.cells(grid)].all():
+            raise SceneError(f"Wave.sources[{index}].where: is in the walls, where nothing moves")
         steepness = source.steepness(grid, speed)
         if steepness > 1.0:
             warn(

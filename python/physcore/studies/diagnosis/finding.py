@@ -18,7 +18,8 @@ class Finding:
     """
 
     symptom: str
-    """Symptom: "explodes", "sluggish", "penetrates", "jitters", "clumps", "scatters", "slow" or "large"."""
+    """Symptom: "explodes", "sluggish", "penetrates", "jitters", "clumps", "scatters", "coarse", "slow" or
+    "large"."""
     cause: str
     """Cause, with the measured value."""
     cure: str
@@ -39,6 +40,10 @@ class Diagnosis(tuple[Finding, ...]):
     """
 
     __slots__ = ()
+
+    def __repr__(self) -> str:
+        """The text, as at a prompt."""
+        return str(self)
 
     def __str__(self) -> str:
         return "\n".join(map(str, self)) or "nothing wrong was found"

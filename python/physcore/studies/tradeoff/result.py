@@ -103,6 +103,10 @@ class Row:
         """Whether the noise exceeds 5 %."""
         return self.noise > NOISY
 
+    def __repr__(self) -> str:
+        """The text, as at a prompt."""
+        return str(self)
+
     def __str__(self) -> str:
         at = "" if self.resolution is None else f", resolution {self.resolution:g}"
         at = at if self.fluids is None else f"{at}, {self.fluids}"

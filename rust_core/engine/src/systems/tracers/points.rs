@@ -32,7 +32,7 @@ impl<T: Real, const D: usize> Points<T, D> {
 
     /// Replaces all points by rows of coordinates.
     pub fn fill(&mut self, rows: &[f64]) {
-        let last = self.count.saturating_sub(1);
+        let Some(last) = self.count.checked_sub(1) else { return };
         for (axis, column) in self.axes.iter_mut().enumerate() {
             for (index, slot) in column.iter_mut().enumerate() {
                 *slot = T::from_f64(rows[index.min(last) * D + axis]);
@@ -44,7 +44,7 @@ impl<T: Real, const D: usize> Points<T, D> {
     pub fn rows(&self) -> Vec<f64> {
         let mut rows = vec![0.0; self.count * D];
         for (axis, column) in self.axes.iter().enumerate() {
-            rows[axis..].iter_mut().step_by(D).zip(column).for_each(|(slot, value)| *slot = value.to_f64());
+            rows.iter_mut().skip(axis).step_by(D).zip(column).for_each(|(slot, value)| *slot = value.to_f64());
         }
         rows
     }
