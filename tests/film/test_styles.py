@@ -733,7 +733,7 @@ def test_bodies_have_colors_of_ones_own(kind: Any, tmp_path: Path) -> None:
 def test_milk_hides_what_water_shows(tmp_path: Path) -> None:
     """A red ball in a clear fluid and in an opaque one."""
     spacing = 0.05
-    water = pc.Fluid(pc.block((0.0, 0.0, 0.0), (0.5, 0.5, 0.3), spacing), spacing)
+    water = pc.Fluid(pc.block((0.0, 0.0, 0.0), (0.5, 0.5, 0.3), spacing), spacing, obstacles=False)
     ball = pc.Particles([[0.25, 0.25, 0.15]], radius=0.12)
     scene, reds = pc.Scene(water, ball), []
     for opacity in (0.0, 1.0):

@@ -221,7 +221,7 @@ def test_the_automatic_step_is_that_of_the_exact_sum():
     assert limits[1] == pytest.approx(limits[0], rel=0.02)
 
 
-@pytest.mark.parametrize("angle", [1e-300, 0.5, 3.0, 1e300])
+@pytest.mark.parametrize("angle", [1e-300, 0.5, 2.0])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_bodies_anywhere_are_summed(dimension, angle):
     """In one place, on a line, one alone, far from all others; cells that contain a target are never taken whole."""

@@ -71,6 +71,7 @@ def test_it_is_the_acceleration_of_a_particle_that_is_there(dimension):
     assert (probes.velocities / h == found).all()
 
 
+@pytest.mark.filterwarnings("ignore::physcore.SceneWarning")
 def test_what_passes_between_particles_is_left_out():
     items = (pc.SoftSpheres(100.0), pc.LennardJones(1.0, 0.9), pc.Floor(-1.0))
     net = pc.SpringNetwork([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]], [[0, 1]], 10.0, rest_length=1.0, radius=0.5)

@@ -200,3 +200,15 @@ def test_the_command_measures_a_demo(capsys, tmp_path):
     assert json.loads(document.read_text(encoding="utf-8"))["duration"] == 2.0
     assert main(["tradeoff", "no-such-demo"]) == 2
     assert "no demo 'no-such-demo'" in capsys.readouterr().err
+
+
+def test_rows_whose_error_exceeds_the_motion_are_lost():
+    """Verlet at half of its limit is off by two radians after ten periods of a spring, where it is opposite."""
+    spring = pc.SpringNetwork([[0.0, 0.0], [1.2, 0.0]], [[0, 1]], 100.0, rest_length=1.0, mass=1.0, fixed=[0])
+    trade = pc.tradeoff(pc.Scene(spring), 6.283, integrators=["VelocityVerlet"], precisions=["f64"], seed=1)
+    rows = {row.status for row in trade.rows}
+    assert "lost" in rows
+    assert "ok" in rows
+    for row in trade.rows:
+        assert (row.status == "lost") == (0.4 < row.error < np.inf)
+    assert trade.best(error=1.0).status == "ok"

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from physcore.studies.tradeoff.reference import Reference
     from physcore.studies.tradeoff.restarts import Bias, Windows
 
-Status = Literal["ok", "diverged", "biased"]
+Status = Literal["ok", "lost", "diverged", "biased"]
+"""Status of a row. "lost": the error is larger than the motion, so that nothing of it is right."""
 Measure = Literal["trajectory", "restart", "until the horizon"]
 
 CERTAIN = 10.0
@@ -180,7 +181,7 @@ class Measurements:
         if (error is None) == (seconds is None):
             raise SceneError("best: give either error= or seconds=")
         if not good:
-            raise PhyscoreError("best: every row diverged or is biased")
+            raise PhyscoreError("best: every row diverged, is lost or is biased")
         if error is not None:
             wanted = number(error, "error", least=0.0)
             within = [row for row in good if row.total_error <= wanted]

@@ -223,6 +223,8 @@ class WorkPrecisionDiagram:
                 way = self.experiment.distances(self.truth.samples, self.truth.samples[:1]).max()
                 if measurement.error > WRONG * way + CERTAIN * self.truth.uncertainty:
                     measurement.status, measurement.error = "diverged", math.inf
+                elif measurement.error > way + CERTAIN * self.truth.uncertainty:
+                    measurement.status = "lost"
             else:
                 self._compare_statistics(measurement, self.truth)
         measurement.judging = clock.seconds() - begin - cost

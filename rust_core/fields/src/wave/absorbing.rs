@@ -25,6 +25,7 @@ use crate::history::Archive;
 use crate::integrators::REGISTERS;
 use crate::integrators::{Component, Facts};
 use crate::math::{AXES, Real};
+use crate::memory;
 use crate::scene::{Item, Value};
 
 /// Default width of a layer [cells].
@@ -162,7 +163,19 @@ struct MemoryVariables<T> {
 }
 
 impl<T: Real> Layers<T> {
+    /// Memory of the layers, with that during their construction [bytes].
+    fn footprint(padding: &Padding, method: &Facts) -> usize {
+        let outside = |axis: usize| padding.outer.cells[axis] - padding.inside(axis).len();
+        let sites: usize = (0..AXES).map(|axis| outside(axis) * (padding.outer.count() / padding.outer.cells[axis])).sum();
+        // Values, their copy, registers, rates and means of p and q; then the sites, twice, and the forces.
+        let columns = 2 * (2 + 2 * method.persistent + (method.registers - method.persistent) + 3);
+        sites * ((columns + 1) * size_of::<T>() + 2 * size_of::<(u32, usize, Site<T>, bool)>())
+    }
+
     /// Builds the layers around a grid in a medium.
+    ///
+    /// # Errors
+    /// If they do not fit into memory.
     pub fn new(
         padding: &Padding,
         medium: &Medium<T>,
@@ -170,7 +183,10 @@ impl<T: Real> Layers<T> {
         speed: impl Fn(usize) -> f64,
         mass: f64,
         method: &Facts,
-    ) -> Self {
+    ) -> Result<Self> {
+        memory::check("the absorbing layers", Self::footprint(padding, method), 0, || {
+            "thinner ones, or a coarser grid".to_owned()
+        })?;
         let outer = &padding.outer;
         let (length, width) = (outer.row_length(), absorption.width);
         let strides = [outer.cells[1] * length, length, 1];
@@ -229,7 +245,7 @@ impl<T: Real> Layers<T> {
         let metered = starts(&mut meters.iter().map(|meter| meter.inside));
         let column = || vec![T::ZERO; 2 * sites.len()];
         let memory = MemoryVariables { values: column(), persistent: vec![column(); method.persistent] };
-        Self {
+        Ok(Self {
             rows,
             metered,
             saved: memory.clone(),
@@ -242,7 +258,7 @@ impl<T: Real> Layers<T> {
             steepest,
             meters,
             sites,
-        }
+        })
     }
 
     /// Whether energy is measured in a row.

@@ -105,6 +105,7 @@ impl<T: Real> Wave<T> {
             let speed = |cell: usize| parameters.speed.row(cell / grid.row_length())[cell % grid.row_length()];
             Layers::new(padding, &medium, absorption, speed, mass, &method)
         });
+        let layers = layers.transpose()?;
         let exchanges = (0..rows).map(|row| {
             let meters = layers.as_ref().is_some_and(|layers| layers.meters(row));
             meters || !sources.in_row(row).is_empty() || damping.row(row).iter().any(|&rate| rate != T::ZERO)
