@@ -20,7 +20,7 @@ def test_all_defaults_are_within_a_percent_of_the_truth(case: Textbook, fps: flo
 
 @pytest.mark.parametrize("kind", [kind for kind in INTEGRATORS if kind.resolving < 1.0], ids=lambda kind: kind.__name__)
 def test_a_resolved_oscillation_is_off_by_half_a_percent(kind: type[pc.Integrator]) -> None:
-    """And not by far less, which would cost steps for nothing: the bound is met within a factor of 3."""
+    """Not by far less either, which would cost steps for nothing, but for a method whose amplitude falls for ever."""
     ends = [[0.0, 0.0], [1.2, 0.0]]
     scene = pc.Scene(pc.SpringNetwork(ends, [[0, 1]], 1.0, rest_length=1.0, mass=1.0, fixed=[0]))
     largest = kind.resolving * pc.stability_limit(scene, kind())
@@ -30,4 +30,5 @@ def test_a_resolved_oscillation_is_off_by_half_a_percent(kind: type[pc.Integrato
     for _ in range(steps):
         simulation.step()
         worst = max(worst, abs(simulation.positions[1, 0] - 1.0 - 0.2 * math.cos(simulation.time)))
-    assert 0.2 * 0.005 / 3.0 <= worst <= 0.2 * 0.0055
+    least = 0.0 if kind is pc.DormandPrince5 else 0.2 * 0.005 / 3.0
+    assert least <= worst <= 0.2 * 0.005

@@ -1,4 +1,4 @@
-"""What a grid cannot carry is said, with the speed that is measured."""
+"""Notes and warnings on waves and fronts that a grid does not carry, against the speeds that are measured."""
 
 from __future__ import annotations
 

@@ -210,5 +210,5 @@ def test_rows_whose_error_exceeds_the_motion_are_lost():
     assert "lost" in rows
     assert "ok" in rows
     for row in trade.rows:
-        assert (row.status == "lost") == (0.4 < row.error < np.inf)
-    assert trade.best(error=1.0).status == "ok"
+        assert (row.status == "lost") == (0.2 < row.error < np.inf)
+    assert trade.best(error=0.1).status == "ok"

@@ -39,7 +39,7 @@ class Coulomb(Force):
     Args:
         constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
         softening: softening length [m], at least zero.
-        opening_angle: θ, at least zero. 0.0 is the exact sum. "auto" is an angle up to 2 whose error is at most
+        opening_angle: θ, from 0 to 2. 0.0 is the exact sum. "auto" is an angle up to 2 whose error is at most
             `force_error` and near it, or the exact sum if this needs fewer terms.
         force_error: the requested rms error of the accelerations relative to their rms, for "auto"; from above zero
             to 0.02.

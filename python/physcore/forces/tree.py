@@ -7,7 +7,7 @@ from typing import Literal
 from physcore.checks import is_word, number
 
 WIDEST = 2.0
-"""Largest opening angle: from there on the rms error of accelerations is some 2 %, whatever the angle."""
+"""Largest opening angle: beyond it the error of accelerations hardly grows."""
 
 
 def opening_angle(value: object, path: str) -> float | Literal["auto"]:

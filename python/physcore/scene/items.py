@@ -144,7 +144,7 @@ class Force(ActingItem):
     feels_charges: ClassVar[bool] = False
     """Whether the force may act on the charges of bodies."""
     needs_charges: ClassVar[bool] = False
-    """Whether the force acts on nothing else."""
+    """Whether the force acts on charges alone."""
 
 
 Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]
@@ -195,14 +195,9 @@ class System(SceneItem):
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of the fields by name, as in the engine."""
 
-    def unresolved(self, integrator: str, rate: float) -> list[str]:
-        """Notes on what the system does not resolve.
-
-        Args:
-            integrator: name of the integrator.
-            rate: fastest rate of the system's reaction in the present state [1/s]; 0 if unknown.
-        """
-        del integrator, rate
+    def unresolved(self, integrator: str) -> list[str]:
+        """Notes on waves and fronts that the system does not resolve with an integrator of this name."""
+        del integrator
         return []
 
     def values(self, field: str, value: object, path: str) -> FloatArray:

@@ -26,7 +26,7 @@ RELAX = {
 
 
 ENCOUNTERS = ("gravitation", "coulomb", "central")
-"""Terms whose time scale shortens without bound as particles approach each other or a center."""
+"""Terms of forces that may grow without bound as particles approach each other or a center."""
 
 ENCOUNTER_CURE = "take dt=pc.AdaptiveStep(), integrator=pc.GaussRadau15(), or a softening"
 """Advice for close encounters, in which no fixed step is right."""

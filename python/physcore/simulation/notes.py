@@ -11,7 +11,7 @@ from physcore.arithmetic import dots, lengths, row_space
 from physcore.boundaries import Box, Plane, Sphere
 from physcore.checks import FloatArray
 from physcore.forces import Dihedral, Drag, Gravity
-from physcore.numerics.choices import Limit, Numerics
+from physcore.numerics.choices import Numerics
 from physcore.scene.bodies import SpringNetwork
 from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
@@ -62,15 +62,13 @@ def _untouched(recording: Recording) -> Iterator[str]:
             yield f"boundaries[{place}]: nothing touched this {kind}, the nearest was {nearest:.2g} m away"
 
 
-def of_scene(scene: Scene, numerics: Numerics, limit: Limit) -> list[str]:
+def of_scene(scene: Scene, numerics: Numerics) -> list[str]:
     """Notes on what a scene does not resolve, and on unstable equilibrium."""
     notes = _edge_on(scene)
-    # The limit of accuracy of a reaction is the inverse of its fastest rate; several systems share one limit.
-    rate = 1.0 / limit.accuracy if len(scene.systems) == 1 and not scene.bodies else 0.0
     for system in scene.systems:
         path = str(scene.system(system))
         integrator = numerics.integrators.get(path, numerics.integrator)
-        notes += [f"{path}: {each}" for each in system.unresolved(type(integrator).__name__, rate)]
+        notes += [f"{path}: {each}" for each in system.unresolved(type(integrator).__name__)]
     return notes
 
 

@@ -170,7 +170,7 @@ class Simulation:
         """The plan: the stages of one step, and the choices that were made."""
         limit = self._stepper.limit
         plan = engine.plan(self._world, self._scene, limit, self.dt)
-        notes = (*plan.notes, *of_scene(self._scene, self._numerics, limit), *self._stepper.notes())
+        notes = (*plan.notes, *of_scene(self._scene, self._numerics), *self._stepper.notes())
         return replace(plan, substeps=self.substeps, notes=notes)
 
     @property

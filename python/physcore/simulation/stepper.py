@@ -26,6 +26,7 @@ from physcore.errors import (
 from physcore.numerics.choices import (
     FRAMES_PER_SECOND,
     AdaptiveStep,
+    AutoStep,
     Limit,
     Numerics,
     StepRule,
@@ -34,6 +35,7 @@ from physcore.numerics.choices import (
     largest_step,
     steps_to,
 )
+from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.effort import ENCOUNTER_CURE, ENCOUNTERS, MOST_STEPS, long_run
@@ -53,6 +55,9 @@ At a tenth of the speed of sound and half of the limit, no particle of a fluid m
 time. A check costs a reaction a few percent.
 """
 
+RESOLVED_CHECK_INTERVAL = 16
+"""Number of steps between two checks where oscillations are resolved: one or two periods of the fastest."""
+
 FEW_CELLS = 10_000
 """Number of cells up to which the limit of a reaction is checked in each step, to resolve the fastest spikes."""
 
@@ -61,6 +66,9 @@ RESOLVED, NOTED = 0.005, 0.01
 
 FIRST = 100
 """Number of steps before a drift with a given time step is warned of."""
+
+DAMPINGS = ("drag", "spring damping")
+"""Terms that limit the step by a decay, and not by an oscillation."""
 
 COARSE = 25.0
 """Ratio of a given time step to the limit of accuracy above which it is warned of: a quarter of a turn in a step."""
@@ -120,7 +128,7 @@ class Stepper:
         self._limits: tuple[Limit, Limit] | None = None
         """The initial limit, and the limit that the present time step obeys; None unless dt="auto"."""
         self._varies = engine.limit_varies(world)
-        self._interval = _check_interval(scene)
+        self._interval = _check_interval(scene, numerics)
         self._stepping = threading.Lock()
         self._mach_warned = False
         self._long_warned = False
@@ -228,7 +236,13 @@ class Stepper:
     def _unresolved(self) -> list[str]:
         """A note on the fastest oscillation of bodies, if it is off by more than 1 % after ten periods."""
         limit, integrator = self.limit, self._numerics.integrator
-        if not self._scene.bodies or limit.kind != "stability" or limit.stability == 0.0 or integrator.resolving == 1.0:
+        if not self._scene.bodies:
+            return []
+        if math.isinf(limit.dt) and any(Record.of(force).is_code for force in self._scene.forces):
+            return [
+                f"nothing limits the time step of {self.dt:.3g} s: make sure that it resolves the functions of time"
+            ]
+        if limit.kind != "stability" or limit.stability == 0.0 or integrator.resolving == 1.0 or limit.term in DAMPINGS:
             return []
         ratio = self.dt / (integrator.resolving * limit.stability)
         slower = ratio * float(power(RESOLVED / NOTED, 1.0 / integrator.order))
@@ -365,17 +379,18 @@ class Stepper:
 
     def _finer(self, drift: float) -> str:
         """Advice for a fair drift, from drift ∝ dt^order."""
-        rule, order = self._numerics.dt, max(1, self._numerics.integrator.order)
-        if self.limit.term in ENCOUNTERS and not isinstance(rule, AdaptiveStep):
+        rule, order, limit = self._numerics.dt, max(1, self._numerics.integrator.order), self.limit
+        if limit.term in ENCOUNTERS and limit.kind == "accuracy" and not isinstance(rule, AdaptiveStep):
             return ENCOUNTER_CURE
         factor = float(power(FAIR_DRIFT / min(drift, 1.0), 1.0 / order))
-        if not isinstance(rule, StepRule):
-            return f"take dt={factor * rule:.1g}"
+        if not isinstance(rule, StepRule) or math.isinf(limit.dt):
+            return f"take dt={factor * self.dt:.1g}"
         if isinstance(rule, AdaptiveStep) and rule.tolerance is not None:
             return f"take dt=pc.AdaptiveStep(tolerance={0.01 * rule.tolerance:.1g})"
         # Steps may be shorter than the rule asks for, where frames are near each other.
-        safety = rule.safety if isinstance(rule, AdaptiveStep) else min(rule.safety, self.dt / self.limit.dt)
-        return f"take dt=pc.{type(rule).__name__}(safety={factor * safety:.1g})"
+        safety = rule.safety if isinstance(rule, AdaptiveStep) else min(rule.safety, self.dt / limit.dt)
+        method = type(self._numerics.integrator).__name__
+        return f'take integrator="{method}" and dt=pc.{type(rule).__name__}(safety={factor * safety:.1g})'
 
     def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:
         if self._mach_warned or share <= FAST_SHARE:
@@ -402,10 +417,14 @@ class Stepper:
             return False
         assert self._limits
         first, kept = self._limits
+        rule = self._numerics.dt
+        resolves = isinstance(rule, AutoStep) and rule.resolve
+        fallen = kept.kept / RECOVERED if resolves else self._world.dt
+        # NaN, and so no change, where a function of the user's is not finite nearby: the step itself will say so.
         certified = engine.certified(self._world)
         if kept != first and certified >= first.kept:
             kept = first
-        elif self._world.dt > certified or (kept != first and certified >= RECOVERED * kept.kept):
+        elif certified < fallen or (kept != first and certified >= RECOVERED * kept.kept):
             present = engine.limit(self._world)
             # Without an initial limit, as for grains that do not touch yet, there is no lower bound of the time step.
             least = first.dt / SLOWEST if math.isfinite(first.dt) and present.term == "springs" else 0.0
@@ -463,8 +482,10 @@ class Stepper:
             self._limits = first, kept
 
 
-def _check_interval(scene: Scene) -> int:
+def _check_interval(scene: Scene, numerics: Numerics) -> int:
     """The number of steps between two checks of the limit."""
+    if isinstance(numerics.dt, AutoStep) and numerics.dt.resolve:
+        return RESOLVED_CHECK_INTERVAL
     cells = [math.prod(system.grid.cells) for system in scene.systems if isinstance(system, ReactionDiffusion)]
     if cells and max(cells) <= FEW_CELLS:
         return 1

@@ -7,17 +7,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
 
+import numpy as np
+
 from physcore.checks import FloatArray, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.grid import Field, Grid, GridSystem
 from physcore.scene.items import Equation
-from physcore.systems.kinetics import KINETICS, Kinetics
+from physcore.systems.kinetics import KINETICS, Kinetics, Reaction
 from physcore.systems.resolution import SLOW, front_speed
 
 Edge = Literal["free", "fixed"]
 Edges: TypeAlias = Edge | Mapping[str, Edge] | Sequence[str]
 """Edge conditions: a word for all edges, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
 EDGES: tuple[Edge, ...] = ("free", "fixed")
+
+
+SMALL = 1e-6
+"""Amount at which the growth ahead of a front is measured."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -110,11 +116,19 @@ class ReactionDiffusion(GridSystem):
         """Whether values have both signs."""
         return self.reaction.signed
 
-    def unresolved(self, integrator: str, rate: float) -> list[str]:
-        """A note on fronts of a single species that the grid makes too fast."""
+    def unresolved(self, integrator: str) -> list[str]:
+        """A note on fronts of a single species into the empty state that the grid makes too fast.
+
+        Such a front is pulled by the growth ahead of it, r = R'(0) > 0.
+        """
         del integrator
         diffusion = next(iter(self.diffusion.values()))
-        if len(self.diffusion) != 1 or not diffusion > 0.0 or not rate > 0.0:
+        if len(self.diffusion) != 1 or not diffusion > 0.0 or not isinstance(self.reaction, Reaction):
+            return []
+        few, none = np.full(self.grid.cells, SMALL), np.zeros(self.grid.cells)
+        grown, left = (float(np.ravel(self.reaction.function(values)[0])[0]) for values in (few, none))
+        rate = (grown - left) / SMALL
+        if left != 0.0 or not 0.0 < rate < math.inf:
             return []
         cells = math.sqrt(diffusion / rate) / self.grid.spacing
         speed = front_speed(cells)

@@ -51,7 +51,7 @@ def note(what: str, number: float, speed: Callable[[float], float], spacing: flo
     finer = spacing * carried(speed) / number
     return [
         f"{what}: {math.tau / number:.2g} cells in a wavelength, which travel at {relative:.2g} of their speed on this "
-        f"grid; a spacing of {finer:.2g} m keeps {SLOW:.0%}"
+        f"grid in small steps; a spacing of {finer:.2g} m keeps {SLOW:.0%}"
     ]
 
 
@@ -66,7 +66,7 @@ def front_speed(cells: float) -> float:
         cosh = 0.5 * float(exp(mu) + exp(-mu))
         return (1.0 + 2.0 * cells * cells * (cosh - 1.0)) / (2.0 * cells * mu)
 
-    low, high = 1e-3, 2.0 + 4.0 / cells
+    low, high = 1e-3, min(2.0 + 4.0 / cells, 300.0)
     for _ in range(100):
         first, second = low + (high - low) / 3.0, high - (high - low) / 3.0
         low, high = (low, second) if speed(first) < speed(second) else (first, high)

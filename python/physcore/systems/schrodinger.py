@@ -169,9 +169,8 @@ class Schrodinger(GridSystem):
             absorbing=layer or absorbing or Absorbing(),
         )
 
-    def unresolved(self, integrator: str, rate: float) -> list[str]:
+    def unresolved(self, integrator: str) -> list[str]:
         """A note on an initial wave function that differences slow down; SplitStep takes modes, which are exact."""
-        del rate
         if integrator == "SplitStep":
             return []
         number = wave_number(np.ascontiguousarray(self.wave_function).view(np.complex128)[..., 0])

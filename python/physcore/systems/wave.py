@@ -35,6 +35,8 @@ Edges: TypeAlias = Edge | Absorbing | Mapping[str, Edge | Absorbing] | Sequence[
 EDGES: tuple[Edge, ...] = ("fixed", "free", "absorbing")
 ORDERS = (2, 4)
 """Orders of the spatial differences."""
+STEEPEST = {2: 1.0, 4: math.sqrt(4.0 / 3.0)}
+"""Largest ω h/2c of waves that travel on a grid, by the order of the differences."""
 
 
 @dataclass(frozen=True)
@@ -148,12 +150,13 @@ class Source:
         return math.pi * frequency * grid.spacing / slowest if slowest > 0.0 else 0.0
 
     def cells(self, grid: Grid) -> BoolArray:
-        """Mask of the cells of the source, of a point that of the cell around it."""
+        """Mask of the cells of the source; of a point those with the nearest centers, two along each axis."""
         if not isinstance(self.where, tuple):
             return np.not_equal(self.where, 0.0)
         mask = np.zeros(grid.cells, dtype=bool)
-        place = (np.array(self.where) - grid.origin) / grid.spacing
-        mask[tuple(np.clip(place.astype(int), 0, np.array(grid.cells) - 1))] = True
+        place = (np.array(self.where) - grid.origin) / grid.spacing - 0.5
+        first = np.maximum(np.floor(place).astype(int), 0)
+        mask[tuple(slice(start, start + 2) for start in first)] = True
         return mask
 
     def check(self, grid: Grid, path: str) -> None:
@@ -277,7 +280,7 @@ class Wave(GridSystem):
             damping=_at_least_zero(grid, damping, "Wave.damping"),
             edges=words,
             walls=solid,
-            sources=_sources(sources, grid, speeds, solid),
+            sources=_sources(sources, grid, speeds, solid, differences),
             order=differences,
             name=None if name is None else text(name, "Wave.name"),
             absorbing=layer or absorbing or Absorbing(),
@@ -293,9 +296,9 @@ class Wave(GridSystem):
         """The walls."""
         return self.walls
 
-    def unresolved(self, integrator: str, rate: float) -> list[str]:
+    def unresolved(self, integrator: str) -> list[str]:
         """Notes on waves that the grid slows down: those of the initial field, and of the sources."""
-        del integrator, rate
+        del integrator
         notes = []
         for name in ("displacement", "rate"):
             field = np.asarray(getattr(self, name))
@@ -303,7 +306,7 @@ class Wave(GridSystem):
                 notes += note(f"{name} at the start", number, self._group_velocity, self.grid.spacing)
         for index, source in enumerate(self.sources):
             if (steepness := source.steepness(self.grid, self.speed)) > 0.0:
-                own = angle(steepness)
+                own = angle(_sine(steepness, self.order))
                 notes += note(f"sources[{index}]", own, self._group_velocity, self.grid.spacing, 2.0 * steepness)
         return notes
 
@@ -318,6 +321,13 @@ class Wave(GridSystem):
         return f"Wave({label}{' × '.join(map(str, self.grid.cells))} cells)"
 
 
+def _sine(steepness: float, order: int) -> float:
+    """The sine of k h/2 at ω h/2c = `steepness`, by the dispersion relation of the differences."""
+    if order == 2:
+        return steepness
+    return math.sqrt(1.5 * (math.sqrt(1.0 + 4.0 / 3.0 * steepness * steepness) - 1.0))
+
+
 def _at_least_zero(grid: Grid, value: Field, path: str) -> float | FloatArray:
     """A field without negative values."""
     field = grid.uniform_or_field(value, path)
@@ -325,20 +335,23 @@ def _at_least_zero(grid: Grid, value: Field, path: str) -> float | FloatArray:
     return field
 
 
-def _sources(given: object, grid: Grid, speed: float | FloatArray, walls: BoolArray | None) -> tuple[Source, ...]:
+def _sources(
+    given: object, grid: Grid, speed: float | FloatArray, walls: BoolArray | None, order: int
+) -> tuple[Source, ...]:
     """Validated sources on a grid. Warns of those whose waves it cannot carry."""
     sources = [given] if isinstance(given, Source) else items(given, "Wave.sources", "sources")
     for index, source in enumerate(sources):
         if not isinstance(source, Source):
             raise SceneError(f"Wave.sources[{index}]: must be a Source, got {shown(source)}")
         source.check(grid, f"Wave.sources[{index}]")
-        if walls is not None and walls[source.cells(grid)].all():
+        own = source.cells(grid)
+        if walls is not None and own.any() and walls[own].all():
             raise SceneError(f"Wave.sources[{index}].where: is in the walls, where nothing moves")
-        steepness = source.steepness(grid, speed)
-        if steepness > 1.0:
+        steepness, most = source.steepness(grid, speed), STEEPEST[order]
+        if steepness > most:
             warn(
                 f"Wave.sources[{index}]: its waves have {math.pi / steepness:.2g} cells in a wavelength, and none "
-                f"shorter than {math.pi:.2g} travel on a grid; "
+                f"shorter than {math.pi / most:.2g} travel on a grid; "
                 f"take a spacing of {0.2 * grid.spacing / steepness:.2g} m",
                 SceneWarning,
             )

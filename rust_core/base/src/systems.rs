@@ -148,6 +148,11 @@ pub trait System: History + Send + Sync {
     /// the result.
     fn cost(&self) -> f64;
 
+    /// Whether steps iterate, so that no estimate of their duration holds and interrupts are polled for.
+    fn iterates(&self) -> bool {
+        false
+    }
+
     /// Maximum number of steps in a batch.
     fn most_steps(&self) -> u64;
 

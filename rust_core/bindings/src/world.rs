@@ -363,8 +363,12 @@ impl World {
         limit_record(py, self.ask(py, |world, executor| world.limit(Horizon::Sharp, executor))?)
     }
 
+    /// Largest certified and accurate step [s]; NaN where a user-defined function is not finite nearby.
     fn certified(&self, py: Python<'_>) -> PyResult<f64> {
-        self.ask(py, |world, executor| Ok(world.limit(Horizon::Certified, executor)?.dt()))
+        self.ask(py, |world, executor| match world.limit(Horizon::Certified, executor) {
+            Err(Error::Undefined { .. }) => Ok(f64::NAN),
+            limit => Ok(limit?.dt()),
+        })
     }
 
     fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

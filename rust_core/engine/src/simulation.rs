@@ -212,7 +212,7 @@ impl Simulation {
     fn advance(&mut self, steps: u64, record: RecordedSteps, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
         let Self { system, pool, .. } = self;
-        let outcome = if system.cost() * steps as f64 <= SHORT {
+        let outcome = if !system.iterates() && system.cost() * steps as f64 <= SHORT {
             system.advance(interval, record, &Executor::serial())
         } else {
             let mut outcome = Ok(());

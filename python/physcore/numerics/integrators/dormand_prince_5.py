@@ -32,6 +32,6 @@ class DormandPrince5(Integrator):
 
     order: ClassVar[int] = 5
     symplectic: ClassVar[bool] = False
-    resolving: ClassVar[float] = 0.74
+    resolving: ClassVar[float] = 0.3
     embedded: ClassVar[bool] = True
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

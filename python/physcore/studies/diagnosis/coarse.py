@@ -15,7 +15,7 @@ from physcore.studies.diagnosis.finding import Finding
 OCTAVE = 0.5
 """The last octave of a grid begins at this fraction of its largest wave number, with four cells in a wavelength."""
 LAST_MODES = 0.9
-"""Where the last modes of a transform begin, likewise."""
+"""Fraction of the largest wave number at which the last modes of a transform begin."""
 SHARE = 0.05
 """Share of the squared amplitude in the last octave above which a field is coarse."""
 
@@ -28,12 +28,16 @@ def coarse(case: Case) -> Iterator[Finding]:
         begin = LAST_MODES if case.plan.integrator == "SplitStep" else OCTAVE
         share = max((_share(field, begin) for field in _fields(case, system)), default=0.0)
         if share > SHARE:
-            cells = 2.0 / begin
-            cause = (
-                f"{case.scene.system(system)} has {share:.0%} of its square in waves of fewer than {cells:.2g} cells, "
-                "which differences slow down or turn around"
+            fate = (
+                "beyond which a grid knows none"
+                if begin == LAST_MODES
+                else "which differences slow down or turn around"
             )
-            cure = f"take a spacing of {0.5 * system.grid.spacing:.2g} m or less, or smoother fields and slower sources"
+            cause = (
+                f"{case.scene.system(system)} has {share:.0%} of its square in waves of fewer than {2.0 / begin:.2g} "
+                f"cells, {fate}"
+            )
+            cure = f"take a spacing of {0.5 * system.grid.spacing:.2g} m or less, or smoother fields"
             yield Finding("coarse", cause, cure, share)
 
 

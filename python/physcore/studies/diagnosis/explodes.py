@@ -49,7 +49,7 @@ def is_loss(case: Case, drift: float) -> bool:
 
 def _cure(case: Case, drift: float) -> str:
     """A remedy with a time step whose drift is fair, from drift ∝ dt^order."""
-    if case.plan.limit_term in ENCOUNTERS:
+    if case.plan.limit_term in ENCOUNTERS and case.plan.limit_kind == "accuracy":
         return f"close encounters need smaller steps: {ENCOUNTER_CURE}"
     smaller = case.plan.dt * (FAIR_DRIFT / min(drift, 1.0)) ** (1.0 / max(case.plan.order, 1))
     return f"take a smaller time step, dt={smaller:.2g}"

@@ -50,7 +50,7 @@ def jitters(case: Case) -> Iterator[Finding]:
 
 
 def _cure(body: SpringNetwork) -> str:
-    """A remedy by more damping than there is: at a damping ratio of 0.05, an oscillation has decayed after ten periods."""
+    """A remedy by more damping: at a damping ratio of 0.05, an oscillation has decayed after ten periods."""
     stiff = np.isfinite(body.stiffness) & (body.stiffness > 0.0)
     critical = (
         2.0 * np.sqrt(float(np.median(body.stiffness[stiff])) * float(np.median(body.mass)) / 2.0)
@@ -59,7 +59,6 @@ def _cure(body: SpringNetwork) -> str:
     )
     damping = max(0.05 * critical, 2.0 * float(np.median(body.damping)))
     if damping > critical > 0.0:
-        much = "a smaller stiffness: its springs are damped enough"
-    else:
-        much = f"damping={damping:.2g} or more for its springs"
+        return "take a smaller stiffness, or bend_stiffness and pc.Dihedral: its springs are damped enough"
+    much = f"damping={damping:.2g} or more for its springs"
     return f"give {much}, and bend_stiffness or pc.Dihedral where it folds" if len(body.faces) else f"give {much}"

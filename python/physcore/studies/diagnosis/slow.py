@@ -13,10 +13,6 @@ LONGEST = 600.0
 """Longest duration of a run without a finding [s]: ten minutes, as all demos together."""
 
 
-RESOLVING = 0.02
-"""Smallest fraction of the limit that an automatic time step takes, to resolve oscillations."""
-
-
 def slow(case: Case) -> Iterator[Finding]:
     """Check the number of steps ahead, and their time, estimated from a few steps of a copy."""
     if case.simulation is None or case.duration is None:
@@ -27,7 +23,7 @@ def slow(case: Case) -> Iterator[Finding]:
     if steps <= MOST_STEPS and ahead.seconds <= LONGEST:
         return
     plan = case.plan
-    given = plan.dt < RESOLVING * plan.dt_limit
+    given = simulation._stepper.fixed is not None
     what = "as it was given" if given else f"because of {plan.limit_term}" if plan.limit_term else "the largest"
     cause = f"{case.duration:g} s are {steps:.1e} steps of {simulation.dt:.2g} s, {what}, about {words(ahead.seconds)}"
     yield Finding("slow", cause, remedy(plan.limit_term, given), float(steps))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from physcore.studies.tradeoff.restarts import Bias, Windows
 
 Status = Literal["ok", "lost", "diverged", "biased"]
-"""Status of a row. "lost": the error is larger than the motion, so that nothing of it is right."""
+"""Status of a row. "lost": the error is as large as the motion, so that nothing of it is right."""
 Measure = Literal["trajectory", "restart", "until the horizon"]
 
 CERTAIN = 10.0

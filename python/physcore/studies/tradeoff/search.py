@@ -31,6 +31,8 @@ ENOUGH = 8
 """Number of rows after which a series continues only if its next row may be on the Pareto front."""
 HELD_OUT = 8
 """Largest number of held-out rows, which are predicted from their neighbors before they are run."""
+LOST = 0.5
+"""Share of the largest displacement from which on an error leaves nothing right: the amplitude of an oscillation."""
 WRONG = 10.0
 """Divergence threshold: an error of this many times the largest displacement in the reference, or an average off by
 this many times its value.
@@ -223,7 +225,7 @@ class WorkPrecisionDiagram:
                 way = self.experiment.distances(self.truth.samples, self.truth.samples[:1]).max()
                 if measurement.error > WRONG * way + CERTAIN * self.truth.uncertainty:
                     measurement.status, measurement.error = "diverged", math.inf
-                elif measurement.error > way + CERTAIN * self.truth.uncertainty:
+                elif measurement.error > LOST * way + CERTAIN * self.truth.uncertainty:
                     measurement.status = "lost"
             else:
                 self._compare_statistics(measurement, self.truth)

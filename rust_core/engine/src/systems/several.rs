@@ -112,6 +112,10 @@ impl System for Several {
         self.systems().map(System::cost).sum()
     }
 
+    fn iterates(&self) -> bool {
+        self.systems().any(System::iterates)
+    }
+
     fn most_steps(&self) -> u64 {
         self.systems().map(System::most_steps).min().unwrap_or(1)
     }

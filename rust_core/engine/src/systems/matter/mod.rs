@@ -51,8 +51,6 @@ use crate::systems::{
     Control, Element, Fault, FieldInfo, Interval, Mach, Quantity, RecordedSteps, Sample, System, unknown_integrator,
 };
 
-/// Least estimated duration of a step that iterates [s], for which no estimate holds: it polls for interrupts.
-const ITERATED: f64 = 3e-3;
 /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
 /// Size of one column of a block that runs many steps [bytes]: position, velocity and registers in three dimensions fit into
@@ -379,9 +377,12 @@ impl<V: Space> System for MatterSystem<V> {
     }
 
     fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn iterates(&self) -> bool {
         let solves = matches!(self.method.about().springs, Treatment::Solved | Treatment::Projections);
-        let iterates = solves || self.dynamics.self_contacts.is_some();
-        if iterates { self.cost.max(ITERATED) } else { self.cost }
+        solves || self.dynamics.self_contacts.is_some()
     }
 
     /// Maximum number of steps of a batch: as many as fit into [`BATCH`], but enough that the copies of the state cost less

@@ -17,16 +17,14 @@ impl<V: Vector> AllPairs<V> {
         self.groups.iter().all(|group| group.targets.len() <= FEW && group.sources.len() <= FEW)
     }
 
-    /// Largest squared frequency at a periapsis ahead [1/s²]; 0 if none is ahead. Each target counts with the source that
-    /// dominates its motion, by ω² = κ cᵢcⱼ(1/mᵢ + 1/mⱼ)/s³.
+    /// Largest squared frequency at a periapsis ahead [1/s²]; 0 if none is ahead. Each pair counts as if it were alone.
     pub(super) fn frequency_squared_ahead(&self, at: &StateView<'_, V>) -> f64 {
         let mut largest = 0.0_f64;
         for group in &self.groups {
             for &target in group.targets.iter().filter(|&&target| !at.properties.is_fixed(target)) {
                 let pairs = group.sources.iter().filter(|&&source| source != target);
-                let orbits = pairs.map(|&source| self.orbit(target, source, group.mutual, at));
-                let closest = orbits.max_by(|one, other| one.frequency_squared().total_cmp(&other.frequency_squared()));
-                largest = closest.map_or(largest, |orbit| largest.max(orbit.frequency_squared_ahead()));
+                let ahead = pairs.map(|&source| self.orbit(target, source, group.mutual, at).frequency_squared_ahead());
+                largest = ahead.fold(largest, f64::max);
             }
         }
         largest
@@ -68,11 +66,7 @@ impl Orbit {
         distance * distance + self.softening * self.softening
     }
 
-    /// Squared frequency at the present distance [1/s²].
-    fn frequency_squared(&self) -> f64 {
-        self.at(self.distance)
-    }
-
+    /// Squared frequency at a distance [1/s²].
     fn at(&self, distance: f64) -> f64 {
         let square = self.square(distance);
         self.strength.abs() / (square * square.sqrt())

@@ -69,7 +69,7 @@ impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
     ) -> Result<f64> {
         dynamics.prepare(matter, time, executor)?;
         dynamics.begin_self_contacts(matter);
-        self.predict(dynamics, matter, workspace, h, executor);
+        self.predict(dynamics, matter, workspace, (time, h), executor);
         self.projector.project(dynamics, matter, &mut self.displacement, h, executor);
         executor.check()?;
         if let Some([position, velocity]) = &mut workspace.before {
@@ -94,12 +94,12 @@ impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
         dynamics: &Dynamics<V>,
         matter: &mut Matter<V>,
         workspace: &mut Workspace<V>,
-        h: f64,
+        (time, h): (f64, f64),
         executor: &Executor,
     ) {
         workspace.position.copy_from(&matter.position);
         workspace.velocity.copy_from(&matter.velocity);
-        let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), 0.0);
+        let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
         let work = BlocksWithForces::new(matter.blocks(), workspace.force.span());
         executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
             let BlocksWithForces { blocks, mut force, .. } = work;
