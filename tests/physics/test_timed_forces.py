@@ -92,3 +92,18 @@ def test_what_is_no_vector_is_named():
     assert simulation.time == pytest.approx(0.49, abs=0.011)
     with pytest.raises(pc.FileError, match="Gravity"):
         pc.Scene(pc.Particles([[0.0, 0.0]]), late).packed()
+
+
+@pytest.mark.parametrize("kind", [pc.XPBD, pc.ProjectiveDynamics, pc.BackwardEuler, pc.RungeKutta4])
+def test_fields_that_alternate_are_taken_at_their_time(kind):
+    """A charge in a Paul trap of ω = 2π is driven at its first place while it hardly moves: x'' = s x₀/2 cos ωt."""
+    trap = pc.ElectromagneticField(pc.PaulTrap(0.0, 1e-3, 1.0))
+    scene = pc.Scene(pc.Particles([[1.0, 0.0, 0.0]], mass=1.0, charge=1.0), trap)
+    if kind is pc.BackwardEuler:
+        with pytest.raises(pc.SceneError, match="integrator"):
+            pc.Simulation(scene, kind(), dt=1e-3)
+        return
+    simulation = pc.Simulation(scene, kind(), dt=1e-3)
+    simulation.step(750)
+    moved = 0.5e-3 * (1.0 - math.cos(math.tau * 0.75)) / math.tau**2
+    assert simulation.positions[0, 0] - 1.0 == pytest.approx(moved, rel=0.02)

@@ -35,18 +35,18 @@ class CustomForce(Force):
         100 steps per rotation. The sign has no effect: a repulsive force limits the step as an attractive one does.
 
         One estimate takes at least 6 calls of the function, usually 10 to 30, and at most 130. With `dt="auto"` there
-            is one estimate every 256 steps, with `AdaptiveStep()` one in every step. An estimate is for the present
-            state. Until the next one, the stiffness may double. But a floor that nothing touches yet has no stiffness.
-            For a force with a sudden onset, therefore give `dt`, or use `AdaptiveStep()`. At a kink the steeper side
-            counts. A discontinuity, as in dry friction at rest, has no slope and does not count. A function whose
-            values differ for equal arguments does not count either.
+        is one estimate every 16 steps in small scenes and every 256 steps in large ones, with `AdaptiveStep()` one in
+        every step. An estimate is for the present state. Until the next one, the stiffness may double. But a floor that
+        nothing touches yet has no stiffness. For a force with a sudden onset, therefore give `dt`, or use
+        `AdaptiveStep()`. At a kink the steeper side counts. A discontinuity, as in dry friction at rest, has no slope
+        and does not count. A function whose values differ for equal arguments does not count either.
 
     Raises:
         SceneError: `function` or `potential` cannot be called with these arguments. In a run: a function raised an
             exception, which is the cause (`__cause__`), or what is no array of numbers. The message begins with
             `forces[i].function` or `forces[i].potential`, and the simulation is at the last good step. Exceptions that
             are not subclasses of `Exception`, such as that of `sys.exit()`, are passed on unchanged.
-        SimulationDiverged: in a run: a value is not finite.
+        SimulationDiverged: in a step: a value is not finite.
     """
 
     feels_charges: ClassVar[bool] = True

@@ -15,9 +15,9 @@
 //!
 //! Impulses are the sums of both stages. They act at τ, or throughout the step of support (τ = h/2). They remove the energy
 //! −p n·(v₀ + v₁ + a (2τ − h))/2, with the velocities v₀ at the start and v₁ at the end. Contacts of one network at different
-//! times within a step are resolved together; this is of order 1. Where that error is a gain of energy, it is drift and no negative
-//! dissipation. Source: J. J. Moreau, "Unilateral contact and dry friction
-//! in finite freedom dynamics", in Nonsmooth Mechanics and Applications, CISM 302 (1988).
+//! times within a step are resolved together; this is of order 1. Where that error is a gain of energy, it is drift and no
+//! negative dissipation. Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", in Nonsmooth
+//! Mechanics and Applications, CISM 302 (1988).
 
 use glam::DVec3;
 

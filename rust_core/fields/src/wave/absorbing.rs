@@ -64,9 +64,7 @@ impl AbsorptionParameters {
             reflection => Err(item.wrong("reflection", "a number between 0 and 1", Some(&Value::Number(reflection)))),
         }
     }
-}
 
-impl AbsorptionParameters {
     /// Damping ζ at a depth [cells] in a medium of this speed [1/s].
     fn damping(self, depth: f64, speed: f64, spacing: f64) -> f64 {
         let width = self.width as f64;

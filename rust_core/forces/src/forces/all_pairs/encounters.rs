@@ -1,5 +1,7 @@
 //! Encounters ahead among few particles: the frequency of the relative motion at the periapsis of each pair's orbit.
 
+use std::f64::consts::TAU;
+
 use super::AllPairs;
 use crate::forces::StateView;
 use crate::math::Vector;
@@ -11,20 +13,28 @@ const FEW: usize = 64;
 /// encounters are collisions, and would need steps of less than 1/1000 of the present ones.
 const CLOSEST: f64 = 0.01;
 
+/// Time within which an encounter is foreseen, as a fraction of a turn of the dominant motion: longer than the interval between
+/// two checks of the limit.
+const SOON: f64 = 0.25;
+
 impl<V: Vector> AllPairs<V> {
     /// Whether there are so few targets that their encounters are foreseen.
     pub(super) fn is_few(&self) -> bool {
         self.groups.iter().all(|group| group.targets.len() <= FEW && group.sources.len() <= FEW)
     }
 
-    /// Largest squared frequency at a periapsis ahead [1/s²]; 0 if none is ahead. Each pair counts as if it were alone.
+    /// Largest squared frequency at a periapsis ahead [1/s²]; 0 if none is ahead. Each pair counts as if it were alone: the one
+    /// that dominates a target's motion, by the largest frequency, and others that meet soon.
     pub(super) fn frequency_squared_ahead(&self, at: &StateView<'_, V>) -> f64 {
         let mut largest = 0.0_f64;
         for group in &self.groups {
             for &target in group.targets.iter().filter(|&&target| !at.properties.is_fixed(target)) {
                 let pairs = group.sources.iter().filter(|&&source| source != target);
-                let ahead = pairs.map(|&source| self.orbit(target, source, group.mutual, at).frequency_squared_ahead());
-                largest = ahead.fold(largest, f64::max);
+                let orbits: Vec<Orbit> = pairs.map(|&source| self.orbit(target, source, group.mutual, at)).collect();
+                let dominant = orbits.iter().map(|orbit| orbit.at(orbit.distance)).fold(0.0, f64::max);
+                let soon = SOON * TAU / dominant.sqrt();
+                let counting = orbits.iter().filter(|orbit| orbit.at(orbit.distance) == dominant || orbit.meets_within(soon));
+                largest = counting.map(Orbit::frequency_squared_ahead).fold(largest, f64::max);
             }
         }
         largest
@@ -64,6 +74,11 @@ impl Orbit {
     /// Square of the softened distance.
     fn square(&self, distance: f64) -> f64 {
         distance * distance + self.softening * self.softening
+    }
+
+    /// Whether the particles would meet within a time [s] at the present speed.
+    fn meets_within(&self, time: f64) -> bool {
+        self.distance * self.distance < self.approach * time
     }
 
     /// Squared frequency at a distance [1/s²].
