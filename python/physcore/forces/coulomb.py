@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 from physcore.checks import number
-from physcore.forces.tree import opening_angle
+from physcore.forces.tree import force_error, opening_angle
 from physcore.scene.items import Force, On
 from physcore.units import coulomb_constant
 
@@ -71,5 +71,5 @@ class Coulomb(Force):
             constant=number(self.constant, "Coulomb.constant", least=0.0),
             softening=number(self.softening, "Coulomb.softening", least=0.0),
             opening_angle=opening_angle(self.opening_angle, "Coulomb.opening_angle"),
-            force_error=number(self.force_error, "Coulomb.force_error", above=0.0, most=0.02),
+            force_error=force_error(self.force_error, "Coulomb.force_error"),
         )

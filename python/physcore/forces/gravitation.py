@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 from physcore.checks import number
-from physcore.forces.tree import opening_angle
+from physcore.forces.tree import force_error, opening_angle
 from physcore.scene.items import Force, On
 from physcore.units import gravitational_constant
 
@@ -71,5 +71,5 @@ class Gravitation(Force):
             constant=number(self.constant, "Gravitation.constant", least=0.0),
             softening=number(self.softening, "Gravitation.softening", least=0.0),
             opening_angle=opening_angle(self.opening_angle, "Gravitation.opening_angle"),
-            force_error=number(self.force_error, "Gravitation.force_error", above=0.0, most=0.02),
+            force_error=force_error(self.force_error, "Gravitation.force_error"),
         )

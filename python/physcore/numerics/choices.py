@@ -163,6 +163,11 @@ class Numerics:
             return AdaptiveStep(self.dt.safety, self.integrator.tolerance)
         return self.dt if isinstance(self.dt, AdaptiveStep) else None
 
+    @property
+    def resolves(self) -> bool:
+        """Whether the time step resolves the fastest oscillation."""
+        return isinstance(self.dt, AutoStep) and self.dt.resolve
+
 
 def check(options: Options, scene: Scene) -> Numerics:
     """Check numerical choices, and make those for a scene that were left open.

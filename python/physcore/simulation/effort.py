@@ -32,6 +32,11 @@ ENCOUNTER_CURE = "take dt=pc.AdaptiveStep(), integrator=pc.GaussRadau15(), or a 
 """Advice for close encounters, in which no fixed step is right."""
 
 
+def is_encounter(term: str, kind: str) -> bool:
+    """Whether close encounters limit the time step, by the term and the kind of the limit."""
+    return term in ENCOUNTERS and kind == "accuracy"
+
+
 def remedy(term: str, given: bool) -> str:
     """Advice for a run with too many steps. The time step was given, or follows from a term of the scene."""
     if given:

@@ -6,6 +6,7 @@ import os
 import pickle
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import Literal, cast
 
 import numpy as np
@@ -170,8 +171,13 @@ class Simulation:
         """The plan: the stages of one step, and the choices that were made."""
         limit = self._stepper.limit
         plan = engine.plan(self._world, self._scene, limit, self.dt)
-        notes = (*plan.notes, *of_scene(self._scene, self._numerics), *self._stepper.notes())
+        notes = (*plan.notes, *self._scene_notes, *self._stepper.notes())
         return replace(plan, substeps=self.substeps, notes=notes)
+
+    @cached_property
+    def _scene_notes(self) -> list[str]:
+        """Notes on the scene, which look at whole fields and call reactions: found once."""
+        return of_scene(self._scene, self._numerics)
 
     @property
     def provenance(self) -> Provenance:

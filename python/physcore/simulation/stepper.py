@@ -26,7 +26,6 @@ from physcore.errors import (
 from physcore.numerics.choices import (
     FRAMES_PER_SECOND,
     AdaptiveStep,
-    AutoStep,
     Limit,
     Numerics,
     StepRule,
@@ -38,7 +37,7 @@ from physcore.numerics.choices import (
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
-from physcore.simulation.effort import ENCOUNTER_CURE, ENCOUNTERS, MOST_STEPS, long_run
+from physcore.simulation.effort import ENCOUNTER_CURE, MOST_STEPS, is_encounter, long_run
 from physcore.simulation.energy import BROKEN_DRIFT, FAIR_DRIFT, WRONG_DRIFT
 from physcore.simulation.provenance import Segment, segments_from
 from physcore.systems.reaction_diffusion import ReactionDiffusion
@@ -269,12 +268,8 @@ class Stepper:
 
     def _advance_by(self, steps: int, dt: float) -> None:
         """Advance by `steps` steps."""
-        if steps == 0:
-            return
-        while True:
+        while steps > 0:
             steps -= self._advance(steps, dt)
-            if steps == 0:
-                return
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
@@ -380,7 +375,7 @@ class Stepper:
     def _finer(self, drift: float) -> str:
         """Advice for a fair drift, from drift ∝ dt^order."""
         rule, order, limit = self._numerics.dt, max(1, self._numerics.integrator.order), self.limit
-        if limit.term in ENCOUNTERS and limit.kind == "accuracy" and not isinstance(rule, AdaptiveStep):
+        if is_encounter(limit.term, limit.kind) and not isinstance(rule, AdaptiveStep):
             return ENCOUNTER_CURE
         factor = float(power(FAIR_DRIFT / min(drift, 1.0), 1.0 / order))
         if not isinstance(rule, StepRule) or math.isinf(limit.dt):
@@ -417,9 +412,7 @@ class Stepper:
             return False
         assert self._limits
         first, kept = self._limits
-        rule = self._numerics.dt
-        resolves = isinstance(rule, AutoStep) and rule.resolve
-        fallen = kept.kept / RECOVERED if resolves else self._world.dt
+        fallen = kept.kept / RECOVERED if self._numerics.resolves else self._world.dt
         # NaN, and so no change, where a function of the user's is not finite nearby: the step itself will say so.
         certified = engine.certified(self._world)
         if kept != first and certified >= first.kept:
@@ -484,7 +477,7 @@ class Stepper:
 
 def _check_interval(scene: Scene, numerics: Numerics) -> int:
     """The number of steps between two checks of the limit."""
-    if isinstance(numerics.dt, AutoStep) and numerics.dt.resolve:
+    if numerics.resolves:
         return RESOLVED_CHECK_INTERVAL
     cells = [math.prod(system.grid.cells) for system in scene.systems if isinstance(system, ReactionDiffusion)]
     if cells and max(cells) <= FEW_CELLS:

@@ -65,15 +65,12 @@ def _share(field: FloatArray | np.ndarray[tuple[int, ...], np.dtype[np.complex12
     values = np.array(field, dtype=complex)
     if not np.iscomplexobj(field):
         values -= values.mean()
-    for axis, count in enumerate(values.shape):
-        along = [1] * values.ndim
-        along[axis] = count
-        values *= np.sin(np.pi * (np.arange(count) + 0.5) / count).reshape(along) ** 2
-    power = np.square(np.abs(np.fft.fftn(values)))
-    total = float(power.sum())
     short = np.zeros(values.shape, dtype=bool)
     for axis, count in enumerate(values.shape):
         along = [1] * values.ndim
         along[axis] = count
+        values *= np.sin(np.pi * (np.arange(count) + 0.5) / count).reshape(along) ** 2
         short |= (np.abs(np.fft.fftfreq(count)) > 0.5 * begin).reshape(along)
+    power = np.square(np.abs(np.fft.fftn(values)))
+    total = float(power.sum())
     return float(power[short].sum()) / total if total > 0.0 else 0.0

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from physcore.simulation.effort import ENCOUNTER_CURE, ENCOUNTERS
+from physcore.simulation.effort import ENCOUNTER_CURE, is_encounter
 from physcore.simulation.energy import FAIR_DRIFT, WRONG_DRIFT
 from physcore.simulation.recording import Recording
 from physcore.studies.diagnosis.case import Case
@@ -49,7 +49,7 @@ def is_loss(case: Case, drift: float) -> bool:
 
 def _cure(case: Case, drift: float) -> str:
     """A remedy with a time step whose drift is fair, from drift ∝ dt^order."""
-    if case.plan.limit_term in ENCOUNTERS and case.plan.limit_kind == "accuracy":
+    if is_encounter(case.plan.limit_term, case.plan.limit_kind):
         return f"close encounters need smaller steps: {ENCOUNTER_CURE}"
     smaller = case.plan.dt * (FAIR_DRIFT / min(drift, 1.0)) ** (1.0 / max(case.plan.order, 1))
     return f"take a smaller time step, dt={smaller:.2g}"

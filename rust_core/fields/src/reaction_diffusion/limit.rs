@@ -71,13 +71,8 @@ impl<T: Real> ReactionDiffusion<T> {
             return Ok(Limit::NONE);
         }
         let kind = if accuracy < step { LimitKind::Accuracy } else { LimitKind::Stability };
-        let term = if kind == LimitKind::Accuracy {
-            "reaction"
-        } else if reaction == 0.0 || self.method.limit(diffusion, 0.0) < self.method.limit(0.0, reaction) {
-            self.term
-        } else {
-            "reaction"
-        };
+        let diffuses = reaction == 0.0 || self.method.limit(diffusion, 0.0) < self.method.limit(0.0, reaction);
+        let term = if kind == LimitKind::Stability && diffuses { self.term } else { "reaction" };
         // The fastest mode decays at least at the rate λ − ρ.
         let known = !self.method.is_stabilized() && diffusion > reaction;
         let endured = if known { self.method.limit(diffusion - reaction, 0.0) } else { f64::INFINITY };

@@ -93,19 +93,13 @@ impl<V: Vector> Central<V> {
         }
     }
 
-    /// Periapsis of a particle under this force alone [m]. At this radius the effective potential U(r) + L²/(2mr²) equals the
-    /// energy of the particle. Found by bisection between 0 and the present distance.
+    /// Periapsis of a particle under this force alone [m].
     fn closest(&self, mass: f64, from_center: DVec3, velocity: DVec3) -> f64 {
         let potential = |r: f64| self.potential_at(r * r + self.softening * self.softening);
         let here = from_center.length();
         let spin = from_center.cross(velocity).length_squared();
         let energy = 0.5 * mass * velocity.length_squared() + potential(here);
-        let (mut inside, mut outside) = (0.0, here);
-        for _ in 0..20 {
-            let middle = 0.5 * (inside + outside);
-            if potential(middle) + 0.5 * mass * spin / (middle * middle) > energy { inside = middle } else { outside = middle }
-        }
-        outside
+        periapsis(here, potential, 0.5 * mass * spin, energy)
     }
 }
 
@@ -223,6 +217,17 @@ impl<V: Vector> Derivatives for Central<V> {
             add(MatrixBlock::of(particle, exact, definite));
         }
     }
+}
+
+/// Periapsis [m]: the radius at which the effective potential U(r) + `barrier`/r² equals the energy, with the barrier L²/2m. Found
+/// by bisection between 0 and the present distance.
+pub fn periapsis(distance: f64, potential: impl Fn(f64) -> f64, barrier: f64, energy: f64) -> f64 {
+    let (mut inside, mut outside) = (0.0, distance);
+    for _ in 0..20 {
+        let middle = 0.5 * (inside + outside);
+        if potential(middle) + barrier / (middle * middle) > energy { inside = middle } else { outside = middle }
+    }
+    outside
 }
 
 /// Computes q^(n/2). Small integers n take roots and products, a hundred times as fast as pow.

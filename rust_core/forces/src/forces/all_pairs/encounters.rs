@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::AllPairs;
 use crate::forces::StateView;
+use crate::forces::central::periapsis;
 use crate::math::Vector;
 
 /// Largest number of targets for which encounters are foreseen. In a crowd, third bodies decide where a pair goes.
@@ -94,13 +95,8 @@ impl Orbit {
         if self.strength <= 0.0 || (energy >= 0.0 && self.approach <= 0.0) {
             return 0.0;
         }
-        let (mut inside, mut outside) = (0.0, self.distance);
-        for _ in 0..20 {
-            let middle = 0.5 * (inside + outside);
-            let effective = potential(middle) + 0.5 * self.spin_squared / (middle * middle);
-            if effective > energy { inside = middle } else { outside = middle }
-        }
-        if outside < CLOSEST * self.distance && self.softening < CLOSEST * self.distance { 0.0 } else { self.at(outside) }
+        let closest = periapsis(self.distance, potential, 0.5 * self.spin_squared, energy);
+        if closest.max(self.softening) < CLOSEST * self.distance { 0.0 } else { self.at(closest) }
     }
 }
 
