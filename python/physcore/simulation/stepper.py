@@ -34,6 +34,7 @@ from physcore.numerics.choices import (
     largest_step,
     steps_to,
 )
+from physcore.scene.fluid import Fluid
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
@@ -71,6 +72,9 @@ DAMPINGS = ("drag", "spring damping")
 
 COARSE = 25.0
 """Ratio of a given time step to the limit of accuracy above which it is warned of: a quarter of a turn in a step."""
+
+NEAR = 0.5
+"""Ratio of a given time step to a limit that varies above which the plan has a note; AutoStep() keeps to half."""
 
 RECOVERED = 1.25
 """Factor by which the limit must rise before the time step follows it."""
@@ -214,9 +218,9 @@ class Stepper:
         return None
 
     def notes(self) -> list[str]:
-        """Notes of the plan about steps of different sizes, and about oscillations that steps do not resolve."""
+        """Notes of the plan about steps of different sizes, limits that vary, and oscillations that steps do not resolve."""
         if self._adaptive is None:
-            return self._unresolved()
+            return self._momentary() + self._unresolved()
         by = (
             f"keep their last coefficient within {self._adaptive.tolerance:g} of the largest acceleration"
             if self._numerics.integrator.self_adaptive and self._adaptive.tolerance is not None
@@ -231,6 +235,18 @@ class Stepper:
             else "none taken so far"
         )
         return [f"adaptive steps {by}: {taken}"]
+
+    def _momentary(self) -> list[str]:
+        """A note on a given step near a limit that varies with the motion."""
+        limit, flows = self.limit, any(isinstance(body, Fluid) for body in self._scene.bodies)
+        if isinstance(self._numerics.dt, StepRule) or not self._varies or not (limit.kind == "accuracy" or flows):
+            return []
+        if not NEAR * limit.dt < self.dt <= limit.dt:
+            return []
+        return [
+            f"the {limit.kind} limit of {limit.dt:.3g} s ({limit.term}) is that of the present state, and falls where the "
+            'motion becomes faster; dt="auto" follows it'
+        ]
 
     def _unresolved(self) -> list[str]:
         """A note on the fastest oscillation of bodies, if it is off by more than 1 % after ten periods."""

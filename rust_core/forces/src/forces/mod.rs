@@ -365,6 +365,11 @@ pub fn are_between_neighbors(scene: &Scene) -> bool {
     sph::is_in(scene) || scene.forces.iter().any(|item| reach(item) == Some(Reach::Pairs))
 }
 
+/// Whether forces act between all pairs of particles, at any distance.
+pub fn are_at_a_distance(scene: &Scene) -> bool {
+    scene.forces.iter().any(|item| reach(item) == Some(Reach::Far))
+}
+
 /// A vector for which this crate compiles all forces. Callers use these functions; generic ones would be compiled with them.
 pub trait Space: Vector {
     /// Builds the forces that an item of the scene declares.
