@@ -10,13 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore.arithmetic import dots, lengths
-from physcore.checks import FloatArray, Vector, array, called, count, flag, items, number, shown, text, vector
+from physcore.checks import FloatArray, IntArray, Vector, array, called, count, flag, items, number, shown, text, vector
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.scene.points import PointSystem
 from physcore.scene.scene import BodyKey, Scene
 from physcore.simulation.state import Snapshot
 
-Which: TypeAlias = BodyKey | tuple[BodyKey, Any]
+Owner: TypeAlias = BodyKey | PointSystem
+"""Owner of particles: a body, or tracers or vortices."""
+Which: TypeAlias = Owner | tuple[Owner, Any]
 """All particles of a body, or `(body, index)`: those of an index, as of NumPy."""
 
 AXES = "xyz"
@@ -102,8 +105,8 @@ class Event:
             pc.Event.crossing(("atoms", 3), (1.0, 1.0), 0.0)  # particle 3, through the line x + y = 0
 
         Args:
-            body: the body, its index or its name; `(body, index)` for some of its particles. `indices` of the
-                occurrences tell them apart.
+            body: the body, its index or its name, or Tracers or PointVortices; `(body, index)` for some of its
+                particles. `indices` of the occurrences tell them apart.
             axis: "x", "y" or "z", or a vector: the normal of the plane.
             value: coordinate of the plane along the axis [m]. In a periodic domain its images count too.
             direction: 1 for crossings along the axis, −1 for those against it, 0 for both.
@@ -126,7 +129,7 @@ class Event:
         In a periodic domain the distance is that to the nearest image.
 
         Args:
-            a: the body, its index or its name; `(body, index)` for some of its particles.
+            a: the body, its index or its name, or Tracers or PointVortices; `(body, index)` for some of its particles.
             b: likewise. As many particles as `a`, pair by pair, or one for all; `indices` of the occurrences tell the
                 pairs apart.
             terminal: as for `Event`.
@@ -140,11 +143,11 @@ class Event:
         return cls(function, 1, terminal, str(function) if name is None else name)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Crossing:
     """Function of the event `Event.crossing`: signed distances [m] of particles from a plane."""
 
-    body: BodyKey
+    body: Owner
     index: Any
     axis: str | tuple[float, ...]
     value: float
@@ -167,7 +170,7 @@ class Crossing:
 
     def period(self, scene: Scene, path: str) -> float | None:
         """The length of a periodic domain along the axis [m]."""
-        if scene.periodic is None:
+        if scene.periodic is None or scene.system(self.body) is not None:
             return None
         normal = self._normal(scene.dimension)
         across = [float(length) for length in scene.periodic.lengths[normal != 0.0] if np.isfinite(length)]
@@ -183,13 +186,13 @@ class Crossing:
         return np.array(self.axis) if not isinstance(self.axis, str) else np.eye(dimension)[AXES.index(self.axis)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Approach:
     """Function of the event `Event.closest_approach`: r·v [m²/s] of pairs."""
 
-    body: BodyKey
+    body: Owner
     index: Any
-    other: BodyKey
+    other: Owner
     other_index: Any
 
     def __call__(self, state: Snapshot) -> FloatArray:
@@ -266,14 +269,14 @@ def checked(events: object, scene: Scene) -> tuple[Event, ...]:
     return tuple(given)
 
 
-def _which(given: Which, path: str) -> tuple[BodyKey, Any]:
+def _which(given: Which, path: str) -> tuple[Owner, Any]:
     """A body and the index of some of its particles.
 
     Raises:
         SceneError: they are neither.
     """
     body, index = given if isinstance(given, tuple) and len(given) == 2 else (given, slice(None))
-    if isinstance(body, bool) or not isinstance(body, (Body, int, str)):
+    if isinstance(body, bool) or not isinstance(body, (Body, PointSystem, int, str)):
         raise SceneError(f"{path}: must be a body, its index or its name, or (body, index), got {shown(given)}")
     return body, index
 
@@ -292,23 +295,40 @@ def _axis(axis: object) -> str | tuple[float, ...]:
     return tuple((normal / lengths(normal)).tolist())
 
 
-def _particles(scene: Scene, body: BodyKey, index: Any, path: str) -> FloatArray:
+def _particles(scene: Scene, body: Owner, index: Any, path: str) -> IntArray:
     """The numbers of the particles of an index, in the order of the scene.
 
     Raises:
         SceneError: there are none.
     """
     try:
-        own = scene.slice(body)
-        found = np.atleast_1d(np.arange(own.start, own.stop)[index])
+        found = np.atleast_1d(_numbers(scene, body)[index])
     except (KeyError, IndexError, TypeError, ValueError) as error:
         raise SceneError(f"{path}: {error.args[0] if error.args else error}") from None
     if found.size == 0 or found.ndim != 1:
-        raise SceneError(f"{path}: must be particles of {scene.path(body)}, got the index {shown(index)}")
+        raise SceneError(f"{path}: must be particles of {_called(body, slice(None))}, got the index {shown(index)}")
     return found
 
 
-def _called(body: BodyKey, index: Any) -> str:
+def _numbers(scene: Scene, body: Owner) -> IntArray:
+    """The numbers of the particles of a body in a scene; negative ones for points of systems.
+
+    Raises:
+        KeyError: it is not in the scene.
+    """
+    last = 0
+    for system in scene.systems:
+        points = len(system) if isinstance(system, PointSystem) else 0
+        if points and scene.system(body) == scene.system(system):
+            return np.arange(last - points, last)
+        last -= points
+    if isinstance(body, PointSystem):
+        raise KeyError(f"{body!r} is no system of this scene")
+    own = scene.slice(body)
+    return np.arange(own.start, own.stop)
+
+
+def _called(body: Owner, index: Any) -> str:
     """The name of particles of a body."""
-    name = (body.name or type(body).__name__) if isinstance(body, Body) else str(body)
+    name = str(body) if isinstance(body, (int, str)) else body.name or type(body).__name__
     return name if isinstance(index, slice) and index == slice(None) else f"{name}[{shown(index)}]"

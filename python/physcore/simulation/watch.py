@@ -71,7 +71,9 @@ class Watch:
         self._fork = Fork(scene, numerics)
         methods = (numerics.integrator, *numerics.integrators.values())
         self._interpolates = bool(scene.constraints) or not all(method.continuous for method in methods)
-        self._rates = {info.name: info.rate for info in engine.fields(world, scene)}
+        fields = engine.fields(world, scene)
+        self._rates = {info.name: info.rate for info in fields}
+        self._shapes = {info.name: info.shape for info in fields}
         self._channels = tuple(name for name in channels if name in self._rates)
         self._found: tuple[list[_Root], ...] = tuple([] for _ in events)
         self._bytes, self._checked = 0, MANY
@@ -83,11 +85,10 @@ class Watch:
     @property
     def events(self) -> Events:
         """The occurrences so far."""
-        shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene)}
         every: list[Occurrences] = []
         for event, roots in zip(self._events, map(list, self._found), strict=True):
             channels = {
-                name: np.array([root.fields[name] for root in roots]).reshape(len(roots), *shapes[name])
+                name: np.array([root.fields[name] for root in roots]).reshape(len(roots), *self._shapes[name])
                 for name in self._channels
             }
             times, indices = np.array([root.time for root in roots]), np.array([root.place for root in roots], np.int64)
