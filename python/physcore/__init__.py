@@ -89,7 +89,9 @@ from physcore.scene.probe import Probe
 from physcore.scene.scene import Scene
 from physcore.scene.shapes import ball, block, cylinder
 from physcore.simulation.energy import Amount, AmountSeries, Energy, EnergySeries
+from physcore.simulation.event import Event
 from physcore.simulation.loading import load
+from physcore.simulation.occurrences import Events, Occurrences
 from physcore.simulation.plan import Plan
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
@@ -165,6 +167,8 @@ __all__ = [
     "ElectromagneticField",
     "Energy",
     "EnergySeries",
+    "Event",
+    "Events",
     "ExplicitEuler",
     "FileError",
     "Finding",
@@ -196,6 +200,7 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "Occurrences",
     "Orbit",
     "Part",
     "Particles",

@@ -44,6 +44,7 @@ SYNONYMS = {
     "ElectromagneticField": ("magnetic field", "electric field", "lorentz force"),
     "Schrodinger": ("schroedinger", "quantum", "wave function"),
     "ReactionDiffusion": ("diffusion", "heat", "heat equation"),
+    "Event": ("crossing", "closest approach", "trigger", "stop condition"),
     "simulate": ("run", "solve", "integrate"),
     "film": ("animate", "render", "save gif", "movie", "video"),
 }

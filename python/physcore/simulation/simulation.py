@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Literal, cast
@@ -36,13 +36,16 @@ from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Amount, Energy
+from physcore.simulation.event import Event, checked
 from physcore.simulation.notes import noted, of_scene
+from physcore.simulation.occurrences import Events
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import SEGMENTS, Provenance, version
 from physcore.simulation.recording import Recording, check_channels, collect
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
 from physcore.simulation.state import Frame, Part
 from physcore.simulation.stepper import Captured, Stepper
+from physcore.simulation.watch import Watch
 from physcore.storage import archive
 from physcore.storage.schema import of, record, several, table
 
@@ -120,6 +123,7 @@ class Simulation:
         self._numerics = numerics
         self._world = engine.build(scene, numerics)
         self._stepper = Stepper(self._world, scene, numerics)
+        self._watch: Watch | None = None
 
     @property
     def scene(self) -> Scene:
@@ -219,28 +223,48 @@ class Simulation:
         """
         self._stepper.step(n)
 
-    def run(self, duration: float) -> None:
+    @property
+    def events(self) -> Events:
+        """The occurrences of the events that the last `run`, `record` or `frames` looked for; also after an error."""
+        return Events() if self._watch is None else self._watch.events
+
+    def run(self, duration: float, events: Sequence[Event] = ()) -> None:
         """Advance by `duration` [s]: ⌈duration/dt⌉ steps; with dt="auto" or adaptive steps the last one ends exactly
         there.
 
+            simulation.run(0.1, events=[pc.Event.crossing("cloth", "y", -0.1)])
+            simulation.events[0].times
+
+        Args:
+            duration: [s].
+            events: what to look for on the way; a terminal one ends the run, and the simulation is then at the event.
+
         Raises:
+            SceneError: an argument is not valid, or the function of an event fails.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
-        self._stepper.run(span(duration, "run.duration", empty=True))
+        interval = span(duration, "run.duration", empty=True)
+        watch = self._watch_for(events, None)
+        self._stepper.run(interval, watch=watch)
+        self._stepper.settle(watch)
 
-    def frames(self, duration: float, fps: float = FRAMES_PER_SECOND) -> Iterator[Frame]:
+    def frames(self, duration: float, fps: float = FRAMES_PER_SECOND, events: Sequence[Event] = ()) -> Iterator[Frame]:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
 
         The first frame is the present state. Frames between two steps of a given dt are cubic Hermite interpolations.
-        Who stops early finds the simulation at the last frame, or one step past it.
+        Who stops early finds the simulation at the last frame, or one step past it. `events` is as for `run`; the last
+        frame is then at or before a terminal event.
 
         Raises:
             SceneError: an argument is out of range.
             PhyscoreError: the simulation was stepped between two frames.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
+        return self._frames(duration, fps, self._watch_for(events, None))
+
+    def _frames(self, duration: float, fps: float, watch: Watch | None) -> Iterator[Frame]:
         interval, rate = span(duration, "duration", empty=True), span(fps, "fps")
-        return sampling.frames(self._world, self._scene, self._stepper, interval, rate)
+        return sampling.frames(self._world, self._scene, self._stepper, interval, rate, watch)
 
     def record(
         self,
@@ -249,6 +273,7 @@ class Simulation:
         channels: tuple[str, ...] | None = None,
         *,
         progress: bool | None = None,
+        events: Sequence[Event] = (),
     ) -> Recording:
         """Advance by `duration` [s] and keep `fps` frames per second.
 
@@ -258,6 +283,8 @@ class Simulation:
             channels: what to keep of each frame, such as "positions" and "velocities", and with a Fluid "densities" and
                 "pressures", "wall_forces" and "probe_pressures"; None: all but the first two of fluids.
             progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+            events: what to look for on the way, for `Recording.events`. A terminal one ends the run; the last frame is
+                then at or before it, and the simulation is at the event.
 
         Raises:
             SceneError: the recording would not fit into memory, or an argument is out of range.
@@ -269,13 +296,21 @@ class Simulation:
         """
         kept = check_channels(channels, self._scene)
         shown = None if progress is None else flag(progress, "progress")
-        frames = self.frames(duration, fps)
+        watch = self._watch_for(events, kept)
+        frames = self._frames(duration, fps, watch)
         count = sampling.frame_count(float(duration), float(fps))
         with Progress(count, "simulating", shown) as bar:
             shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
             recording = collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
         self._stepper.warn_of_drift(float(np.abs(recording.energy.drift).max()))
-        return noted(recording)
+        return noted(recording if watch is None else replace(recording, events=watch.events))
+
+    def _watch_for(self, events: object, channels: tuple[str, ...] | None) -> Watch | None:
+        """A watch that keeps these fields; None without events."""
+        given = checked(events, self._scene)
+        kept = check_channels(channels, self._scene)
+        self._watch = Watch(given, self._world, self._scene, self._numerics, kept) if given else None
+        return self._watch
 
     def set(self, positions: State | None = None, velocities: State | None = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.
@@ -289,7 +324,7 @@ class Simulation:
             SceneError: a shape does not fit, or a value is not finite.
         """
         given = {"positions": positions, "velocities": velocities}
-        self._world.write({name: self._whole(values, name) for name, values in given.items() if values is not None})
+        self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
 
     def _set_body(self, body: BodyKey, values: Mapping[str, ArrayLike]) -> None:
         """Replace positions or velocities of a body."""
@@ -305,9 +340,15 @@ class Simulation:
             if name not in system.shapes() or not states[name]:
                 known = ", ".join(each for each in system.shapes() if states[each])
                 raise SceneError(f"{path}.set.{name}: must be one of {known}")
-        self._world.write(
+        self._write(
             {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
         )
+
+    def _write(self, fields: dict[str, FloatArray]) -> None:
+        """Replace fields of the world."""
+        self._world.write(fields)
+        if self._watch is not None:
+            self._watch.restart()
 
     def energy(self) -> Energy:
         """The energy budget of the present state.
