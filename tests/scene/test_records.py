@@ -43,7 +43,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     ),
     "ReactionDiffusion": (
         pc.Grid((4, 3), 0.1),
-        pc.GrayScott(0.035, 0.0625),
+        pc.GrayScott(0.035, np.full((4, 3), 0.0625)),
         {"u": 2e-5, "v": 1e-5},
         {"u": np.ones((4, 3)), "v": 0.1},
         {"x": "fixed"},
