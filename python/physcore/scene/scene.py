@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 
-from physcore.checks import shown
+from physcore.checks import BoolArray, shown
 from physcore.errors import FileError, SceneError, SceneWarning, warn
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
@@ -16,7 +17,8 @@ from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneI
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
-from physcore.scene.records import Record, pack
+from physcore.scene.records import Named, Record, pack
+from physcore.scene.selection import Selection
 from physcore.spelling import did_you_mean
 from physcore.storage.archive import Tree, digest
 
@@ -106,6 +108,30 @@ class Scene:
         if named is not None:
             return named
         return tuple(body for body in self.bodies if not (item.spares_fluids and isinstance(body, Fluid)))
+
+    def members(self, item: ActingItem, field: str = "on") -> BoolArray:
+        """Whether a force or a boundary of this scene acts on each particle, shape (N,).
+
+            scene.members(scene.forces[0])
+
+        Args:
+            item: the force or the boundary.
+            field: "on", or another field of the item that names bodies, such as "sources".
+
+        Raises:
+            SceneError: the item is neither.
+        """
+        targets = self.targets(item)  # raises the error
+        named = item.among(self.bodies, "members.item").targets(field)
+        if named is None:
+            named = targets if field == "on" else self.bodies
+        result = np.zeros(self.particles, dtype=np.bool_)
+        for each in named:
+            if isinstance(each, Selection):
+                result[self.slice(each.body)] |= each.mask
+            else:
+                result[self.slice(each)] = True
+        return result
 
     def index(self, key: BodyKey) -> int:
         """The position of a body among the bodies of this scene.
@@ -329,18 +355,28 @@ class Scene:
         item.check(targets, path)
 
 
-def indices(scene: Scene, item: SceneItem) -> dict[str, list[int] | None]:
-    """The indices of the bodies that a force or a boundary names, and of the systems that a system names, by field."""
+def indices(scene: Scene, item: SceneItem) -> Named:
+    """The indices of the bodies that a force or a boundary names, and of the systems that a system names, by field.
+
+    A selection of particles is the index of its body and the indices of the particles.
+    """
     if isinstance(item, System):
         places = {id(system): index for index, system in enumerate(scene.systems)}
         return {field: [places[id(other)]] for field, other in item.named().items()}
     if not isinstance(item, ActingItem):
         return {}
-    named = {field: item.bodies(field) for field in item.naming}
+    named = {field: item.targets(field) for field in item.naming}
     return {
-        field: None if bodies is None else [scene.bodies.index(body) for body in bodies]
-        for field, bodies in named.items()
+        field: None if targets is None else [_place(scene, target) for target in targets]
+        for field, targets in named.items()
     }
+
+
+def _place(scene: Scene, target: Body | Selection) -> int | list[Any]:
+    """The index of a body, with the indices of the selected particles, if not of all."""
+    if isinstance(target, Selection):
+        return [scene.bodies.index(cast(Body, target.body)), target.index]
+    return scene.bodies.index(target)
 
 
 def _advice(item: object) -> str:

@@ -418,6 +418,9 @@ fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, exec
         return Err(scene::unknown(item, "a force"));
     };
     let in_scene = scene.members(item);
+    if in_scene.len() != scene.count() {
+        return Err(item.wrong("on", "a mask of all particles", None));
+    }
     let chosen = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
     (kind.build)(&Declared { scene, item, properties, chosen, executor })
 }
