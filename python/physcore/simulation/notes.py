@@ -86,8 +86,8 @@ def _thin(scene: Scene) -> Iterator[str]:
         rows = round(thinnest / body.spacing)
         if rows < ROWS:
             yield (
-                f"{scene.path(place)}: {rows} rows of particles across its thinnest side or that of its container; waves "
-                f"in fewer than {ROWS} rows lose more than 5 % of their height in a period; a spacing of "
+                f"{scene.path(place)}: {rows} rows of particles across its thinnest side or its container; waves in "
+                f"fewer than {ROWS} rows lose more than 5 % of their height in a period; a spacing of "
                 f"{thinnest / ROWS:.2g} m keeps that"
             )
 

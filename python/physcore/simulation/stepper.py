@@ -266,7 +266,7 @@ class Stepper:
         self._cut = Cut(self._world.steps, dt)
 
     def notes(self) -> list[str]:
-        """Notes of the plan about steps of different sizes, limits that vary, and oscillations that steps do not resolve."""
+        """Notes of the plan about adaptive steps, limits that vary, and oscillations that steps do not resolve."""
         if self._adaptive is None:
             return self._momentary() + self._unresolved()
         by = (
@@ -292,8 +292,8 @@ class Stepper:
         if not NEAR * limit.dt < self.dt <= limit.dt:
             return []
         return [
-            f"the {limit.kind} limit of {limit.dt:.3g} s ({limit.term}) is that of the present state, and falls where the "
-            'motion becomes faster; dt="auto" follows it'
+            f"the {limit.kind} limit of {limit.dt:.3g} s ({limit.term}) is that of the present state, and falls where "
+            'the motion becomes faster; dt="auto" follows it'
         ]
 
     def _unresolved(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""Symptom "coarse": a field has waves that its grid does not carry, or a surface has folds that its mesh does not carry."""
+"""Symptom "coarse": a field has waves, or a surface has folds, that are too short for its grid or mesh."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ def _folds(case: Case) -> Iterator[Finding]:
         share = folded(case.positions[-1, case.scene.slice(index)], body.faces)
         if share > FOLDED:
             cause = (
-                f"{case.scene.path(index)} has {share:.0%} of its inner edges folded by more than 90°: its wrinkles are as "
-                "short as its springs"
+                f"{case.scene.path(index)} has {share:.0%} of its inner edges folded by more than 90°: its wrinkles "
+                "are as short as its springs"
             )
-            cure = "take a finer mesh, or add a stiffness against bending (pc.Dihedral, or bend=) that makes wrinkles longer"
+            cure = "take a finer mesh, or a stiffness against bending (pc.Dihedral or bend=) that makes wrinkles longer"
             yield Finding("coarse", cause, cure, share)
 
 
