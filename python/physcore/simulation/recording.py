@@ -37,6 +37,7 @@ from physcore.simulation.provenance import Provenance
 from physcore.simulation.serial import unpack_scene
 from physcore.simulation.state import Frame
 from physcore.simulation.tables import data_frame
+from physcore.spelling import UnknownKey
 from physcore.storage import archive, schema
 from physcore.storage.schema import Sizes, anything, of, real, record, several, table, text
 
@@ -172,7 +173,7 @@ class Trajectory:
     def __getitem__(self, name: str) -> FloatArray:
         """A field over time by name, such as `recording[item]["u"]`."""
         if name not in self.channels:
-            raise KeyError(f"no field {name!r}: there are {', '.join(self.channels)}")
+            raise UnknownKey(f"no field {name!r}: there are {', '.join(self.channels)}")
         return self.channels[name]
 
     def _channel(self, name: str) -> FloatArray:

@@ -9,6 +9,7 @@ from typing import Literal, overload
 import numpy as np
 
 from physcore.checks import flag
+from physcore.entrance import entrance
 from physcore.errors import SimulationDiverged
 from physcore.numerics.choices import Numerics, check
 from physcore.numerics.fluids import Fluids
@@ -17,7 +18,6 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
-from physcore.spelling import spelled
 from physcore.studies.state import nudge, place
 
 STEPS = 2000
@@ -83,7 +83,7 @@ def stability_limit(
 ) -> MeasuredLimit: ...
 
 
-@spelled
+@entrance
 def stability_limit(
     scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: bool = False
 ) -> float | MeasuredLimit:

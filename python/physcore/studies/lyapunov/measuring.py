@@ -7,11 +7,11 @@ from typing import Unpack
 import numpy as np
 
 from physcore.checks import FloatArray, count, flag, shown, span
+from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.numerics.choices import Options
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
-from physcore.spelling import spelled
 from physcore.studies.lyapunov.exponents import Lyapunov
 from physcore.studies.lyapunov.flows import Flow
 from physcore.studies.lyapunov.mechanics import Mechanics
@@ -22,7 +22,7 @@ PARTS = 10
 """Number of parts of the duration whose scatter gives the error for a single trajectory."""
 
 
-@spelled
+@entrance
 def lyapunov(
     scene: Scene | Tracers,
     duration: float,
