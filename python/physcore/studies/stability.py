@@ -11,6 +11,7 @@ import numpy as np
 from physcore.checks import flag
 from physcore.entrance import entrance
 from physcore.errors import SimulationDiverged
+from physcore.markup import Printed
 from physcore.numerics.choices import Numerics, check
 from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
@@ -36,8 +37,8 @@ STRIDE = 1.1
 """Factor between trial steps in the upward search, small enough not to skip an unstable range."""
 
 
-@dataclass(frozen=True)
-class MeasuredLimit:
+@dataclass(frozen=True, repr=False)
+class MeasuredLimit(Printed):
     """Measured limit of stability: the largest stable time step in trial runs, and the theoretical limit.
 
         limit = pc.stability_limit(scene, "PEFRL", measured=True)  # a MeasuredLimit

@@ -7,10 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from physcore.checks import FloatArray
+from physcore.markup import Printed
+
+MOST = 7
+"""Largest number of exponents in a table."""
 
 
-@dataclass(frozen=True, eq=False)
-class Lyapunov:
+@dataclass(frozen=True, eq=False, repr=False)
+class Lyapunov(Printed):
     """Lyapunov exponents, in descending order.
 
         cloud = pc.Tracers(rng.normal(size=(20, 3)) + (0, 0, 25), pc.Lorenz())
@@ -32,6 +36,14 @@ class Lyapunov:
     """Averaging time [s]."""
     directions: int
     """Total number of exponents: the dimension of the tangent space."""
+
+    def __str__(self) -> str:
+        """A line for each exponent with its error, and the dimension if it is known."""
+        heading = f"{'exponent [1/s]':>16}  {'error':>8}"
+        rows = [f"{value:16.6g}  {error:8.2g}" for value, error in zip(self.exponents, self.errors, strict=True)]
+        shown = [*rows[:MOST], *([f"  … and {len(rows) - MOST} more"] if len(rows) > MOST else [])]
+        dimension = [] if np.isnan(self.dimension) else [f"  dimension {self.dimension:.4g}"]
+        return "\n".join([heading, *shown, *dimension])
 
     @property
     def sum(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import platform
+from collections.abc import Sequence
 from dataclasses import asdict
 from html import escape
 from typing import Any
@@ -48,14 +49,29 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def table(trade: Measurements) -> str:
-    """The table of all rows. Marks: * on the Pareto front, ~ error near the reference's uncertainty, ? noisy time."""
+FRONT = 7
+"""Largest number of rows of a summary."""
+
+
+def summary(trade: Measurements) -> str:
+    """The table of the Pareto front, the fastest row first, evenly thinned out to `FRONT` rows."""
+    front = trade.front
+    shown = min(len(front), FRONT)
+    rows = [front[round(index * (len(front) - 1) / max(shown - 1, 1))] for index in range(shown)]
+    heading, *lines = table(trade, rows).splitlines()[:-1]
+    return "\n".join([heading, *lines, f"{shown} of {len(trade.rows)} rows, on the Pareto front; print shows all"])
+
+
+def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
+    """The table of rows, by default all. Marks: * on the Pareto front, ~ error near the reference's uncertainty,
+    ? noisy time.
+    """
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
     compared = trade.rows and trade.rows[0].fluids is not None
     header = ["", "integrator", "dt [s]", "", *(["fluids"] if compared else []), *(["resolution"] if resolved else [])]
     header += ["seconds", "evaluations", "error [m]", "energy drift", "status"]
-    lines = [header, *(_cells(row, id(row) in front) for row in trade.rows)]
+    lines = [header, *(_cells(row, id(row) in front) for row in (trade.rows if rows is None else rows))]
     widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
     left = {0, 1, 3, len(header) - 1}
     text = [
