@@ -49,7 +49,7 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-FRONT = 7
+FRONT = 6
 """Largest number of rows of a summary."""
 
 
@@ -58,8 +58,9 @@ def summary(trade: Measurements) -> str:
     front = trade.front
     shown = min(len(front), FRONT)
     rows = [front[round(index * (len(front) - 1) / max(shown - 1, 1))] for index in range(shown)]
-    heading, *lines = table(trade, rows).splitlines()[:-1]
-    return "\n".join([heading, *lines, f"{shown} of {len(trade.rows)} rows, on the Pareto front; print shows all"])
+    heading, *lines = table(trade, rows).splitlines()[: 2 + shown]
+    remark = f"{shown} of {len(trade.rows)} rows, on the Pareto front; print shows all"
+    return "\n".join([heading, *lines, *_lower_orders(trade), remark])
 
 
 def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
@@ -87,8 +88,16 @@ def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
             *text,
             "* on the Pareto front   ~ below ten times the reference's uncertainty   "
             "? the median time is 5 % above the least",
+            *_lower_orders(trade),
         ]
     )
+
+
+def _lower_orders(trade: Measurements) -> list[str]:
+    """A line on the integrators whose order in this scene is below their nominal order; none without them."""
+    lowered = {row.label: (row.order, row.integrator.order) for row in trade.rows if row.order < row.integrator.order}
+    words = [f"{label} ({order}, not {nominal})" for label, (order, nominal) in lowered.items()]
+    return [f"of lower order in this scene: {', '.join(words)}"] if words else []
 
 
 def html(trade: Measurements) -> str:
@@ -127,7 +136,7 @@ def _error(row: Row) -> str:
 def explanation(trade: Measurements) -> str:
     """An explanation of the results, of their reference and of their reliability."""
     parts = [_on_chaos(trade), _on_reference(trade), _on_front(trade), _on_divergence(trade), _on_precision(trade)]
-    parts += [_on_prediction(trade), _on_noise(trade), *trade.notes]
+    parts += [*_lower_orders(trade), _on_prediction(trade), _on_noise(trade), *trade.notes]
     return "\n".join(part for part in parts if part)
 
 

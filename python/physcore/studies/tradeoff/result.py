@@ -46,6 +46,8 @@ class Row(Printed):
     integrator: Integrator
     label: str
     """Label of the integrator: its name, with the parameters that differ within its class."""
+    order: int
+    """Order of the integrator in this scene."""
     dt: float
     """Time step [s]."""
     precision: Literal["f32", "f64"]
