@@ -399,7 +399,8 @@ class Stepper:
         Methods for stiff motion lose energy by choice. The energy in motion of the first steps from rest is no scale.
         """
         allowed = WRONG_DRIFT if self.fixed is None else BROKEN_DRIFT if self._world.steps > FIRST else math.inf
-        if drift <= allowed or self._numerics.integrator.stiff or _UNWARNED.get():
+        # NaN, beyond the range of numbers, has a warning of its own.
+        if not drift > allowed or self._numerics.integrator.stiff or _UNWARNED.get():
             return
         warn(
             f"the energy balance drifted by {drift:.2g} of the energy in motion: the motion is not resolved; "
