@@ -86,7 +86,7 @@ class Simulation:
 
     Warns:
         StabilityWarning: `dt` is above the limit of stability, or a step had to be taken in parts; said once in a run.
-        MachWarning: a thousandth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
+        MachWarning: a fiftieth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
     """
 
     def __init__(
