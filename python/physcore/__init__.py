@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from physcore import units
 from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, HeightField, Plane, Sphere
 from physcore.constraints import SelfContact
+from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
     FileError,
@@ -96,7 +97,7 @@ from physcore.simulation.plan import Plan
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
-from physcore.spelling import did_you_mean, spell
+from physcore.spelling import did_you_mean
 from physcore.studies.accuracy import simulate
 from physcore.systems.flows import Aizawa, Flow, Halvorsen, Lorenz, Rossler, Thomas
 from physcore.systems.kinetics import Brusselator, FitzHughNagumo, GrayScott, Reaction, Schnakenberg
@@ -292,7 +293,7 @@ _LATER = {
 }
 """Names that few scripts use, by module: each module is imported when one of its names is asked for."""
 
-spell(globals()[name] for name in __all__ if name in globals())
+entrances(globals()[name] for name in __all__ if name in globals())
 Recording.film = film  # Here, because what draws films imports recordings.
 
 

@@ -19,7 +19,7 @@ from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
 from physcore.scene.records import Named, Record, pack
 from physcore.scene.selection import Selection
-from physcore.spelling import did_you_mean
+from physcore.spelling import UnknownKey, did_you_mean
 from physcore.storage.archive import Tree, digest
 
 BodyKey = Body | int | str
@@ -148,7 +148,7 @@ class Scene:
             return number % len(self.bodies)
         known = [body.name for body in self.bodies if body.name is not None]
         names = ", ".join(map(repr, known)) or "none"
-        raise KeyError(
+        raise UnknownKey(
             f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}{did_you_mean(key, known)}"
         )
 

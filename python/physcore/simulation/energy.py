@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.markup import html_table
+from physcore.markup import Printed, html_table
 from physcore.simulation.diagrams import canvas
 
 if TYPE_CHECKING:
@@ -92,8 +92,8 @@ class Budget(Generic[T]):
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Energy(Budget[float]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Energy(Printed, Budget[float]):
     """Energy budget at one time, in joules.
 
         energy = pc.Simulation(scene).energy()  # an Energy
@@ -106,10 +106,6 @@ class Energy(Budget[float]):
     time: float
     """Time of the budget [s]."""
 
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
-
     def __str__(self) -> str:
         return _table([f"at {self.time:.4g} s"], {name: [value] for name, value in self._rows().items()})
 
@@ -119,8 +115,8 @@ class Energy(Budget[float]):
         return html_table(["energy [J]", f"at {self.time:.4g} s"], rows)
 
 
-@dataclass(frozen=True, eq=False)
-class EnergySeries(Budget[FloatArray]):
+@dataclass(frozen=True, eq=False, repr=False)
+class EnergySeries(Printed, Budget[FloatArray]):
     """Energy budget over time, in joules; every array has the shape (F,).
 
         energy = recording.energy  # an EnergySeries
@@ -143,10 +139,6 @@ class EnergySeries(Budget[FloatArray]):
         scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
         drift: FloatArray = change / scale if scale > 0 else change
         return drift
-
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
 
     def __str__(self) -> str:
         ends = {name: [values[0], values[-1]] for name, values in self._rows().items()}
@@ -229,8 +221,8 @@ class Stock(Generic[T]):
         return {"total": self.total, **removed, **supplied, "= balance": self.balance}
 
 
-@dataclass(frozen=True, eq=False)
-class Amount(Stock[float]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Amount(Printed, Stock[float]):
     """Budget of a conserved quantity at one time.
 
         grid = pc.Grid((64, 64), spacing=0.01)
@@ -243,17 +235,13 @@ class Amount(Stock[float]):
     time: float
     """Time of the budget [s]."""
 
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
-
     def __str__(self) -> str:
         rows = {name: [value] for name, value in self._rows().items()}
         return _table([f"at {self.time:.4g} s"], rows, f"amount [{self.unit}]")
 
 
-@dataclass(frozen=True, eq=False)
-class AmountSeries(Stock[FloatArray]):
+@dataclass(frozen=True, eq=False, repr=False)
+class AmountSeries(Printed, Stock[FloatArray]):
     """Budget of a conserved quantity over time; every array has the shape (F,).
 
         grid = pc.Grid((64, 64), spacing=0.01)
@@ -265,10 +253,6 @@ class AmountSeries(Stock[FloatArray]):
 
     times: FloatArray
     """Times of the budgets [s]: the last step at or before each frame."""
-
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
 
     def __str__(self) -> str:
         rows = {name: [values[0], values[-1]] for name, values in self._rows().items()}

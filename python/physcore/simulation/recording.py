@@ -12,7 +12,7 @@ import numpy as np
 
 from physcore import memory
 from physcore.checks import FloatArray, is_word, word, words
-from physcore.errors import SceneError
+from physcore.errors import FileError, SceneError
 from physcore.scene.channels import (
     CHANNELS,
     FLUID_CHANNELS,
@@ -201,7 +201,12 @@ class Recording(Trajectory):
         """
         scene = unpack_scene(content.get("scene"))
         sizes = Sizes(N=scene.particles, S=springs(scene), D=scene.dimension, A=_turns(scene))
-        over_time = sizes.array("F")
+        if "provenance" not in content:
+            raise FileError("provenance: is missing")
+        provenance = Provenance.from_content(content["provenance"])
+        # A run that went on in spite of its divergence may have energies beyond the range of numbers.
+        finite = not is_word(provenance.numerics.get("on_divergence"), "ignore")
+        over_time = sizes.array("F", finite=finite)
         channels = several(schema.word(*field_names(scene)))(content.get("channels"), "channels")
         rules = channel_rules(scene, sizes, "F")
         terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
@@ -213,26 +218,32 @@ class Recording(Trajectory):
             times=sizes.array("F", finite=True),
             fps=real(above=0.0),
             energy=record(**amounts, **terms),
-            momentum=sizes.array("F", "D"),
-            angular_momentum=sizes.array("F", "A"),
+            momentum=sizes.array("F", "D", finite=finite),
+            angular_momentum=sizes.array("F", "A", finite=finite),
             plan=of(Plan),
             budgets=table(budget),
-            provenance=Provenance.from_content,
+            provenance=anything,
             events=lambda value, path: Events.from_content(value, path, scene, sizes),
             **{name: rules[name] for name in channels},
         )
         checked = shape(content, "")
+        if not (np.diff(checked["times"]) > 0.0).all():
+            raise FileError("times: must be ascending")
+        energy = EnergySeries(**checked["energy"])
+        with np.errstate(over="ignore", invalid="ignore"):
+            if finite and not np.isfinite(energy.drift).all():
+                raise FileError("energy: must have a drift of the balance that is finite")
         return cls(
             times=checked["times"],
             channels={name: checked[name] for name in channels},
-            energy=EnergySeries(**checked["energy"]),
+            energy=energy,
             momentum=checked["momentum"],
             angular_momentum=checked["angular_momentum"],
             fps=checked["fps"],
             scene=scene,
             plan=Plan(**checked["plan"]),
             budgets={name: AmountSeries(**each) for name, each in checked["budgets"].items()},
-            provenance=checked["provenance"],
+            provenance=provenance,
             events=checked["events"],
         )
 

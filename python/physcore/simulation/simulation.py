@@ -47,7 +47,7 @@ from physcore.simulation.state import Frame, Part
 from physcore.simulation.stepper import Captured, Stepper
 from physcore.simulation.watch import Watch
 from physcore.storage import archive
-from physcore.storage.schema import of, record, several, table
+from physcore.storage.schema import of, real, record, several, table
 
 State = ArrayLike | Mapping[BodyKey, ArrayLike]
 """New values for all particles, or for some bodies."""
@@ -89,7 +89,7 @@ class Simulation:
 
     Warns:
         StabilityWarning: `dt` is above the limit of stability, or a step had to be taken in parts; said once in a run.
-        MachWarning: a thousandth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
+        MachWarning: a fiftieth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
     """
 
     def __init__(
@@ -494,12 +494,17 @@ class Simulation:
         Raises:
             FileError: an entry is missing or wrong; with its path.
         """
-        limits = several(of(Limit), lengths=(0, 2))
+        bounds = dict.fromkeys(("dt", "stability", "accuracy", "certified", "endured"), real(least=0.0, finite=False))
+        limits = several(of(Limit, **bounds), lengths=(0, 2))
         stepper = of(Captured, limits=limits, segments=SEGMENTS)
         shape = record(scene=unpack_scene, numerics=unpack_numerics, stepper=stepper, world=table(_numbers))
         checked = shape(content, "")
         numerics = check(checked["numerics"], checked["scene"])
         simulation = cls._resumed(checked["scene"], numerics, checked["stepper"], checked["world"])
+        if numerics.on_divergence != "ignore" and not np.isfinite(checked["world"]["tallies"]).all():
+            raise FileError("world.tallies: must be finite")
+        if not np.isfinite(simulation.time):
+            raise FileError("world.clock: must be a time that is finite")
         for info in engine.fields(simulation._world, simulation._scene):
             # Particles that are no fluid's have no density.
             whole = info.state and info.name not in FLUID_CHANNELS
@@ -566,7 +571,7 @@ def _numbers(value: object, path: str) -> NDArray[np.generic]:
     if not isinstance(value, np.ndarray):
         raise FileError(f"{path}: must be an array, got {shown(value)}")
     steps = value.dtype.kind in "iu" and value.size > 0 and int(value.max()) > MOST
-    if steps or (path.endswith("clock") and not np.isfinite(value).all()):
+    if steps or (path.endswith(("clock", "adaptation")) and not np.isfinite(value).all()):
         raise FileError(f"{path}: must be finite numbers, with at most {MOST} steps")
     return value
 

@@ -86,10 +86,18 @@ SLOWEST = 64
 time step resolves it.
 """
 
-FAST_SHARE = 1e-3
-"""Fraction of a fluid's particles that may exceed the Mach number without a warning, as spray does at any speed of
-sound.
+FAST_SHARE = 0.02
+"""Fraction of a fluid's particles that may exceed the Mach number without a warning, as spray and the tips of jets do
+at any speed of sound. They are thin and have free surfaces, so that their density hardly changes.
 """
+
+REHEARSED, REHEARSED_WORK, FEWEST = 20_000, 20_000_000, 100
+"""Number of steps of a rehearsal, unless these are more steps of single particles than the second number; at least the
+third number.
+"""
+
+STEADY = 1.5
+"""Ratio of two numbers of steps per second up to which they count as equal."""
 
 TIME_TOLERANCE = 1e-6
 """Tolerance of times, as a fraction of a step."""
@@ -450,12 +458,40 @@ class Stepper:
                 start += len(body)
         error.last_good = engine.shown(engine.snapshot(self._world, self._scene), self._scene)
 
+    def steps_ahead(self, duration: float) -> float | None:
+        """The number of steps in a duration [s] from now; None if it is unknown.
+
+        Steps that follow the motion are counted in a rehearsal, in intervals of increasing length. Its mean is used if
+        the last two intervals have about the same number of steps per second.
+        """
+        if self._adaptive is None:
+            return duration / self.dt
+        rule, least = self._adaptive, self.dt
+        world = engine.build(self._scene, self._numerics)
+        world.restore(self._world.capture())
+        most = max(FEWEST, min(REHEARSED, REHEARSED_WORK // max(1, self._scene.particles)))
+        taken, passed, interval, rates = 0, 0.0, 0.5 * least, [0.0, 0.0]
+        try:
+            while passed < duration and taken < most:
+                interval, before = min(2.0 * interval, duration - passed), world.steps
+                course = (world.time, interval, 0)
+                world.run(course, MOST, rule.safety, free_step(FRAMES_PER_SECOND), rule.tolerance)
+                taken, passed = taken + world.steps - before, passed + interval
+                rates = [rates[1], (world.steps - before) / interval]
+        except SimulationDiverged:
+            return None
+        steady = passed >= duration or max(rates) <= STEADY * min(rates)
+        return taken * duration / passed if steady else None
+
     def warn_if_long(self, duration: float) -> None:
         """Warn once if a duration [s] takes more steps than are probably intended."""
         given = self.fixed is not None
         if self._long_warned or duration <= MOST_STEPS * self.dt or _UNWARNED.get():
             return
-        message = long_run(duration, self.dt, "" if given else self.limit.term, given)
+        steps = self.steps_ahead(duration)
+        if steps is None:
+            return
+        message = long_run(duration, duration / steps, "" if given else self.limit.term, given)
         if message is not None:
             self._long_warned = True
             warn(message, SceneWarning)
@@ -466,7 +502,8 @@ class Stepper:
         Methods for stiff motion lose energy by choice. The energy in motion of the first steps from rest is no scale.
         """
         allowed = WRONG_DRIFT if self.fixed is None else BROKEN_DRIFT if self._world.steps > FIRST else math.inf
-        if drift <= allowed or self._numerics.integrator.stiff or _UNWARNED.get():
+        # NaN, beyond the range of numbers, has a warning of its own.
+        if not drift > allowed or self._numerics.integrator.stiff or _UNWARNED.get():
             return
         warn(
             f"the energy balance drifted by {drift:.2g} of the energy in motion: the motion is not resolved; "

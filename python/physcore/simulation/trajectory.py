@@ -23,6 +23,7 @@ from physcore.scene.channels import (
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.tables import data_frame
+from physcore.spelling import UnknownKey
 from physcore.storage.schema import Rule, Sizes
 
 if TYPE_CHECKING:
@@ -141,7 +142,7 @@ class Trajectory:
     def __getitem__(self, name: str) -> FloatArray:
         """A field over time by name, such as `recording[item]["u"]`."""
         if name not in self.channels:
-            raise KeyError(f"no field {name!r}: there are {', '.join(self.channels)}")
+            raise UnknownKey(f"no field {name!r}: there are {', '.join(self.channels)}")
         return self.channels[name]
 
     def _channel(self, name: str) -> FloatArray:

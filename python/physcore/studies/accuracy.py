@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from physcore.checks import flag, is_word, number, span
+from physcore.entrance import entrance
 from physcore.errors import AccuracyError, SceneError
 from physcore.forces import Coulomb, Gravitation, SoftSpheres
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, suited
@@ -20,7 +21,6 @@ from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
-from physcore.spelling import spelled
 from physcore.studies.state import primary, size, unit
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods
@@ -33,7 +33,7 @@ differences.
 """
 
 
-@spelled
+@entrance
 def simulate(
     scene: Scene,
     duration: float,

@@ -20,10 +20,10 @@ def slow(case: Case) -> Iterator[Finding]:
     simulation = case.simulation
     ahead = forecast(simulation, case.duration)
     steps = ahead.steps
-    if steps <= MOST_STEPS and ahead.seconds <= LONGEST:
+    if steps is None or (steps <= MOST_STEPS and ahead.seconds <= LONGEST):
         return
     plan = case.plan
     given = simulation._stepper.fixed is not None
     what = "as it was given" if given else f"because of {plan.limit_term}" if plan.limit_term else "the largest"
-    cause = f"{case.duration:g} s are {steps:.1e} steps of {simulation.dt:.2g} s, {what}, about {words(ahead.seconds)}"
+    cause = f"{case.duration:g} s are {steps:.1e} steps of {ahead.dt:.2g} s, {what}, about {words(ahead.seconds)}"
     yield Finding("slow", cause, remedy(plan.limit_term, given), float(steps))
