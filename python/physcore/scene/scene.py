@@ -10,10 +10,11 @@ from typing import Any, cast
 import numpy as np
 
 from physcore.checks import BoolArray, shown
-from physcore.errors import FileError, SceneError, SceneWarning, warn
+from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
 from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem, System
+from physcore.scene.mistakes import warn_of_mistakes
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
@@ -79,7 +80,7 @@ class Scene:
         self._check_items("systems", self.systems)
         self._check_probes()
         self._check_sizes()
-        self._warn_of_charges()
+        warn_of_mistakes(self)
 
     @property
     def dimension(self) -> int:
@@ -311,20 +312,6 @@ class Scene:
                     f"spacing of {spacing:g} m, and its radius is {largest:g} m; fill the body with particles, as "
                     "pc.ball does, leave the radius out, or let it pass by Fluid(…, obstacles=False)"
                 )
-
-    def _warn_of_charges(self) -> None:
-        """Warn if there are charges but no force that acts on charges, or Coulomb's force and no charges."""
-        charged = [position for position, body in enumerate(self.bodies) if body.charge.any()]
-        if self.bodies and not charged:
-            for index, force in enumerate(self.forces):
-                if force.needs_charges:
-                    warn(f"forces[{index}]: no body has a charge: give Particles(…, charge=…)", SceneWarning)
-        if charged and not any(force.feels_charges for force in self.forces):
-            warn(
-                f"{self.path(charged[0])}.charge: no force of the scene acts on charges; "
-                "add Coulomb() between them, or an ElectromagneticField(…)",
-                SceneWarning,
-            )
 
     def _check_items(self, section: str, items: Sequence[SceneItem]) -> None:
         for position, item in enumerate(items):
