@@ -43,7 +43,7 @@ const STEPS_PER_IMPACT: f64 = 10.0;
 pub struct SoftSpheres<T, const HERTZIAN: bool, const RESTITUTION: bool> {
     /// Stiffness k [N/m], or [N/m^1.5] for Hertz's law.
     stiffness: T,
-    /// Normal damping c [N·s/m]; with a coefficient of restitution c/√m, for Hertz's law c/(√m δ^¼).
+    /// Normal damping c [N·s/m]; with a coefficient of restitution c/√(k m), for Hertz's law c/√(k m √δ).
     damping: T,
     /// Tangential damping γ [N·s/m].
     tangential_damping: T,
@@ -125,11 +125,10 @@ impl<T: Real, const HERTZIAN: bool, const RESTITUTION: bool> SoftSpheres<T, HERT
     /// Contact law of an item, for particles with radii in this range [m].
     #[inline]
     pub fn new(item: &Item, [smallest, largest]: [f64; 2]) -> Result<Self> {
-        let stiffness = item.non_negative("stiffness")?;
         let alike = !item.values.contains_key("tangential_damping");
         Ok(Self {
-            stiffness: T::from_f64(stiffness),
-            damping: if RESTITUTION { Self::per_root_mass(item, stiffness)? } else { T::from_f64(item.non_negative("damping")?) },
+            stiffness: T::from_f64(item.non_negative("stiffness")?),
+            damping: if RESTITUTION { Self::relative_damping(item)? } else { T::from_f64(item.non_negative("damping")?) },
             tangential_damping: T::from_f64(if alike { 0.0 } else { item.non_negative("tangential_damping")? }),
             alike,
             friction: T::from_f64(item.non_negative("friction")?),
@@ -138,22 +137,22 @@ impl<T: Real, const HERTZIAN: bool, const RESTITUTION: bool> SoftSpheres<T, HERT
         })
     }
 
-    /// Normal damping over the root of the reduced mass, and for Hertz's law over δ^¼, of an item's restitution.
-    fn per_root_mass(item: &Item, stiffness: f64) -> Result<T> {
+    /// Normal damping of an item's restitution, relative to √(k m) or √(k m √δ).
+    fn relative_damping(item: &Item) -> Result<T> {
         let restitution = item.number("restitution")?;
         let wrong = |expected: &str| item.wrong("restitution", expected, Some(&Value::Number(restitution)));
         if !(restitution > 0.0 && restitution <= 1.0) {
             return Err(wrong("a number above 0, up to 1"));
         }
         let factor = if HERTZIAN { 5.0_f64.sqrt() } else { 2.0 };
-        let damping = T::from_f64(factor * damping_ratio(restitution) * stiffness.sqrt());
+        let damping = T::from_f64(factor * damping_ratio(restitution));
         if damping.to_f64().is_finite() { Ok(damping) } else { Err(wrong("a number with a finite damping")) }
     }
 
     /// Normal and tangential damping of a pair with the reduced mass m at an overlap [N·s/m]; tangential damping needs friction.
     fn dampings(&self, mass: f64, overlap: f64) -> Directed {
-        let per_mass = if HERTZIAN { overlap.sqrt().sqrt() } else { 1.0 };
-        let along = self.damping.to_f64() * if RESTITUTION { mass.sqrt() * per_mass } else { 1.0 };
+        let stiffness = self.stiffness.to_f64() * if HERTZIAN { overlap.sqrt() } else { 1.0 };
+        let along = self.damping.to_f64() * if RESTITUTION { (stiffness * mass).sqrt() } else { 1.0 };
         let given = if self.alike { along } else { self.tangential_damping.to_f64() };
         Directed { along, across: if self.friction > T::ZERO { given } else { 0.0 } }
     }
@@ -198,8 +197,8 @@ impl<V: Vector, const HERTZIAN: bool, const RESTITUTION: bool> PairLaw<V, SUMS>
         }
         let damping = if RESTITUTION {
             let inverse_mass = attribute::<V, N>(own, 1) + attribute::<V, N>(other, 1);
-            let root = (one / inverse_mass).sqrt().masked(zero.less(inverse_mass));
-            N::of(self.damping) * root * if HERTZIAN { overlap.sqrt().sqrt() } else { one }
+            let stiffness = if HERTZIAN { N::of(self.stiffness) * overlap.sqrt() } else { N::of(self.stiffness) };
+            N::of(self.damping) * (stiffness / inverse_mass).sqrt().masked(zero.less(inverse_mass))
         } else {
             N::of(self.damping)
         };
