@@ -225,7 +225,8 @@ def swarm(*items: pc.Force | pc.Boundary, dimension: int = 3, count: int = 700) 
     """Independent particles, in more than one block."""
     rng = _random()
     shape = (count, dimension)
-    return pc.Scene(pc.Particles(rng.uniform(-1.0, 1.0, shape), rng.uniform(-1.0, 1.0, shape), radius=0.01), *items)
+    x, v = rng.uniform(-1.0, 1.0, shape), rng.uniform(-1.0, 1.0, shape)
+    return pc.Scene(pc.Particles(x, v, radius=0.01, name="swarm"), *items)
 
 
 def crowd(*items: pc.Force | pc.Periodic | pc.Boundary, dimension: int = 3, side: int = 6) -> pc.Scene:
@@ -514,11 +515,20 @@ POWER = pc.CentralForce((0.0, 0.0), 1.0, -1.7, 0.1)
 ATOMS = pc.LennardJones(1.0, 0.9)
 BREEZE = pc.Drag(0.1, wind=(1.0, 0.0, 0.5))
 RESISTANCE = pc.Drag(0.0, 0.2)
+BOUNCES = pc.SoftSpheres(50.0, friction=0.3, exponent=1.5, restitution=0.6)
+VORTEX = pc.Drag(0.1, 0.2, wind=lambda time, x: np.stack([-x[:, 1], x[:, 0], 0.3 * x[:, 1]], axis=1) / (1.0 + time) - x)
 
 
-def grains(side: int = 6) -> pc.Scene:
+def selected() -> pc.Scene:
+    """Independent particles of which some are heavy, and some attract each other."""
+    some = _random().permutation(700)
+    heavy, drawn = pc.Gravity((0.0, 0.0, -9.81), on=("swarm", some[:300])), ("swarm", some[200:320])
+    return swarm(heavy, pc.Drag(0.1, on=("swarm", slice(0, 500))), pc.Gravitation(0.01, 0.1, on=drawn, sources=drawn))
+
+
+def grains(side: int = 6, contact: pc.SoftSpheres = GRAINS) -> pc.Scene:
     """Soft spheres between periodic sides, which fall on a floor."""
-    return crowd(GRAINS, DOWN, pc.Periodic((0.0, 0.0, -np.inf), (side, side, np.inf)), pc.Floor(-1.0), side=side)
+    return crowd(contact, DOWN, pc.Periodic((0.0, 0.0, -np.inf), (side, side, np.inf)), pc.Floor(-1.0), side=side)
 
 
 def _large_network() -> pc.Scene:
@@ -613,8 +623,14 @@ SCENES: dict[str, Case] = {
     "swarm on hills": Case(lambda: swarm(DOWN, LAND), 0.01, large=lambda: swarm(DOWN, LAND, count=30_000)),
     "swarm on hills 2D f32": Case(lambda: swarm(pc.Gravity((0.0, -9.81)), PROFILE, dimension=2), 0.01, F32),
     "swarm in Python": Case(lambda: swarm(harmonic()), 0.01),
+    "swarm in a vortex": Case(lambda: swarm(VORTEX), 0.01),
+    "swarm in a vortex BDF2": Case(lambda: swarm(VORTEX, count=100), 0.01, {"integrator": pc.BDF2(1e-12)}),
+    "selected": Case(selected, 0.01),
+    "selected f32 RungeKutta4": Case(selected, 0.01, {**F32, **RK4}),
     "grains": Case(grains, 0.002, large=_large_grains),
     "grains f32": Case(grains, 0.002, F32, large=_large_grains),
+    "grains by restitution": Case(lambda: grains(contact=BOUNCES), 0.002),
+    "grains by restitution f32": Case(lambda: grains(contact=BOUNCES), 0.002, F32),
     "atoms": Case(lambda: crowd(ATOMS), 0.002, {"integrator": pc.PEFRL()}, large=lambda: crowd(ATOMS, side=18)),
     "atoms 2D f32": Case(lambda: crowd(ATOMS, dimension=2), 0.002, F32),
     "cluster": Case(cluster, 0.01, large=lambda: cluster(5000)),

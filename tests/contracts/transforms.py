@@ -17,6 +17,7 @@ from physcore.scene.bodies import Body
 from physcore.scene.grid import GridSystem
 from physcore.scene.items import ActingItem
 from physcore.scene.points import PointSystem
+from physcore.scene.selection import Selection
 from physcore.systems.kinetics import Kinetics
 
 Array = NDArray[np.float64]
@@ -90,7 +91,9 @@ def point(t: Transform, value: Any) -> Any:
 
 
 def wind(t: Transform, value: Any) -> Any:
-    """A velocity; None is zero."""
+    """A velocity; None is zero. A function of time and positions is one of those that it was written for."""
+    if callable(value):
+        return lambda time, x: t.velocities(value(time / t.s, (x / t.m - t.shift) @ t.axes))
     return tuple(t.velocities(np.zeros(t.axes.shape[1]) if value is None else value))
 
 
@@ -150,9 +153,14 @@ def _body(body: Body, t: Transform, order: NDArray[np.int64]) -> Body:
     return type(body)(**_changed(body, values, t))
 
 
-def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingItem:
-    given = {name: item.bodies(name) for name in item.naming}
-    named = {name: None if own is None else tuple(bodies[body] for body in own) for name, own in given.items()}
+def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body], orders: dict[Body, Array]) -> ActingItem:
+    def target(given: Any) -> Any:
+        if isinstance(given, Selection):
+            return bodies[given.body], given.mask[orders[given.body]]
+        return bodies[given]
+
+    given = {name: item.targets(name) for name in item.naming}
+    named = {name: None if own is None else tuple(map(target, own)) for name, own in given.items()}
     on = named["on"]
     if isinstance(item, pc.CustomForce):
         return _custom(item, t, on)
@@ -474,7 +482,8 @@ def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] |
     """The same scene in other coordinates and units, the particles of every body in the given order."""
     orders = orders or [np.arange(len(body)) for body in scene.bodies]
     bodies = {body: _body(body, t, order) for body, order in zip(scene.bodies, orders, strict=True)}
-    items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries, *scene.constraints)]
+    order_of = dict(zip(scene.bodies, orders, strict=True))
+    items = [_item(item, t, bodies, order_of) for item in (*scene.forces, *scene.boundaries, *scene.constraints)]
     domain = scene.periodic
     domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
     found = {system: SYSTEMS[type(system)](system, t) for system in scene.systems if not system.named()}

@@ -397,7 +397,8 @@ class Simulation:
 
         Args:
             points: where [m], shape (M, D). In a periodic domain they are taken as they are given.
-            on: a body, its index or its name: of the forces only those that act on it count; None: all of them.
+            on: a body, its index or its name: of the forces only those that act on it, or on some of its particles,
+                count; None: all of them.
 
         Returns:
             Accelerations [m/s²], shape (M, D).
