@@ -334,6 +334,60 @@ def chart(side: int = 24) -> pc.Scene:
     return pc.Scene(pc.ReactionDiffusion(plain.grid, kinetics, plain.diffusion, plain.initial, {"x-": "fixed"}))
 
 
+def heated(side: int = 16, **options: Any) -> pc.Scene:
+    """A reaction in a dish whose sides hold values and let through fluxes, along one side from cell to cell."""
+    grid = pc.Grid((side, side - 5), 0.5)
+    y = grid.coordinates[1][0]
+    edges = {
+        "u": {"x-": pc.Dirichlet(_rounded(1.0 + 0.2 * np.sin(y))), "x+": pc.Neumann(-0.1), "y+": "fixed"},
+        "v": {"y-": pc.Dirichlet(2.0), "x-": pc.Neumann(_rounded(0.1 * np.cos(y)))},
+    }
+    start = {"u": 1.0, "v": 2.0}
+    kinetics = pc.Brusselator(1.0, 2.5)
+    return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"u": 0.5, "v": 2.0}, start, edges, **options))
+
+
+def rod(cells: int = 20) -> pc.Scene:
+    """A reaction in Python in a tube whose ends are driven in time, by operations that are rounded alike everywhere."""
+    ends = {"x-": pc.Dirichlet(lambda t: abs(t % 2.0 - 1.0)), "x+": pc.Neumann(lambda t: 0.1 * t)}
+    decay = pc.Reaction(("n", "waste"), lambda n, waste: (-0.1 * n, 0.1 * n))
+    start = {"n": 0.5, "waste": 0.0}
+    tube = pc.ReactionDiffusion(
+        pc.Grid(cells, 0.5), decay, {"n": 0.5, "waste": 0.1}, start, {"n": ends, "waste": "fixed"}
+    )
+    return pc.Scene(tube)
+
+
+def strata(side: int = 24, **options: Any) -> pc.Scene:
+    """Waves through layers of several densities, with damping, a source and an open side."""
+    grid = pc.Grid((side, side - 7), 0.5)
+    x, y = grid.coordinates
+    end = grid.upper[0]
+    hump = _rounded(0.2 * np.exp(-((x - 0.3 * end) ** 2 + (y - 0.4 * end) ** 2) / (0.05 * end) ** 2))
+    medium = {
+        "density": np.where(x + y < end, 1.0, np.where(y < 0.3 * end, 0.2, 4.0)),
+        "damping": np.where(x > 0.8 * end, 0.4, 0.0),
+        "walls": (np.abs(x - 0.5 * end) < 0.5) & (y < 0.3 * end),
+        "sources": pc.Source((0.61 * end, 0.52 * end), 0.4, 0.7, phase=0.3),
+        "edges": {"x": "fixed", "y": "free"},
+    }
+    return pc.Scene(pc.Wave(grid, np.where(x < 0.6 * end, 1.0, 1.5), hump, **{**medium, **options}))
+
+
+def shaken(side: int = 16, **options: Any) -> pc.Scene:
+    """A membrane whose sides are moved: one in time, one held in a curve, one pulled."""
+    grid = pc.Grid((side, side - 5), 0.5)
+    y = grid.coordinates[1][0]
+    shape = _rounded(np.sin(y))
+    edges = {
+        "x-": pc.Dirichlet(lambda t: 0.2 * abs(t % 2.0 - 1.0)),
+        "x+": pc.Dirichlet(_rounded(0.1 * shape)),
+        "y-": pc.Neumann(0.3),
+        "y+": "free",
+    }
+    return pc.Scene(pc.Wave(grid, 1.0, edges=edges, **options))
+
+
 def clock(cells: int = 120) -> pc.Scene:
     """The Brusselator in a closed tube, which oscillates."""
     grid = pc.Grid(cells, 0.5, periodic=True)
@@ -680,6 +734,11 @@ SCENES: dict[str, Case] = {
         0.005,
         {"dt": pc.AdaptiveStep(tolerance=1e-7), "integrator": pc.DormandPrince5()},
     ),
+    "strata": Case(strata, 0.1),
+    "strata f32 order 4 RungeKutta4": Case(lambda: strata(order=4), 0.05, {**RK4, **F32}),
+    "strata in the open": Case(lambda: strata(edges={"x": "absorbing", "y": "free"}, walls=None), 0.1),
+    "shaken": Case(shaken, 0.1),
+    "shaken RungeKutta4 f32": Case(shaken, 0.1, {**RK4, **F32}),
     "room": Case(room, 0.02, large=lambda: room(90)),
     "dish": Case(dish, 0.5, large=lambda: dish(400)),
     "dish f32 ExplicitEuler": Case(dish, 0.5, {"integrator": pc.ExplicitEuler(), **F32}, large=lambda: dish(900)),
@@ -688,6 +747,10 @@ SCENES: dict[str, Case] = {
     "dish by error": Case(dish, 1.0, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.BogackiShampine3()}),
     "chart": Case(chart, 0.5, large=lambda: chart(400)),
     "chart f32 ExplicitEuler": Case(chart, 0.5, {"integrator": pc.ExplicitEuler(), **F32}),
+    "heated": Case(heated, 0.02, large=lambda: heated(400)),
+    "heated f32 RungeKuttaChebyshev": Case(heated, 0.05, {"integrator": pc.RungeKuttaChebyshev(), **F32}),
+    "rod": Case(rod, 0.1),
+    "rod by error": Case(rod, 0.1, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.DormandPrince5()}),
     "clock": Case(clock, 0.05),
     "heart": Case(heart, 0.05, large=lambda: heart(60)),
     "predators": Case(predators, 0.1),

@@ -49,6 +49,7 @@ BOUNDED = {
     ),
     **dict.fromkeys(("stirred", "whirl", "whirl with cores f32"), "is limited by accuracy"),
     "dish RungeKuttaChebyshev": "is limited by its reaction, whose values stay within bounds",
+    "heated f32 RungeKuttaChebyshev": "likewise",
     **dict.fromkeys(
         (
             "charges",

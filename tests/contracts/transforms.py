@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import physcore as pc
 from physcore.scene.bodies import Body
+from physcore.scene.edges import Condition, Valued
 from physcore.scene.grid import GridSystem
 from physcore.scene.items import ActingItem
 from physcore.scene.points import PointSystem
@@ -310,18 +311,41 @@ def _over_cells(t: Transform, values: Any) -> Any:
     return moved
 
 
-def _grid(system: GridSystem, t: Transform) -> tuple[pc.Grid, tuple[str, ...]]:
+def _condition(t: Transform, condition: Condition, axis: int, unit: float) -> Condition:
+    """A condition at the edges of an axis; `unit` is that of the field."""
+    if not isinstance(condition, Valued):
+        return condition
+    unit = unit if isinstance(condition, pc.Dirichlet) else unit / t.m
+
+    def moved(values: Any) -> Any:
+        if np.ndim(values) == 0:
+            return values * unit
+        partner = int(np.abs(t.axes[:, axis]).argmax())
+        return np.squeeze(_over_cells(t, np.expand_dims(values, axis)), partner) * unit
+
+    value = getattr(condition, condition.key)
+    return type(condition)((lambda time: moved(value(time / t.s))) if callable(value) else moved(value))
+
+
+def _grid(system: GridSystem, t: Transform, unit: float = 1.0) -> tuple[pc.Grid, Any]:
     """Its grid and its edges. Along an axis that is new one cell, with free edges, so that nothing depends on it."""
     grid, spacing = system.grid, system.grid.spacing * t.m
     lower, upper = t.corners(grid.origin, grid.upper, grid.spacing / 2.0)
-    edges, periodic = [], []
-    for axis in t.axes:
-        partner = int(np.abs(axis).argmax())
-        pair = list(system.edges[2 * partner : 2 * partner + 2]) if axis.any() else ["free", "free"]
-        edges += pair[::-1] if axis.min() < 0.0 else pair
-        periodic.append(bool(axis.any() and grid.periodic[partner]))
+
+    def edges(given: tuple[Condition, ...]) -> tuple[Condition, ...]:
+        found: list[Condition] = []
+        for axis in t.axes:
+            partner = int(np.abs(axis).argmax())
+            own = [_condition(t, each, partner, unit) for each in given[2 * partner : 2 * partner + 2]]
+            pair = own if axis.any() else ["free", "free"]
+            found += pair[::-1] if axis.min() < 0.0 else pair
+        return tuple(found)
+
+    periodic = [bool(axis.any() and grid.periodic[int(np.abs(axis).argmax())]) for axis in t.axes]
     cells = tuple(round((high - low) / spacing) for low, high in zip(lower, upper, strict=True))
-    return pc.Grid(cells, spacing, lower, tuple(periodic)), tuple(edges)
+    given: Any = system.edges
+    every = {name: edges(each) for name, each in given.items()} if isinstance(given, dict) else edges(given)
+    return pc.Grid(cells, spacing, lower, tuple(periodic)), every
 
 
 def _kinetics(kinetics: Kinetics, t: Transform) -> Kinetics:
@@ -344,13 +368,13 @@ def _reaction_diffusion(dish: pc.ReactionDiffusion, t: Transform) -> pc.Reaction
         _kinetics(dish.reaction, t),
         {name: value * t.unit(2, -1) for name, value in dish.diffusion.items()},
         {name: _over_cells(t, values) for name, values in dish.initial.items()},
-        edges,  # type: ignore[arg-type]
+        edges,
     )
 
 
 def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
     grid = wave.grid
-    other, edges = _grid(wave, t)
+    other, edges = _grid(wave, t, t.m)
     new = len(t.axes) - grid.dimension
 
     def field(values: Any, unit: float) -> Any:
@@ -377,7 +401,7 @@ def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
         field(wave.speed, t.unit(1, -1)),
         field(wave.displacement, t.m),
         field(wave.rate, t.unit(1, -1)),
-        wave.density * t.unit(-grid.dimension, 0, 1),
+        field(wave.density, t.unit(-grid.dimension, 0, 1)),
         field(wave.damping, t.unit(0, -1)),
         edges,
         None if wave.walls is None else _over_cells(t, wave.walls),
@@ -403,7 +427,7 @@ def _schrodinger(packet: pc.Schrodinger, t: Transform) -> pc.Schrodinger:
         packet.mass * t.kg,
         packet.hbar * t.unit(2, -1, 1),
         packet.interaction * t.unit(2 + len(t.axes), -2, 1) * packet.grid.spacing**new,
-        edges,  # type: ignore[arg-type]
+        edges,
     )
 
 
