@@ -171,7 +171,7 @@ class Simulation:
         """The plan: the stages of one step, and the choices that were made."""
         limit = self._stepper.limit
         plan = engine.plan(self._world, self._scene, limit, self.dt)
-        notes = (*plan.notes, *self._scene_notes, *self._stepper.notes())
+        notes = (*plan.notes, *self._scene_notes, *self._stepper.notes(limit))
         return replace(plan, substeps=self.substeps, notes=notes)
 
     @cached_property

@@ -221,10 +221,10 @@ class Stepper:
                 steps -= self._advance(batch, dt)
         return None
 
-    def notes(self) -> list[str]:
+    def notes(self, limit: Limit) -> list[str]:
         """Notes of the plan about steps of different sizes, and about oscillations that steps do not resolve."""
         if self._adaptive is None:
-            return self._unresolved()
+            return self._unresolved(limit)
         by = (
             f"keep their last coefficient within {self._adaptive.tolerance:g} of the largest acceleration"
             if self._numerics.integrator.self_adaptive and self._adaptive.tolerance is not None
@@ -240,9 +240,9 @@ class Stepper:
         )
         return [f"adaptive steps {by}: {taken}"]
 
-    def _unresolved(self) -> list[str]:
+    def _unresolved(self, limit: Limit) -> list[str]:
         """A note on the fastest oscillation of bodies, if it is off by more than 1 % after ten periods."""
-        limit, integrator = self.limit, self._numerics.integrator
+        integrator = self._numerics.integrator
         if not self._scene.bodies:
             return []
         if math.isinf(limit.dt) and any(Record.of(force).is_code for force in self._scene.forces):
