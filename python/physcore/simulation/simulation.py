@@ -35,6 +35,7 @@ from physcore.scene.records import Record
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
+from physcore.simulation.alternation import alternating
 from physcore.simulation.energy import Amount, Energy
 from physcore.simulation.notes import noted, of_scene
 from physcore.simulation.plan import Plan
@@ -176,8 +177,8 @@ class Simulation:
 
     @cached_property
     def _scene_notes(self) -> list[str]:
-        """Notes on the scene, which look at whole fields and call reactions: found once."""
-        return of_scene(self._scene, self._numerics)
+        """Notes on the scene, which look at whole fields, and call reactions and functions of time: found once."""
+        return [*of_scene(self._scene, self._numerics), *alternating(self._scene, self.dt)]
 
     @property
     def provenance(self) -> Provenance:
