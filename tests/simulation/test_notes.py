@@ -104,3 +104,15 @@ def test_a_run_of_many_steps_is_not(recwarn):
     simulation = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]])), dt=1.0 / MOST_STEPS)
     next(simulation.frames(0.99))
     assert not recwarn.list
+
+
+@pytest.mark.parametrize(("across", "told"), [(2, True), (5, True), (6, False)])
+def test_a_fluid_thinner_than_its_kernels_is_noted(across, told):
+    """Kernels of the default reach over three particles on each side."""
+    water = pc.Fluid.block((0.0, 0.0), (0.05 * across, 1.0), 0.05)
+    notes = pc.Simulation(pc.Scene(water, pc.Gravity(), pc.Box((0.0, 0.0), (2.0, 2.0)))).plan.notes
+    found = [note for note in notes if "particles across" in note]
+    assert len(found) == told
+    if told:
+        assert f"bodies[0]: {across} particles across, and kernels reach over 3 on each side" in found[0]
+        assert f"take a spacing of {0.05 * across / 6.0:.2g} m or less" in found[0]

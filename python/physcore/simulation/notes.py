@@ -12,6 +12,7 @@ from physcore.boundaries import Box, Plane, Sphere
 from physcore.checks import FloatArray
 from physcore.forces import Dihedral, Drag, Gravity
 from physcore.numerics.choices import Numerics
+from physcore.numerics.fluids import WeaklyCompressible
 from physcore.scene.bodies import SpringNetwork
 from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
@@ -20,7 +21,7 @@ from physcore.simulation.energy import FAIR_DRIFT, verdict
 from physcore.simulation.recording import Recording
 
 ROUNDING = 1e-12
-"""Tolerance of a plane, relative to the extent of a body."""
+"""Tolerance of a plane, relative to the extent of a body, and of ratios of lengths."""
 
 
 def noted(recording: Recording) -> Recording:
@@ -64,12 +65,27 @@ def _untouched(recording: Recording) -> Iterator[str]:
 
 def of_scene(scene: Scene, numerics: Numerics) -> list[str]:
     """Notes on what a scene does not resolve, and on unstable equilibrium."""
-    notes = _edge_on(scene)
+    notes = [*_edge_on(scene), *_thin(scene, numerics)]
     for system in scene.systems:
         path = str(scene.system(system))
         integrator = numerics.integrators.get(path, numerics.integrator)
         notes += [f"{path}: {each}" for each in system.unresolved(type(integrator).__name__)]
     return notes
+
+
+def _thin(scene: Scene, numerics: Numerics) -> Iterator[str]:
+    """Notes on fluids so thin that every particle feels a surface or a wall within its kernel."""
+    for index, body in enumerate(scene.bodies):
+        method = numerics.fluids.get(scene.path(index))
+        if not isinstance(body, Fluid) or not isinstance(method, WeaklyCompressible) or len(body) == 0:
+            continue
+        side = float(np.ptp(body.positions, axis=0).min()) + body.spacing
+        across, reach = side / body.spacing, 2.0 * method.kernel.smoothing
+        if across < (1.0 - ROUNDING) * 2.0 * reach:
+            yield (
+                f"{scene.path(index)}: {across:.2g} particles across, and kernels reach over {reach:.2g} on each side: "
+                f"every particle feels a surface or a wall; take a spacing of {side / (2.0 * reach):.2g} m or less"
+            )
 
 
 def _edge_on(scene: Scene) -> list[str]:
