@@ -273,10 +273,10 @@ class Stepper:
         self._note(Segment(last.time, stretch.parts, stretch.size))
         self._cut = Cut(self._world.steps, dt)
 
-    def notes(self) -> list[str]:
+    def notes(self, limit: Limit) -> list[str]:
         """Notes of the plan about adaptive steps, limits that vary, and oscillations that steps do not resolve."""
         if self._adaptive is None:
-            return self._momentary() + self._unresolved()
+            return self._momentary(limit) + self._unresolved(limit)
         by = (
             f"keep their last coefficient within {self._adaptive.tolerance:g} of the largest acceleration"
             if self._numerics.integrator.self_adaptive and self._adaptive.tolerance is not None
@@ -292,9 +292,9 @@ class Stepper:
         )
         return [f"adaptive steps {by}: {taken}"]
 
-    def _momentary(self) -> list[str]:
+    def _momentary(self, limit: Limit) -> list[str]:
         """A note on a given step near a limit that varies with the motion."""
-        limit, flows = self.limit, any(isinstance(body, Fluid) for body in self._scene.bodies)
+        flows = any(isinstance(body, Fluid) for body in self._scene.bodies)
         if isinstance(self._numerics.dt, StepRule) or not self._varies or not (limit.kind == "accuracy" or flows):
             return []
         if not NEAR * limit.dt < self.dt <= limit.dt:
@@ -304,9 +304,9 @@ class Stepper:
             'the motion becomes faster; dt="auto" follows it'
         ]
 
-    def _unresolved(self) -> list[str]:
+    def _unresolved(self, limit: Limit) -> list[str]:
         """A note on the fastest oscillation of bodies, if it is off by more than 1 % after ten periods."""
-        limit, integrator = self.limit, self._numerics.integrator
+        integrator = self._numerics.integrator
         if not self._scene.bodies:
             return []
         if math.isinf(limit.dt) and any(Record.of(force).is_code for force in self._scene.forces):
