@@ -11,6 +11,7 @@ from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Force
 from physcore.scene.surfaces import check_areas
+from physcore.units.systems import Default
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class Wind(Force):
     Args:
         velocity: velocity of the air [m/s], shape (3,), or a function of the time [s] that returns it, called in every
             evaluation: `lambda t: (6.0 + 2.0 * math.sin(3.0 * t), 0.0, 0.0)`.
-        density: density of the air [kg/m³], at least zero; by default 1.225, the value at sea level.
+        density: density of the air [kg/m³], at least zero; by default 1.225 kg/m³, the value at sea level, in
+            the units of the scene.
         normal: coefficient of the force normal to a face, at least zero; 1.17 is the value of a square plate.
         tangential: coefficient of skin friction, at least zero; 0.01 for both sides at Reynolds numbers near 10⁵.
         on: the SpringNetwork with faces in 3D that the force acts on, or several; by default all that have faces.
@@ -45,7 +47,7 @@ class Wind(Force):
     """
 
     velocity: TimedVector
-    density: float = 1.225
+    density: float = Default(1.225, "kg/m³")
     normal: float = 1.17
     tangential: float = 0.01
 

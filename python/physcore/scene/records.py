@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from physcore.storage.archive import Tree
+from physcore.units.systems import Default
 
 Named: TypeAlias = Mapping[str, "list[int] | None"]
 """Indices of the bodies that fields name; None: all."""
@@ -98,6 +99,8 @@ def pack(value: Any) -> Tree:
         return {name: pack(each) for name, each in value.items()}
     if isinstance(value, tuple):
         return list(map(pack, value)) if any(isinstance(each, Record) for each in value) else value
+    if isinstance(value, Default):
+        return float(value)
     return Record.of(value).packed() if _is_item(value) else value
 
 

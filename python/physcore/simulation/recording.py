@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 import numpy as np
@@ -39,6 +39,7 @@ from physcore.simulation.state import Frame
 from physcore.simulation.tables import data_frame
 from physcore.storage import archive, schema
 from physcore.storage.schema import Sizes, anything, of, real, record, several, table, text
+from physcore.units.systems import SI, UnitSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -84,6 +85,8 @@ class Trajectory:
     """Time of each frame [s], shape (F,)."""
     channels: dict[str, FloatArray]
     """Channels by name: vectors have the shape (F, N, D), numbers (F, N)."""
+    units: UnitSystem = field(default=SI, kw_only=True)
+    """Units of all numbers."""
 
     @property
     def positions(self) -> FloatArray:
@@ -151,8 +154,8 @@ class Trajectory:
         name = word(channel, "plot.channel", self.channels)
         values = self.channels[name]
         flat = values if values.ndim == 3 and name in CHANNELS else values.reshape(len(values), -1, 1)
-        unit = f" [{UNITS[name]}]" if name in UNITS else ""
-        return over_time(self.times, flat, "xyz"[: flat.shape[2]], f"{name}{unit}", axes)
+        label = self.units.label(name, UNITS[name]) if name in UNITS else name
+        return over_time(self.times, flat, "xyz"[: flat.shape[2]], label, axes, self.units)
 
     def __len__(self) -> int:
         return len(self.times)
@@ -213,6 +216,9 @@ class Recording(Trajectory):
     film: ClassVar[Callable[..., Any]]
     """Draw a film: `recording.film("run.gif", …)` is `physcore.film(recording, "run.gif", …)`."""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "units", self.scene.units)
+
     def to_dataframe(self) -> DataFrame:
         """Convert to a pandas data frame, as in `Trajectory`; at each time, the bodies follow one another."""
         names = [(index if body.name is None else body.name, len(body)) for index, body in enumerate(self.scene.bodies)]
@@ -242,30 +248,32 @@ class Recording(Trajectory):
             return super().plot(name, axes)
         values: FloatArray = getattr(self, name)
         components = "xyz"[-values.shape[1] :] if name == "angular_momentum" else "xyz"[: values.shape[1]]
-        label = f"{name.replace('_', ' ')} [{TOTALS[name]}]"
-        return over_time(self.energy.times, values[:, np.newaxis], components, label, axes)
+        label = self.units.label(name.replace("_", " "), TOTALS[name])
+        return over_time(self.energy.times, values[:, np.newaxis], components, label, axes, self.units)
 
     def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # the part of an item
         system = self.scene.system(item)
         if system is not None:
             own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
             shown = next(each for each in self.scene.systems if self.scene.system(each) == system).shown
-            return Trajectory(
-                self.times, shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
-            )
+            return self._part(shown({name.removeprefix(f"{system}."): values for name, values in own.items()}))
         measured = gauge(self.scene, item)
         if measured is not None:
-            return Trajectory(self.times, {measured[0]: self._channel(measured[1])[:, measured[2]]})
+            return self._part({measured[0]: self._channel(measured[1])[:, measured[2]]})
         body = cast("BodyKey", item)
         mine = body_fields(self.scene, body)
         own = {name: self.channels[name][:, part] for name, part in mine.items() if name in self.channels}
         pressed = body_gauges(self.scene, body).items()
         own |= {name: self.channels[field][:, row] for name, (field, row) in pressed if field in self.channels}
-        return Trajectory(self.times, own)
+        return self._part(own)
+
+    def _part(self, channels: dict[str, FloatArray]) -> Trajectory:
+        """The trajectory of one item."""
+        return Trajectory(self.times, channels, units=self.units)
 
     def __repr__(self) -> str:
         return (
-            f"Recording({len(self)} frames at {self.fps:g} per second, {contents(self.scene)} "
+            f"Recording({len(self)} frames at {self.fps:g} per {self.units.per}, {contents(self.scene)} "
             f"in {self.scene.dimension}D, energy drift {np.abs(self.energy.drift).max():.1e})"
         )
 
@@ -302,18 +310,17 @@ class Recording(Trajectory):
         Raises:
             FileError: the file cannot be written, or the scene has a CustomForce.
         """
-        series = {entry.name: getattr(self.energy, entry.name) for entry in fields(self.energy)}
         content: dict[str, archive.Tree] = {
             "times": self.times,
             **self.channels,
             "channels": list(self.channels),
-            "energy": series,
-            "budgets": {name: vars(budget) for name, budget in self.budgets.items()},
+            "energy": self.energy.series,
+            "budgets": {name: _without_units(vars(budget)) for name, budget in self.budgets.items()},
             "momentum": self.momentum,
             "angular_momentum": self.angular_momentum,
             "fps": self.fps,
             "scene": self.scene.packed(),
-            "plan": asdict(self.plan),
+            "plan": _without_units(asdict(self.plan)),
             "provenance": self.provenance.content(),
         }
         archive.write(path, "recording", content)
@@ -347,7 +354,7 @@ class Recording(Trajectory):
             energy=record(**amounts, **terms),
             momentum=sizes.array("F", "D"),
             angular_momentum=sizes.array("F", "A"),
-            plan=of(Plan),
+            plan=of(Plan, units=None),
             budgets=table(budget),
             provenance=Provenance.from_content,
             **rules,
@@ -356,13 +363,13 @@ class Recording(Trajectory):
         return cls(
             times=checked["times"],
             channels={name: checked[name] for name in channels},
-            energy=EnergySeries(**checked["energy"]),
+            energy=EnergySeries(**checked["energy"], units=scene.units),
             momentum=checked["momentum"],
             angular_momentum=checked["angular_momentum"],
             fps=checked["fps"],
             scene=scene,
-            plan=Plan(**checked["plan"]),
-            budgets={name: AmountSeries(**each) for name, each in checked["budgets"].items()},
+            plan=Plan(**checked["plan"], units=scene.units),
+            budgets={name: AmountSeries(**each, units=scene.units) for name, each in checked["budgets"].items()},
             provenance=checked["provenance"],
         )
 
@@ -408,9 +415,14 @@ def collect(
             amounts.setdefault(name, []).append(amount)
         tick(index + 1)
     budgets = {name: AmountSeries.of(each) for name, each in amounts.items()}
-    energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget)
+    energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget, units=scene.units)
     plan, provenance = end()
     return Recording(times, data, energy, momentum, angular_momentum, fps, scene, plan, budgets, provenance)
+
+
+def _without_units(content: Mapping[str, archive.Tree]) -> dict[str, archive.Tree]:
+    """A part of a file without the units, which are those of the scene."""
+    return {name: value for name, value in content.items() if name != "units"}
 
 
 def refuse_if_too_large(frames: int, scene: Scene, needed: int, hint: str) -> None:

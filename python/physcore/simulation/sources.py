@@ -160,7 +160,7 @@ class Running:
     @property
     def count(self) -> int:
         """The number of frames."""
-        return frame_count(self.duration, self.fps)
+        return frame_count(self.duration, self.fps, self.scene.units)
 
     @property
     def times(self) -> FloatArray:
@@ -230,6 +230,8 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
         raise SceneError("recording: there must be at least one")
     found = [_source(item, duration, fps, numerics) for item in items]
     rates = sorted({each.fps for each in found})
+    if len({each.scene.units for each in found}) > 1:
+        raise SceneError("recording: panels must have the same units; give their scenes the same units=")
     if len(rates) > 1:
         raise SceneError(f"recording: panels must have the same frames per second, got {rates}")
     return found

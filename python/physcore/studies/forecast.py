@@ -11,6 +11,7 @@ from physcore.errors import SimulationDiverged
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.stepper import unwarned
 from physcore.studies import clock
+from physcore.units.systems import SI, UnitSystem
 
 TRIAL = 0.05
 """Least duration of the timed steps [s]: some thousand calls of the clock."""
@@ -29,14 +30,16 @@ class Forecast:
     """Time step [s]."""
     seconds: float
     """Time of all steps at the present load of the machine [s]; 0 if the first steps diverge."""
+    units: UnitSystem = SI
+    """Units of the scene."""
 
     def __str__(self) -> str:
-        return f"{self.steps} steps of {self.dt:.2g} s, about {words(self.seconds)}"
+        return f"{self.steps} steps of {self.dt:.2g}{self.units.suffix('s')}, about {words(self.seconds)}"
 
 
 def forecast(simulation: Simulation, duration: float) -> Forecast:
     """The forecast of a run of a duration [s], with steps of the present size."""
-    steps = math.ceil(duration / simulation.dt)
+    steps, units = math.ceil(duration / simulation.dt), simulation.scene.units
     trial, count, taken = copy.copy(simulation), 1, 0.0
     with unwarned(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -48,8 +51,8 @@ def forecast(simulation: Simulation, duration: float) -> Forecast:
                 trial.run(count * trial.dt)
                 taken, count = clock.seconds() - begun, 2 * count
         except SimulationDiverged:
-            return Forecast(steps, simulation.dt, 0.0)
-    return Forecast(steps, simulation.dt, steps * taken / max(trial.steps - before, 1))
+            return Forecast(steps, simulation.dt, 0.0, units)
+    return Forecast(steps, simulation.dt, steps * taken / max(trial.steps - before, 1), units)
 
 
 def rehearsed(simulation: Simulation, duration: float) -> float:

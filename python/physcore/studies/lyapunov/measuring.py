@@ -83,7 +83,8 @@ def lyapunov(
     bar = None if progress is None else flag(progress, "progress")
     choices: Options = {**numerics, "precision": "f64"}
     if isinstance(scene, Scene):
-        return _averaged(Mechanics(scene, number, before, average, step, choices), bar)
+        with scene.units.worded():
+            return _averaged(Mechanics(scene, number, before, average, step, choices), bar)
     if not isinstance(scene, Tracers):
         raise SceneError(f"lyapunov.scene: must be a Scene or Tracers, got {shown(scene)}")
     if len(scene) == 0:
