@@ -240,7 +240,8 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
 def _source(item: object, duration: float | None, fps: float | None, numerics: Options) -> Source:
     if isinstance(item, Scene):
         if duration is None:
-            raise SceneError("duration: a scene is shown while it is simulated, so say how long: duration=… [s]")
+            asked = item.units.label("duration=…", "s")
+            raise SceneError(f"duration: a scene is shown while it is simulated, so say how long: {asked}")
         rate = FRAMES_PER_SECOND if fps is None else span(fps, "fps")
         running = Running(item, span(duration, "duration", empty=True), rate, numerics)
         memory.require(8.0 * running.count, f"the times of {running.count} frames", "duration", "lower fps")
