@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import physcore as pc
@@ -74,6 +74,7 @@ def test_dates_are_as_detailed_as_the_frames_require(start, units, interval, tex
 
 
 @given(st.integers(1, 1000), st.integers(1, 400))
+@example(75, 3)  # whose time is 224.99999999999997 d
 def test_days_are_counted_without_rounding(days, frames):
     # k/fps for 1/fps days may be a rounding error less than a whole day, which would show the day before.
     fps = 1.0 / days
