@@ -25,6 +25,7 @@ from physcore.film.renderer import Renderer
 from physcore.simulation.serial import unpack_scene
 from physcore.simulation.sources import sources
 from physcore.studies.audit import audit
+from physcore.studies.forecast import forecast
 from physcore.units import constants
 from physcore.units.symbols import DERIVED, SYMBOLS
 from physcore.units.systems import Default
@@ -386,7 +387,11 @@ def messages(units: pc.units.UnitSystem | None) -> list[str]:
     note(lambda: pc.Scene(pc.Fluid([[0, 0]], 1.0, 1.0, 1.0), pc.Fluid([[0.1, 0]], 1.0, 1.0, 1.0), units=units))
     note(lambda: pc.simulate(pc.Scene(*dust(radius=5.0), pc.Box((0, 0), (1, 1)), units=units), 1.0))
     note(lambda: pc.simulate(pc.Scene(pc.Particles([[0, 0], [0, 0]]), pc.Gravitation(1.0), units=units), 1.0))
-    note(lambda: pc.film(pc.simulate(free, 0.1), "film.png", camera=lambda time: None))
+    note(
+        lambda: pc.film(
+            pc.simulate(free, 0.1), "film.gif", camera=lambda time: None if time else pc.Window((0, 0), (1, 1))
+        )
+    )
     note(lambda: pc.simulate(pc.Scene(*dust(), pc.Gravity(lambda t: (math.nan if t else 0, 0)), units=units), 1.0))
     note(lambda: pc.simulate(swing, 0.1, accuracy=1e-18))
     return found
@@ -397,6 +402,43 @@ def test_messages_have_no_word_of_the_si():
     assert len(plain) == len(own) == len(bare) >= 10
     assert sum(bool(left(each)) for each in plain) >= 8
     assert not left("\n".join(own + bare))
+
+
+def findings(units: pc.units.UnitSystem | None) -> dict[str, str]:
+    """A diagnosis of each symptom whose figures have a unit, and notes of plans."""
+    swing = pc.Scene(pc.SpringNetwork([[0, 0], [1.5, 0]], [[0, 1]], 100.0, rest_length=1.0), units=units)
+    loose = pc.Fluid(pc.block((0.0, 0.0), (1.0, 1.0), 0.1), 0.05, 1000.0, 1e-3, velocities=(1.0, 0.0))
+    pressed = pc.Particles([[0.0, 0.0], [0.25, 0.0]], [[1.0, 0.0], [0.0, 0.0]], radius=0.1)
+    ball, grid = pc.Particles([[0.0, 5.0]], radius=0.1), pc.Grid((64,), spacing=0.1)
+    rough = pc.Wave(grid, speed=1.0, displacement=np.random.default_rng(1).normal(size=64))
+    front = pc.ReactionDiffusion(grid, pc.Reaction(("n",), lambda n: (900.0 * n * (1.0 - n),)), {"n": 1.0}, {"n": 0.5})
+    kicks = np.random.default_rng(1).normal(size=(36, 2))
+    net = pc.cloth((6, 6), 0.05, 200.0, mass=0.004, velocities=kicks, pinned="top")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        broken = pc.simulate(swing, 10.0, dt=0.139)
+        shaken = pc.simulate(pc.Scene(net, units=units), 1.0)
+        found = {
+            "unstable": pc.diagnose(pc.Simulation(swing, dt=1.0)),
+            "drift": pc.diagnose(broken),
+            "slow": pc.diagnose(pc.Simulation(swing, dt=1e-7), 1.1),
+            "scatters": pc.diagnose(pc.Simulation(pc.Scene(loose, units=units))),
+            "penetrates": pc.diagnose(pc.simulate(pc.Scene(pressed, pc.SoftSpheres(1.0), units=units), 0.2)),
+            "coarse": pc.diagnose(pc.Simulation(pc.Scene(rough, units=units))),
+            "jitters": pc.diagnose(shaken),
+            "front": pc.Simulation(pc.Scene(front, units=units)).plan,
+            "untouched": pc.simulate(pc.Scene(ball, pc.Floor(), units=units), 0.1).plan,
+            "adaptive": pc.Simulation(swing, "DormandPrince5", dt=pc.AdaptiveStep(tolerance=1e-6)).plan,
+            "forecast": forecast(pc.Simulation(swing), 1.0),
+            "limit": pc.stability_limit(swing, "PEFRL", measured=True),
+        }
+    return {name: str(each) for name, each in found.items()}
+
+
+def test_findings_have_no_word_of_the_si():
+    plain, own, bare = map(findings, (None, OWN, BARE))
+    assert [name for name, text in plain.items() if not left(text)] == []
+    assert {name: left(text) for name, text in (*own.items(), *bare.items()) if left(text)} == {}
 
 
 METHODS = ["VelocityVerlet", "RungeKutta4"]
