@@ -504,9 +504,9 @@ def test_the_script_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytes
 
 
 def test_rewording_twice_changes_nothing_more():
-    text = "dt = 0.5 s is 3 m/s at (0, 1) m with 2 J [m/s], 4 kg·m/s and 3/s."
+    text = "dt = 0.5 s is 3 m/s at (0, 1) m with 2 J [m/s], 4 kg·m/s, NaN s and 3/s."
     once = ASTRONOMICAL.reworded(text)
-    assert once == "dt = 0.5 d is 3 AU/d at (0, 1) AU with 2 M☉·AU²/d² [AU/d], 4 M☉·AU/d and 3/d."
+    assert once == "dt = 0.5 d is 3 AU/d at (0, 1) AU with 2 M☉·AU²/d² [AU/d], 4 M☉·AU/d, NaN d and 3/d."
     assert ASTRONOMICAL.reworded(once) == once
-    assert BARE.reworded(text) == "dt = 0.5 is 3 at (0, 1) with 2, 4 and 3."
+    assert BARE.reworded(text) == "dt = 0.5 is 3 at (0, 1) with 2, 4, NaN and 3."
     assert pc.units.SI.reworded(text) is text

@@ -275,7 +275,7 @@ def _patterns() -> tuple[re.Pattern[str], re.Pattern[str]]:
     """Patterns of a number with its unit, such as "0.5 m/s", "(0, 1) m" or "3/s", and of a unit in brackets."""
     one = rf"(?:kg|mol|{'|'.join(sorted((*DERIVED, 'm', 's', 'C'), key=len, reverse=True))})[{POWERS}]*"
     unit = rf"(?P<unit>(?:1/)?{one}(?:[·/]{one})*)"
-    number, end = r"(?:(?<=[\d)\]])|(?<=\binf)|(?<=\bnan))", r"(?=$|[\s,;:.)\]])"
+    number, end = r"(?:(?<=[\d)\]])|(?<=\binf)|(?<=\b[nN]a[nN]))", r"(?=$|[\s,;:.)\]])"
     return re.compile(rf"{number}(?: {unit}|/(?P<rate>s)){end}"), re.compile(rf" \[{unit}\]")
 
 
