@@ -203,6 +203,14 @@ def test_conversions_are_those_of_the_dimension(unit, value, length, time, mass,
 
 
 @pytest.mark.parametrize(
+    ("value", "unit"), [(1.0, "ft"), (1.0, "km/s"), (1.0, "m/s**2"), (math.nan, "m"), ("1", "m"), (1.0, 3), (1.0, None)]
+)
+def test_what_cannot_be_converted_is_refused(value, unit):
+    with pytest.raises(pc.SceneError, match=r"convert\.(value|unit): must be"):
+        OWN.convert(value, unit)
+
+
+@pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"length": 3.0}, r"length: must be a unit of length"),

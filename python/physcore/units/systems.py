@@ -8,12 +8,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from typing import Final, TypeAlias
+from numbers import Real
+from typing import Final, TypeAlias, TypeGuard
 
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.spelling import did_you_mean, spelled
 from physcore.units import constants
-from physcore.units.symbols import BASE, DERIVED, POWERS, SYMBOLS, Kind, dimension_of, raised
+from physcore.units.symbols import BASE, DERIVED, OTHERS, POWERS, SYMBOLS, Kind, dimension_of, powers_of, raised
 
 Given: TypeAlias = float | str | tuple[float, str]
 """Unit as an argument: a constant, a symbol or the name of a constant, or a value [SI] with a symbol."""
@@ -113,8 +114,12 @@ class UnitSystem:
             unit: its unit in the SI, such as "m/s", "kg/m³" or "N·m²/C²".
 
         Raises:
-            SceneError: the system is dimensionless, or the result is beyond the range of numbers.
+            SceneError: the system is dimensionless, an argument is not valid, or the result is beyond the range of
+                numbers.
         """
+        if not _is_number(value) or not math.isfinite(value):
+            raise SceneError(f"convert.value: must be a finite number, got {value!r}")
+        _check_unit(unit)
         if self.is_dimensionless:
             raise SceneError(f"units: {value:g} {unit} have no value in a dimensionless system")
         powers = {BASE[base]: power for base, power in dimension_of(unit).items() if base in BASE}
@@ -249,7 +254,7 @@ def _check(kind: Kind, symbol: object, value: object, path: str = "") -> None:
         SceneError: one of them is not valid, or the symbol has another meaning.
     """
     path = path or f"units.{kind}"
-    if not _is_number(value) or not 0.0 < float(value) < math.inf:  # type: ignore[arg-type]
+    if not _is_number(value) or not 0.0 < float(value) < math.inf:
         raise SceneError(f"{path}: must have a finite value above 0 in SI, got {value!r}")
     if (
         not isinstance(symbol, str)
@@ -266,8 +271,19 @@ def _check(kind: Kind, symbol: object, value: object, path: str = "") -> None:
         raise SceneError(f"{path}: {symbol!r} is a unit of the SI; take another symbol")
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+def _check_unit(unit: object) -> None:
+    """Check that a unit is one of the SI.
+
+    Raises:
+        SceneError: it is none.
+    """
+    known = (*BASE, *DERIVED, *OTHERS)
+    if not isinstance(unit, str) or not set(powers_of(unit)) <= set(known):
+        raise SceneError(f'convert.unit: must be a product of {", ".join(known)}, such as "kg·m/s²", got {unit!r}')
+
+
+def _is_number(value: object) -> TypeGuard[Real]:
+    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 @cache
