@@ -11,6 +11,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+os.environ.setdefault("PHYSCORE_TRACEBACKS", "full")
 LONG = os.environ.get("PHYSCORE_TESTS") == "long"
 
 hypothesis.settings.register_profile("short", max_examples=12, deadline=None, derandomize=True)

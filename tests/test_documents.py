@@ -12,12 +12,14 @@ from physcore.studies.diagnosis import SYMPTOMS
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
-TROUBLES = re.findall(
-    r"```python\n(.*?)```\n\n```text\n(.*?)```",
-    (ROOT / "docs" / "troubles.md").read_text(encoding="utf-8"),
-    flags=re.DOTALL,
-)
-"""Scripts, and what they print."""
+
+def scripts(name: str) -> list[tuple[str, str]]:
+    """Scripts of a document, and what they print."""
+    text = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    return re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, flags=re.DOTALL)
+
+
+TROUBLES = scripts("troubles.md")
 
 
 def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
@@ -28,9 +30,9 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
-@pytest.mark.parametrize(("script", "printed"), TROUBLES)
-def test_the_scripts_of_the_troubles_print_what_stands_beneath_them(script, printed, capsys):
-    exec(compile(script, "docs/troubles.md", "exec"), {})
+@pytest.mark.parametrize(("script", "printed"), [*TROUBLES, *scripts("accuracy.md")])
+def test_scripts_print_what_stands_beneath_them(script, printed, capsys):
+    exec(compile(script, "docs", "exec"), {})
     took = re.compile(r"about \d+ (s|minutes|hours)")  # That of a run depends on the machine.
     assert took.sub("about", capsys.readouterr().out) == took.sub("about", printed)
 

@@ -13,6 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "python" / "physcore"
 LAYERS = [
     "errors",
     "spelling",
+    "entrance",
     "_core",
     "memory",
     "units",

@@ -176,3 +176,65 @@ def test_the_lists_count_in_the_plan():
     """300 atoms in mutual reach list each other, 4 bytes each."""
     scene = pc.Scene(pc.Particles(np.random.default_rng(1).random((300, 3))), pc.LennardJones(1e-30, 1e-3, 10.0))
     assert pc.Simulation(scene).plan.memory > 300 * 299 * 4
+
+
+CHAIN = """(lambda n: pc.SpringNetwork(
+    np.c_[np.arange(n), np.zeros(n)], pairs=np.c_[np.arange(n - 1), np.arange(1, n)], stiffness=np.inf, fixed=[0]
+))"""
+SHEET = "pc.cloth((150, 150), 0.01, 100.0, mass=1e-4, axes=((1, 0, 0), (0, 1, 0)))"
+SHORT = {
+    "tree": ("pc.Scene(pc.Particles(random.random((150_000, 3))), pc.Gravitation(1e-9, softening=0.01))", "dt=1e-3"),
+    "Dormand-Prince": (
+        "pc.Scene(pc.Particles(random.random((200_000, 3))), pc.Gravity((0, 0, -1)))",
+        "integrator='DormandPrince5', dt=1e-3",
+    ),
+    "neighbors": (
+        "pc.Scene(pc.Particles(30 * random.random((80_000, 3)), radius=0.3), pc.SoftSpheres(100.0))",
+        "dt=1e-5",
+    ),
+    "fluid": ("pc.Scene(pc.Fluid(pc.block((0, 0, 0), (1, 1, 0.5), 0.02), 0.02), pc.Gravity(), pc.Floor(0))", ""),
+    "self-contact": (f"(lambda c: pc.Scene(c, pc.SelfContact(c, thickness=0.004)))({SHEET})", "dt=1e-5"),
+    "rods": (f"pc.Scene({CHAIN}(60_000), pc.Gravity((0, -9.81)))", "dt=1e-6"),
+    "rods at a wall": (f"pc.Scene({CHAIN}(25_000), pc.Gravity((0, -9.81)), pc.Floor(-5))", "dt=1e-6"),
+    "projective": (f"pc.Scene({SHEET}, pc.Gravity((0, 0, -9.81)))", "integrator=pc.ProjectiveDynamics(2), dt=1e-3"),
+    "implicit": (f"pc.Scene({SHEET}, pc.Gravity((0, 0, -9.81)))", "integrator='BackwardEuler', dt=1e-3"),
+    "wave": ("pc.Scene(pc.Wave(pc.Grid((50, 50, 50), 0.1), 1.0, edges='absorbing'))", ""),
+    "wave function": (
+        "(lambda g: pc.Scene(pc.Schrodinger(g, pc.wave_packet(g, (30.0, 30.0), (1.0, 0.0), 5.0))))"
+        "(pc.Grid((600, 600), 0.1))",
+        "dt=1e-3",
+    ),
+    "tracers of vortices": (
+        "(lambda v: pc.Scene(v, pc.Tracers(random.random((500_000, 2)), v)))"
+        "(pc.PointVortices(random.random((10, 2)), random.random(10)))",
+        "dt=1e-3",
+    ),
+}
+
+
+@LINUX
+@pytest.mark.parametrize("name", SHORT)
+def test_what_does_not_fit_is_refused_at_any_share_of_the_memory_that_it_takes(name):
+    """At 30, 60 and 90 % of the address space that building and two steps take: an error each time, and no abort.
+
+    A share may suffice, because parts of the address space are never touched, or because threads reuse some.
+    """
+    scene, numerics = SHORT[name]
+    program = f"""
+    scene = {scene}
+    def run():
+        pc.Simulation(scene, {numerics}).step(2)
+    before = kilobytes("VmSize")
+    run()
+    peak = kilobytes("VmPeak") - before
+    refused = 0
+    for share in (0.3, 0.6, 0.9):
+        limit = 1024 * (kilobytes("VmSize") + int(share * peak))
+        resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
+        try:
+            run()
+        except (pc.PhyscoreError, MemoryError):
+            refused += 1
+    print(refused)
+    """
+    assert int(alone(program)) >= 1

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.spelling import SYNONYMS, spelled
+from physcore.entrance import entrance
+from physcore.spelling import SYNONYMS
 
 BALL = pc.Particles([[0.0, 1.0], [0.5, 1.0]], velocities=[[0.3, 0.0], [0.0, 0.1]], name="ball")
 STONE = pc.Particles([[1.0, 2.0]], name="stone")
@@ -171,7 +172,7 @@ def test_what_is_nearly_a_keyword_is_suggested(call, name, meant):
 
 
 def test_a_type_error_of_another_function_stays_as_it_is():
-    @spelled
+    @entrance
     def outer(size, **others):
         raise TypeError("inner() got an unexpected keyword argument 'size'")
 

@@ -39,7 +39,7 @@ WALL_TIME = re.compile(r"about \d+ (?:s|minutes|hours|days)\b|in [\d.e-]+ s[,;]|
 """Times of the machine and of the film, which are in seconds."""
 SI_WORDS = re.compile(
     r"(?:(?<=[\d)\]…])|(?<=inf)) ?/?\b(?:m|s|kg|C|K|J|N|W|Pa|Hz|V|T)(?:[·/²³]\S*)?(?=$|[\s,;:.)])"
-    r"|\[(?:m|s|kg|C|K|J|N|W|Pa|Hz|V|T|kg·\S*|m/\S*|m[²³])\]|seconds?\b|meters?\b|joules?\b"
+    r"|\[(?:m|s|kg|C|K|J|N|W|Pa|Hz|V|T|kg·\S*|m/\S*|m[²³])\]|\b(?:seconds?|meters?|joules?)\b"
 )
 """Units of the SI in a text."""
 

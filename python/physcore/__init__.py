@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from physcore import units
 from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, HeightField, Plane, Sphere
 from physcore.constraints import SelfContact
+from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
     FileError,
@@ -89,12 +90,14 @@ from physcore.scene.probe import Probe
 from physcore.scene.scene import Scene
 from physcore.scene.shapes import ball, block, cylinder
 from physcore.simulation.energy import Amount, AmountSeries, Energy, EnergySeries
+from physcore.simulation.event import Event
 from physcore.simulation.loading import load
+from physcore.simulation.occurrences import Events, Occurrences
 from physcore.simulation.plan import Plan
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
-from physcore.spelling import did_you_mean, spell
+from physcore.spelling import did_you_mean
 from physcore.studies.accuracy import simulate
 from physcore.systems.flows import Aizawa, Flow, Halvorsen, Lorenz, Rossler, Thomas
 from physcore.systems.kinetics import Brusselator, FitzHughNagumo, GrayScott, Reaction, Schnakenberg
@@ -165,6 +168,8 @@ __all__ = [
     "ElectromagneticField",
     "Energy",
     "EnergySeries",
+    "Event",
+    "Events",
     "ExplicitEuler",
     "FileError",
     "Finding",
@@ -196,6 +201,7 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "Occurrences",
     "Orbit",
     "Part",
     "Particles",
@@ -287,7 +293,7 @@ _LATER = {
 }
 """Names that few scripts use, by module: each module is imported when one of its names is asked for."""
 
-spell(globals()[name] for name in __all__ if name in globals())
+entrances(globals()[name] for name in __all__ if name in globals())
 Recording.film = film  # Here, because what draws films imports recordings.
 
 

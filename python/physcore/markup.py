@@ -1,10 +1,19 @@
-"""Tables and pictures for notebooks, as HTML without inline colors, so that they follow the notebook's theme."""
+"""Tables and pictures of results. HTML is without inline colors, so that it follows the theme of a notebook."""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
 from html import escape
+
+
+class Printed:
+    """Base class of results that a prompt shows as `print` does. A dataclass of this kind needs repr=False."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
 
 
 def html_table(heads: Sequence[str], rows: Mapping[str, Sequence[str]], caption: str = "") -> str:

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from functools import wraps
 from inspect import Parameter, signature
-from typing import Any, ParamSpec, TypeVar
-
-P = ParamSpec("P")
-R = TypeVar("R")
+from typing import Any
 
 SYNONYMS = {
     "RungeKutta4": ("rk4", "runge kutta", "classical runge kutta"),
@@ -44,6 +40,7 @@ SYNONYMS = {
     "ElectromagneticField": ("magnetic field", "electric field", "lorentz force"),
     "Schrodinger": ("schroedinger", "quantum", "wave function"),
     "ReactionDiffusion": ("diffusion", "heat", "heat equation"),
+    "Event": ("crossing", "closest approach", "trigger", "stop condition"),
     "simulate": ("run", "solve", "integrate"),
     "film": ("animate", "render", "save gif", "movie", "video"),
 }
@@ -63,6 +60,14 @@ class KeywordError(TypeError):
         super().__init__(f"{function}() got an unexpected keyword argument {name!r}{hint}")
 
 
+class UnknownKey(KeyError):
+    """Key or name that is not in a scene, a recording or a state."""
+
+    def __str__(self) -> str:
+        """The message itself: that of a KeyError is quoted."""
+        return str(self.args[0])
+
+
 def did_you_mean(value: object, known: Iterable[str]) -> str:
     """The end of a message that suggests a synonym, or the most similar known word; empty if there is neither."""
     if not isinstance(value, str):
@@ -77,28 +82,7 @@ def did_you_mean(value: object, known: Iterable[str]) -> str:
     return f"; did you mean {spelled[close[0]]!r}?" if close else ""
 
 
-def spelled(function: Callable[P, R]) -> Callable[P, R]:
-    """Decorator of a function that suggests the intended keyword, as all functions do from Python 3.13 on."""
-
-    @wraps(function)
-    def called(*arguments: P.args, **keywords: P.kwargs) -> R:
-        try:
-            return function(*arguments, **keywords)
-        except TypeError as error:
-            raise _explained(error, function, keywords) from error.__cause__
-
-    return called
-
-
-def spell(kinds: Iterable[object]) -> None:
-    """Apply `spelled` to the constructors of the classes among some objects."""
-    for kind in kinds:
-        own = vars(kind).get("__init__") if isinstance(kind, type) else None
-        if own is not None and not hasattr(own, "__wrapped__"):
-            kind.__init__ = spelled(own)  # type: ignore[misc]
-
-
-def _explained(error: TypeError, function: Callable[..., object], keywords: dict[str, Any]) -> TypeError:
+def explained(error: TypeError, function: Callable[..., object], keywords: dict[str, Any]) -> TypeError:
     """The error of an unknown keyword, with a suggestion from the known ones; any other error unchanged."""
     found = _UNEXPECTED.search(str(error))
     if found is None or found[1] not in keywords:

@@ -323,6 +323,16 @@ def dish(side: int = 24, **options: Any) -> pc.Scene:
     return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"u": 2e-5, "v": 1e-5}, **{**shape, **options}))
 
 
+def chart(side: int = 24) -> pc.Scene:
+    """Gray and Scott's reaction, whose feed varies along x and whose kill along y, around a drop."""
+    scene = dish(side)
+    (plain,) = scene.systems
+    assert isinstance(plain, pc.ReactionDiffusion)
+    x, y = plain.grid.coordinates
+    kinetics = pc.GrayScott(_rounded(0.02 + 0.15 * x), _rounded(0.05 + 0.1 * y))
+    return pc.Scene(pc.ReactionDiffusion(plain.grid, kinetics, plain.diffusion, plain.initial, {"x-": "fixed"}))
+
+
 def clock(cells: int = 120) -> pc.Scene:
     """The Brusselator in a closed tube, which oscillates."""
     grid = pc.Grid(cells, 0.5, periodic=True)
@@ -668,6 +678,8 @@ SCENES: dict[str, Case] = {
     "dish DormandPrince5": Case(dish, 1.0, {"integrator": pc.DormandPrince5()}),
     "dish RungeKuttaChebyshev": Case(dish, 4.0, {"integrator": pc.RungeKuttaChebyshev()}, large=lambda: dish(400)),
     "dish by error": Case(dish, 1.0, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.BogackiShampine3()}),
+    "chart": Case(chart, 0.5, large=lambda: chart(400)),
+    "chart f32 ExplicitEuler": Case(chart, 0.5, {"integrator": pc.ExplicitEuler(), **F32}),
     "clock": Case(clock, 0.05),
     "heart": Case(heart, 0.05, large=lambda: heart(60)),
     "predators": Case(predators, 0.1),

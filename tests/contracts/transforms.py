@@ -318,8 +318,10 @@ def _grid(system: GridSystem, t: Transform) -> tuple[pc.Grid, tuple[str, ...]]:
 
 def _kinetics(kinetics: Kinetics, t: Transform) -> Kinetics:
     """Those of a user's function take other units of time; others have a rate of 1/s in them, and no other units."""
-    if t.s == 1.0:
+    if t.s == 1.0 and isinstance(kinetics, pc.Reaction):
         return kinetics
+    if t.s == 1.0:
+        return type(kinetics)(**{each.name: _over_cells(t, getattr(kinetics, each.name)) for each in fields(kinetics)})
     assert isinstance(kinetics, pc.Reaction)
     return pc.Reaction(
         kinetics.species, lambda *values: tuple(rate * t.unit(0, -1) for rate in kinetics.function(*values))

@@ -26,6 +26,12 @@ VALID = {
         "particles": "4",
     },
     **{"tracers": f"pc.Tracers({TRIANGLE}, pc.Flow(lambda time, x: -x))"},
+    **{
+        "Event.function": "lambda state: state.time - 0.5",
+        "Event.axis": "'x'",
+        "Event.a": "('balls', 0)",
+        "Event.b": "1",
+    },
     **{"flow": "pc.Flow(lambda time, x: -x)", "Flow.function": "lambda time, x: -x", "centers": TRIANGLE},
     **{"cells": "(3, 4)", "grid": "pc.Grid((3, 4), 0.5)", "where": "(0.5, 0.5)"},
     **{"reaction": "pc.GrayScott(0.04, 0.06)", "diffusion": "{'u': 0.1, 'v': 0.05}", "initial": "{'u': 1.0, 'v': 0.0}"},
@@ -101,8 +107,13 @@ ALWAYS: dict[str, dict[str, str]] = {
 }
 """Optional arguments that are given: calls take no time then, and are valid."""
 
-RECEIVERS = {"Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)", "Recording": "RECORDING", "Scene": "SCENE"}
-"""Instances whose methods are called."""
+RECEIVERS = {
+    "Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)",
+    "Recording": "RECORDING",
+    "Scene": "SCENE",
+    "Event": "pc.Event",
+}
+"""Instances, and classes, whose methods are called."""
 
 SLOW = ("lyapunov", "film", "gif_bytes", "export", "simulate", "tradeoff", "record", "save", "stability_limit")
 """Calls that take milliseconds."""
@@ -137,8 +148,10 @@ PARTS = (
     "Part",
     "Energy",
     "EnergySeries",
+    "Events",
     "Frame",
     "MeasuredLimit",
+    "Occurrences",
     "Plan",
     "Recording",
     "Snapshot",

@@ -18,6 +18,14 @@ BUILT_IN = [
     pc.Brusselator(1.0, 2.5),
     pc.Schnakenberg(0.1, 0.9),
 ]
+VARYING = [
+    pc.GrayScott(np.linspace(0.02, 0.06, 120).reshape(12, 10), 0.0625),
+    pc.FitzHughNagumo(
+        current=np.linspace(0.0, 0.5, 120).reshape(12, 10), gamma=np.linspace(0.6, 0.9, 120).reshape(12, 10)
+    ),
+    pc.Brusselator(1.0, np.linspace(2.0, 3.0, 120).reshape(12, 10)),
+    pc.Schnakenberg(np.linspace(0.05, 0.2, 120).reshape(12, 10), 0.9),
+]
 FIRST_ORDER = [
     pc.ExplicitEuler(),
     pc.BogackiShampine3(),
@@ -39,7 +47,7 @@ def test_all_kinetics_are_tested():
     assert {type(kinetics) for kinetics in BUILT_IN} | {pc.Reaction} == set(KINETICS)
 
 
-@pytest.mark.parametrize("kinetics", BUILT_IN, ids=lambda kinetics: type(kinetics).__name__)
+@pytest.mark.parametrize("kinetics", BUILT_IN + VARYING, ids=lambda kinetics: type(kinetics).__name__)
 def test_a_cell_by_itself_follows_its_equations(kinetics):
     """Without diffusion each cell is an ordinary equation, here by the classical Runge–Kutta method in NumPy.
 
@@ -61,7 +69,7 @@ def test_a_cell_by_itself_follows_its_equations(kinetics):
 
 
 @pytest.mark.parametrize("integrator", FIRST_ORDER, ids=lambda integrator: type(integrator).__name__)
-@pytest.mark.parametrize("kinetics", BUILT_IN, ids=lambda kinetics: type(kinetics).__name__)
+@pytest.mark.parametrize("kinetics", BUILT_IN + VARYING, ids=lambda kinetics: type(kinetics).__name__)
 def test_amounts_are_what_was_supplied_less_what_was_removed(kinetics, integrator):
     """Edges that hold zero take some; 60 steps add roundings of sums of 120 numbers."""
     recording = pc.simulate(pc.Scene(patch(kinetics, edges={"x": "fixed"})), 1.2, 10.0, integrator=integrator, dt=0.02)

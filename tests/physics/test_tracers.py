@@ -300,12 +300,15 @@ def test_lyapunov_exponents_of_the_butterfly_are_those_of_the_literature():
 
 
 def test_tracers_among_vortices_have_exponents_whose_sum_is_zero():
-    """Their flow is incompressible; among four vortices most tracers are chaotic."""
+    """Their flow is incompressible. Neighbors part in proportion to time: the rate is 0.095/s in 40 s and 0.034/s
+    in 160 s. It is not told from zero.
+    """
     four = vortices()
     places = np.random.default_rng(3).uniform(-1.0, 1.0, (60, 2))
     spectrum = pc.lyapunov(pc.Tracers(places, four), 40.0, dt=0.01)
     assert spectrum.sum == pytest.approx(0.0, abs=1e-4)
-    assert spectrum.exponents[0] > 5.0 * spectrum.errors[0]
+    assert not spectrum.exponential.any()
+    assert (np.abs(spectrum.exponents) <= spectrum.errors).all()
 
 
 def test_lyapunov_refuses_what_it_cannot_do():

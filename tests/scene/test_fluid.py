@@ -113,9 +113,16 @@ def test_the_engine_is_told_what_makes_a_fluid():
             "kind": "WeaklyCompressible",
             "name": None,
             "on": None,
+            "members": None,
             "values": {
                 "sound_speed": 20.0,
-                "kernel": {"kind": "CubicSpline", "name": None, "on": None, "values": {"smoothing": 1.3}},
+                "kernel": {
+                    "kind": "CubicSpline",
+                    "name": None,
+                    "on": None,
+                    "members": None,
+                    "values": {"smoothing": 1.3},
+                },
                 "artificial_viscosity": 0.02,
                 "density_diffusion": 0.1,
                 "density_from": "continuity",

@@ -43,7 +43,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     ),
     "ReactionDiffusion": (
         pc.Grid((4, 3), 0.1),
-        pc.GrayScott(0.035, 0.0625),
+        pc.GrayScott(0.035, np.full((4, 3), 0.0625)),
         {"u": 2e-5, "v": 1e-5},
         {"u": np.ones((4, 3)), "v": 0.1},
         {"x": "fixed"},
@@ -105,7 +105,13 @@ def told_of(value: object) -> object:
     if isinstance(value, tuple):
         return tuple(map(told_of, value))
     if isinstance(value, dict):
-        return {"kind": "", "name": None, "on": None, "values": {name: told_of(each) for name, each in value.items()}}
+        return {
+            "kind": "",
+            "name": None,
+            "on": None,
+            "members": None,
+            "values": {name: told_of(each) for name, each in value.items()},
+        }
     return Record.of(value).described() if is_dataclass(value) else value
 
 
@@ -147,7 +153,7 @@ def test_a_scene_takes_systems_beside_bodies():
     assert scene.systems == (pond,)
     assert "Pond" in repr(scene)
     assert engine.describe(scene, check({}, scene))["systems"] == [
-        {"kind": "Pond", "name": "pond", "on": None, "values": {"heights": (1.0, 2.0)}}
+        {"kind": "Pond", "name": "pond", "on": None, "members": None, "values": {"heights": (1.0, 2.0)}}
     ]
     assert pc.Scene(DUST).packed()["systems"] == []
     hashes = {pc.Scene(DUST).hash(), scene.hash(), pc.Scene(DUST, Pond((1.0, 3.0), name="pond")).hash()}

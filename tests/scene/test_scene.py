@@ -61,6 +61,7 @@ def test_pair_forces_fill_in_what_follows_from_the_rest():
         "kind": "SoftSpheres",
         "name": None,
         "on": None,
+        "members": None,
         "values": {
             "stiffness": 10.0,
             "damping": 1.0,

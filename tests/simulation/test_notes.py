@@ -104,3 +104,20 @@ def test_a_run_of_many_steps_is_not(recwarn):
     simulation = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]])), dt=1.0 / MOST_STEPS)
     next(simulation.frames(0.99))
     assert not recwarn.list
+
+
+def pendulum():
+    """A double pendulum of rods from the horizontal, whose rods turn ever faster."""
+    chain = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], pairs=[[0, 1], [1, 2]], stiffness=np.inf, fixed=[0])
+    return pc.Scene(chain, pc.Gravity((0.0, -9.81)))
+
+
+def test_a_given_step_near_a_limit_that_varies_is_noted():
+    limit = pc.Simulation(pendulum(), integrator="RATTLE").plan.dt_limit
+    for share, expected in ((0.98, True), (0.4, False)):
+        plan = pc.Simulation(pendulum(), integrator="RATTLE", dt=share * limit).plan
+        assert plan.limit_kind == "accuracy"
+        assert any("limit of 0.16 s (rods) is that of the present state" in note for note in plan.notes) == expected
+    constant = pc.Scene(pc.rope(5, 1.0, 100.0, pinned="start"))
+    spring = pc.Simulation(constant, dt=0.9 * pc.Simulation(constant, integrator="VelocityVerlet").plan.dt_limit)
+    assert not any("present state" in note for note in spring.plan.notes)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import physcore as pc
 from physcore.simulation.energy import Energy
-from physcore.simulation.frames import between
 from physcore.simulation.state import Frame, Snapshot
+from physcore.simulation.within import between
 from physcore.studies.audit import audit
 
 BALL = pc.Particles([[0.0, 1.0]], velocities=[[2.0, 5.0]], name="ball")

@@ -110,6 +110,54 @@ def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, k
     assert all(str(path) in message for message in told)
 
 
+def audited(loaded: pc.Simulation | pc.Recording) -> list[Any]:
+    """Clock, steps, momenta and energies of what was loaded."""
+    steps = [(each.start, np.max(each.dt), each.steps * np.max(each.dt)) for each in loaded.provenance.segments]
+    if isinstance(loaded, pc.Simulation):
+        energy = loaded.energy()
+        return [loaded.time, loaded.dt, steps, loaded.momentum(), energy.balance]
+    return [loaded.times, loaded.energy.times, steps, loaded.momentum, loaded.energy.balance, loaded.energy.drift]
+
+
+def test_a_run_that_went_on_in_spite_of_its_divergence_is_read_back(tmp_path):
+    """Its energies, some 1e154², are beyond the range of numbers; those of a file without this choice may not be."""
+    hill = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), -1e8, exponent=1.0))
+    run = pc.Simulation(hill, "ExplicitEuler", 0.01, on_divergence="ignore")
+    with pytest.warns(pc.StabilityWarning, match="beyond the range of numbers"), np.errstate(all="ignore"):
+        recording = run.record(0.9, 10)
+    assert not np.isfinite(recording.energy.kinetic).all()
+    recording.save(tmp_path / "wild")
+    np.testing.assert_array_equal(pc.load(tmp_path / "wild").energy.kinetic, recording.energy.kinetic)
+
+
+FORGED = (1e308, -1e308, np.inf, np.nan)
+
+
+@pytest.mark.filterwarnings("ignore::physcore.SceneWarning")
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+@pytest.mark.parametrize("kind", ["simulation", "recording"])
+@pytest.mark.parametrize("number", FORGED)
+def test_a_forged_number_does_not_load_as_an_infinity(held, kind, number, monkeypatch):
+    """Every single number, and the first entry of every array."""
+    monkeypatch.setattr(os, "fsync", lambda descriptor: None)
+    path, trees = held
+    for place in entries(trees[kind]):
+        before = trees[kind]
+        for key in place:
+            before = before[key]
+        if place[0] == "scene" or isinstance(before, (bool, str, dict, list)) or before is None:
+            continue  # A scene is checked as one that is declared.
+        after: Any = number
+        if isinstance(before, np.ndarray):
+            if before.size == 0 or before.dtype.kind != "f":
+                continue
+            after = before.copy()
+            after.flat[0] = number
+        archive.write(path, kind, changed(trees[kind], place, after))
+        with suppress(pc.FileError):
+            assert all(np.isfinite(each).all() for each in audited(pc.load(path))), place
+
+
 @pytest.mark.parametrize(
     ("kind", "place", "value", "message"),
     [
@@ -121,6 +169,19 @@ def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, k
         ("recording", ("plan", "dt_limit"), "none", "plan.dt_limit: must be a number, got 'none'"),
         ("recording", ("energy", "by_term", "springs"), 3, "energy.by_term.springs: must be an array"),
         ("simulation", ("world", "clock"), np.array([np.nan, 1.0]), "world.clock: must be finite"),
+        ("recording", ("times",), np.full(4, 1.0), "times: must be ascending"),
+        ("recording", ("energy", "work"), np.array([0.0, 0.0, 0.0, np.inf]), "energy.work: must be finite"),
+        ("recording", ("energy", "times"), np.array([0.0, 0.0, 0.0, np.nan]), "energy.times: must be finite"),
+        ("recording", ("momentum",), np.full((4, 2), np.inf), "momentum: must be finite"),
+        (
+            "recording",
+            ("provenance", "segments", 0, "start"),
+            np.inf,
+            r"provenance.segments\[0\].start: must be a finite",
+        ),
+        ("recording", ("provenance", "segments", 0, "dt"), 1e308, r"provenance.segments\[0\]: must end at a finite"),
+        ("simulation", ("world", "clock"), np.array([1e308, 1e308]), "world.clock: must be a time that is finite"),
+        ("simulation", ("stepper", "limits", 1, "dt"), -1e308, r"stepper.limits\[1\].dt: must be a number ≥ 0"),
         ("simulation", ("stepper", "limits"), [{}], "stepper.limits: must be a list of 0 or 2"),
         (
             "simulation",

@@ -163,3 +163,35 @@ def test_three_bodies_are_chaotic():
 def test_a_state_of_more_than_places_and_velocities_is_refused(scene, found):
     with pytest.raises(pc.SceneError, match=rf"lyapunov.scene: must be Tracers, or a scene .* got {found}"):
         pc.lyapunov(scene, 1.0)
+
+
+FREE = pc.Scene(pc.Particles([[0.0, 0.0]], [[1.0, 0.3]]))
+SPRING = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+PLANET = pc.Scene(pc.Particles([[1.0, 0.0]], [[0.0, 1.1]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=-2.0))
+
+
+@pytest.mark.parametrize("duration", [1.0, 10.0, 100.0])
+@pytest.mark.parametrize("scene", [FREE, SPRING, PLANET], ids=["free", "spring", "planet"])
+def test_regular_motion_has_an_exponent_that_is_consistent_with_zero(scene, duration):
+    """Neighbors of a free particle and of a planet part in proportion to time, those of an oscillator not at all."""
+    found = pc.lyapunov(scene, duration)
+    assert not found.exponential[0]
+    assert abs(found.exponents[0]) <= found.errors[0]
+    assert "not told from zero" in repr(found)
+
+
+def test_growth_is_told_to_be_exponential_from_a_few_foldings_on():
+    """On a hill of λ = 2/s neighbors part by e^(λ t). The two means differ by 3/8 λ T, not by log 2."""
+    hill = pc.Scene(pc.Particles([[1e-3, 0.0]], [[2e-3, 0.0]]), pc.CentralForce((0.0, 0.0), -4.0, exponent=1.0))
+    short, long = (pc.lyapunov(hill, duration) for duration in (0.5, 4.0))
+    assert not short.exponential[0]
+    assert long.exponential[0]
+    assert long.exponents[0] == pytest.approx(2.0, abs=0.3)
+
+
+def test_an_attractor_is_told_from_regular_motion():
+    cloud = pc.Tracers(np.random.default_rng(0).normal(size=(20, 3)) + np.array([0.0, 0.0, 25.0]), pc.Lorenz())
+    found = pc.lyapunov(cloud, 20.0, transient=5.0, dt=0.01)
+    np.testing.assert_array_equal(found.exponential, [True, False, True])
+    assert found.exponents[0] == pytest.approx(0.906, abs=4.0 * found.errors[0])
+    assert found.errors[0] < 0.05

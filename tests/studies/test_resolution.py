@@ -103,3 +103,60 @@ def test_the_wave_number_of_a_sine_is_exact():
     assert wave_number(np.exp(1.2j * cells)) == pytest.approx(1.2, rel=2.0 / 4000.0)
     assert wave_number((-1.0) ** cells) == pytest.approx(math.pi, abs=0.05)
     assert wave_number(np.zeros(5)) == 0.0
+
+
+def sloshing(rows: int) -> tuple[float, list[str]]:
+    """The loss of amplitude of the first mode of a layer in its first period, and the plan's notes on its rows.
+
+    The layer is 1 m deep and 4 m long. It starts flat, with the velocities of the mode of linear waves.
+    """
+    spacing, k, height = 1.0 / rows, math.pi / 4.0, 0.05
+    x = pc.block((0.0, 0.0), (4.0, 1.0), spacing)
+    frequency = math.sqrt(9.81 * k * math.tanh(k))
+    along = -np.sin(k * x[:, 0]) * np.cosh(k * x[:, 1]), np.cos(k * x[:, 0]) * np.sinh(k * x[:, 1])
+    fluid = pc.Fluid(x, spacing, velocities=height * frequency / math.sinh(k) * np.column_stack(along))
+    scene = pc.Scene(fluid, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (4.0, 10.0)))
+    period = 2.0 * math.pi / frequency
+    recording = pc.simulate(scene, 1.25 * period, fps=40.0 / period)
+    middle = np.abs(recording.positions[:, :, 0].mean(axis=1) - 2.0)
+    loss = 1.0 - middle[30:].max() / middle[:20].max()
+    return loss, [note for note in recording.plan.notes if "rows of particles" in note]
+
+
+@pytest.mark.parametrize("rows", [3, 8])
+def test_a_layer_of_few_rows_loses_the_amplitude_that_the_plan_states(rows):
+    loss, notes = sloshing(rows)
+    assert (loss > 0.05) == (rows < 6) == bool(notes)
+    assert all(note.startswith(f"bodies[0]: {rows} rows of particles") for note in notes)
+
+
+def test_a_container_with_room_for_few_rows_is_noted():
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.3, 1.0), 0.1), 0.1)
+    plan = pc.Simulation(pc.Scene(water, pc.Gravity(), pc.Box((0.0, 0.0), (0.3, 3.0)))).plan
+    assert any("3 rows of particles" in note and "a spacing of 0.05 m" in note for note in plan.notes)
+
+
+def accordion(angle: float, folds: int) -> pc.SpringNetwork:
+    """A sheet of strips, each tilted by ± half of the angle between neighbors [rad]."""
+    sheet = pc.cloth((folds + 1, 3), 1.0, 1.0, axes=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    column = np.round(sheet.positions[:, 0]).astype(int)
+    positions = sheet.positions.copy()
+    positions[:, 0] *= math.cos(angle / 2)
+    positions[:, 2] = math.sin(angle / 2) * (column % 2)
+    pairs, stiffness = sheet.pairs, sheet.stiffness
+    return pc.SpringNetwork(positions, pairs=pairs, stiffness=stiffness, mass=1.0, faces=sheet.faces)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 80.0, 100.0])
+def test_a_sheet_is_coarse_where_its_edges_are_folded_by_more_than_a_right_angle(degrees):
+    """The edges between strips are 2 of about 6 per pair of squares; the others, across and along a strip, are flat."""
+    found = [
+        one
+        for one in pc.diagnose(pc.Simulation(pc.Scene(accordion(math.radians(degrees), 8))))
+        if one.symptom == "coarse"
+    ]
+    assert bool(found) == (degrees > 90.0)
+    if found:
+        inner = 7 * 2 + 8 * 1 + 8 * 2  # between strips, along the middle of them, and diagonals
+        assert found[0].measured == pytest.approx(7 * 2 / inner)
+        assert "finer mesh" in found[0].cure

@@ -12,6 +12,7 @@ from physcore.checks import number, shown
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Constraint, chosen
+from physcore.scene.selection import Selection
 from physcore.scene.surfaces import check_areas
 
 
@@ -66,7 +67,7 @@ class SelfContact(Constraint):
         own = chosen(self.body, "SelfContact.body")
         if own is None or len(own) != 1:
             raise SceneError(f"SelfContact.body: must be one SpringNetwork, got {shown(self.body)}")
-        others = tuple(dict.fromkeys(self.bodies() or ()))
+        others = self.bodies() or ()
         if own[0] in others:
             raise SceneError("SelfContact.on: must be other bodies; the body meets itself anyway")
         self._set(
@@ -82,9 +83,9 @@ class SelfContact(Constraint):
         for place, other in enumerate(others):
             _check_surface(other, f"SelfContact.on[{place}]", self.thickness)
 
-    def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
+    def targets(self, field: str = "on") -> tuple[Body | Selection, ...] | None:
         """The bodies named in a field."""
-        return (cast("Body", self.body),) if field == "body" else super().bodies(field)
+        return (cast("Body", self.body),) if field == "body" else super().targets(field)
 
 
 def _check_surface(body: object, path: str, thickness: float) -> None:

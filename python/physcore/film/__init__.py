@@ -9,10 +9,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from physcore.entrance import entrances
 from physcore.film.filming import film, gif_bytes
 from physcore.film.notebook import full_html, html
 from physcore.simulation.recording import show_with
-from physcore.spelling import did_you_mean, spell
+from physcore.spelling import did_you_mean
 
 if TYPE_CHECKING:
     from physcore.film import styles
@@ -60,7 +61,7 @@ def __getattr__(name: str) -> object:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}{did_you_mean(name, __all__)}")
     found = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
-    spell([found])
+    entrances([found])
     return found
 
 

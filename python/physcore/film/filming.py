@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Unpack
 
 from physcore.checks import count as whole_number
 from physcore.checks import flag, word
+from physcore.entrance import entrance
 from physcore.errors import FileError, SceneWarning, warn
 from physcore.numerics.choices import Options
-from physcore.spelling import spelled
 
 # The drawing modules are imported on use: their import takes as long as that of the rest of physcore.
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ SAMPLES: dict[Quality, int] = {"fast": 1, "high": 2}
 """Samples per pixel along each side, in 3D."""
 
 
-@spelled
+@entrance
 def film(
     recording: Recording | Scene | Sequence[Recording | Scene],
     path: str | os.PathLike[str],

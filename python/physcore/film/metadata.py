@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from physcore.checks import file_path
+from physcore.entrance import entrance
 from physcore.errors import FileError, SceneError
 from physcore.film.writers import WRITERS
 from physcore.simulation.provenance_record import ProvenanceRecord
@@ -43,6 +44,7 @@ def write_sidecar(found: Sequence[Source], target: Path) -> None:
         file.write(text.encode() + b"\n")
 
 
+@entrance
 def provenance(path: str | os.PathLike[str]) -> list[ProvenanceRecord]:
     """Provenance of a film, read from it or from the JSON file beside it: one dictionary for each panel.
 

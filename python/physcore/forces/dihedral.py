@@ -9,8 +9,9 @@ import numpy as np
 from physcore.arithmetic import arctan2, dots, lengths
 from physcore.checks import FloatArray, IntArray, frozen, number, shown
 from physcore.errors import SceneError
-from physcore.scene.bodies import SpringNetwork
+from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Force, On
+from physcore.scene.selection import Selection
 from physcore.scene.surfaces import check_areas
 
 
@@ -44,6 +45,7 @@ class Dihedral(Force):
 
     Args:
         on: the SpringNetwork in 3D, or several, or their names, with faces (T, 3). At most two faces meet at an edge.
+            Of a selection of particles, edges between two faces with all corners in it.
         stiffness: the bending rigidity B [N·m], at least zero; E h³/12/(1 − ν²) of an elastic sheet of thickness h.
         damping: damping coefficient [N·m·s], at least zero; its losses count as dissipated by damping.
 
@@ -70,19 +72,17 @@ class Dihedral(Force):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        named = self.bodies()
+        named = self.targets()
         if not named:
             raise SceneError(f"Dihedral.on: must be a SpringNetwork with faces, got {shown(self.on)}")
-        networks = tuple(dict.fromkeys(named))
         self._set(
-            on=networks,
             stiffness=number(self.stiffness, "Dihedral.stiffness", least=0.0),
             damping=number(self.damping, "Dihedral.damping", least=0.0),
         )
         if self.by_name:
             return
-        parts = [_hinges(body, "Dihedral.on" + (f"[{k}]" if len(named) > 1 else "")) for k, body in enumerate(networks)]
-        starts = np.cumsum([0, *map(len, networks)])
+        parts = [_hinges(each, "Dihedral.on" + (f"[{k}]" if len(named) > 1 else "")) for k, each in enumerate(named)]
+        starts = np.cumsum([0, *(len(each.body if isinstance(each, Selection) else each) for each in named)])
         self._set(
             hinges=frozen(np.concatenate([start + part[0] for start, part in zip(starts, parts, strict=False)])),
             rest_angle=frozen(np.concatenate([angle for _, angle, _ in parts])),
@@ -90,15 +90,19 @@ class Dihedral(Force):
         )
 
 
-def _hinges(body: object, path: str) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Corners (H, 4), rest angles (H,) and weights (H,) of the edges between two faces of a surface."""
+def _hinges(target: Body | str | Selection, path: str) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Corners (H, 4), rest angles (H,) and weights (H,) of the edges between two faces of a surface, or of a part."""
+    body = target.body if isinstance(target, Selection) else target
     if not isinstance(body, SpringNetwork):
         raise SceneError(f"{path}: must be a SpringNetwork with faces, got {shown(body)}")
     if body.dimension != 3:
         raise SceneError(f"{path}: must be in 3D, got {body!r}; a surface bends in space, give its positions a z")
     if not len(body.faces):
         raise SceneError(f"{path}: must have faces, got {body!r} without any; say which: SpringNetwork(…, faces=…)")
-    hinges = _edges(body.faces, path)
+    faces = body.faces[target.mask[body.faces].all(axis=1)] if isinstance(target, Selection) else body.faces
+    hinges = _edges(faces, path)
+    if isinstance(target, Selection) and not len(hinges):
+        raise SceneError(f"{path}: must have the four corners of two faces at an edge, got {target!r}")
     check_areas(body, path)
     start, end, one, other = np.moveaxis(body.positions[hinges], 1, 0)
     edge = end - start

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
 from physcore.checks import TimedVector, timed
+from physcore.errors import SceneError
+from physcore.scene.bodies import Body
+from physcore.scene.fluid import Fluid
 from physcore.scene.items import Force
+from physcore.scene.selection import Selection
 from physcore.units.systems import Default, UnitSystem
 
 G = Default(9.81, "m/s²")
@@ -37,6 +42,14 @@ class Gravity(Force):
         super().__post_init__()
         if self.acceleration is not None:
             self._set(acceleration=timed(self.acceleration, "Gravity.acceleration"))
+
+    def check(self, bodies: Sequence[Body], path: str) -> None:
+        """Check that no fluid is named in part, because fluids start in balance with gravity."""
+        for target in self.targets() or ():
+            if isinstance(target, Selection) and isinstance(target.body, Fluid):
+                raise SceneError(
+                    f"{path}.on: must be the whole fluid, which starts in balance with gravity, got {target!r}"
+                )
 
     def resolved(self, dimension: int) -> Gravity:
         """The gravity with its acceleration in a scene of `dimension` dimensions."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 from physcore.checks import TimedVector, number, timed
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Force
+from physcore.scene.selection import Selection
 from physcore.scene.surfaces import check_areas
 from physcore.units.systems import Default
 
@@ -37,7 +38,8 @@ class Wind(Force):
             the units of the scene.
         normal: coefficient of the force normal to a face, at least zero; 1.17 is the value of a square plate.
         tangential: coefficient of skin friction, at least zero; 0.01 for both sides at Reynolds numbers near 10⁵.
-        on: the SpringNetwork with faces in 3D that the force acts on, or several; by default all that have faces.
+        on: the SpringNetwork with faces in 3D that the force acts on, or several; by default all that have faces. Of
+            a selection of particles, faces with all three corners in it.
 
     Raises:
         SceneError: a value is out of range or not finite, a given body or all bodies of the scene have no faces, or a
@@ -77,3 +79,10 @@ class Wind(Force):
             if body.dimension != 3:
                 raise SceneError(f"{path}: must act on faces in 3D, got {body!r}")
             check_areas(body, path)
+        for target in self.targets() or ():
+            if isinstance(target, Selection):
+                corners = target.mask[cast("SpringNetwork", target.body).faces]
+                if not corners.all(axis=1).any():
+                    raise SceneError(
+                        f"{path}.on: must have all three corners of some faces, got {target!r}; the wind acts on faces"
+                    )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Unpack
 
 from physcore.checks import flag, shown
+from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.numerics.choices import Options
 from physcore.output.base import ExportJob, TrajectoryWriter
@@ -19,7 +20,6 @@ from physcore.output.vtk import VtkWriter
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import Recording
 from physcore.simulation.sources import sources
-from physcore.spelling import spelled
 from physcore.storage.formats import writable
 
 FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter)
@@ -28,7 +28,7 @@ FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5m
 __all__ = ["FORMATS", "export"]
 
 
-@spelled
+@entrance
 def export(
     recording: Recording | Scene,
     path: str | os.PathLike[str],

@@ -33,10 +33,11 @@ from physcore.checks import (
     span,
     vector,
 )
+from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
 from physcore.scene.materials import Material
-from physcore.spelling import did_you_mean, spelled
+from physcore.spelling import did_you_mean
 
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
@@ -57,7 +58,7 @@ class _Kind:
     """Whether springs along a border of a sheet carry half the width of the others, and have half their stiffness."""
 
 
-@spelled
+@entrance
 def rope(
     particles: int,
     length: float,
@@ -117,7 +118,7 @@ def rope(
     )
 
 
-@spelled
+@entrance
 def cloth(
     shape: tuple[int, int],
     spacing: float,
@@ -236,7 +237,7 @@ def cloth(
     )
 
 
-@spelled
+@entrance
 def soft_body(
     shape: tuple[int, int] | tuple[int, int, int],
     spacing: float,

@@ -5,18 +5,22 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import ClassVar, Literal, Self, TypeAlias, TypeVar, cast
+from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from physcore.checks import FloatArray, broadcast, flag, frozen, number, shown, text
+from physcore.checks import BoolArray, FloatArray, broadcast, flag, frozen, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.scene.selection import Selection, is_selection
 from physcore.spelling import did_you_mean
 from physcore.units.systems import Default, UnitSystem
 
-On: TypeAlias = Body | str | Sequence[Body | str] | None
-"""Bodies, as objects or by name; None: all."""
+Target: TypeAlias = Body | str | Selection
+"""A body, its name, or some particles of a body."""
+On: TypeAlias = Target | tuple[Body | str, ArrayLike | slice] | Sequence[object] | None
+"""Bodies, as objects or by name; `(body, indices)`: some particles of a body; or several of these. None: all."""
 T = TypeVar("T")
 
 
@@ -28,6 +32,30 @@ def chosen(on: object, path: str, kinds: tuple[type, ...] = (Body,)) -> tuple[Bo
     if not isinstance(bodies, (tuple, list)) or not all(isinstance(body, (*kinds, str)) for body in bodies):
         raise SceneError(f"{path}: must be a body, its name, or several ([one, two]), got {shown(on)}")
     return tuple(bodies)
+
+
+def targeted(on: object, path: str) -> tuple[Target, ...] | None:
+    """The validated value of `on=` of a force: bodies, names and selections of particles; None: all."""
+    if on is None:
+        return None
+    one = isinstance(on, (Body, str)) or is_selection(on)
+    several = (on,) if one else on
+    if not isinstance(several, (tuple, list)) or not all(
+        isinstance(each, (Body, str)) or is_selection(each) for each in several
+    ):
+        raise SceneError(
+            f"{path}: must be a body, its name, or several ([one, two]), or some particles of a body "
+            f"((body, [0, 1])), got {shown(on)}"
+        )
+    paths = [path if one else f"{path}[{place}]" for place in range(len(several))]
+    return tuple(_target(each, own) for each, own in zip(several, paths, strict=True))
+
+
+def _target(value: Target | tuple[Body | str, Any], path: str) -> Target:
+    """A body, a name or a selection. A selection of all particles of a body is the body."""
+    if isinstance(value, tuple):
+        value = Selection(*value, path)
+    return value.body if isinstance(value, Selection) and value.is_whole else value
 
 
 def found(keys: Sequence[T | str], items: Iterable[T], path: str) -> tuple[T, ...]:
@@ -108,18 +136,27 @@ class ActingItem(SceneItem):
     """Whether the item acts on a fluid only if the fluid is named."""
     naming: ClassVar[tuple[str, ...]] = ("on",)
     """The fields that name bodies."""
+    selects: ClassVar[bool] = False
+    """Whether the item can act on some particles of a body."""
 
     def __post_init__(self) -> None:
-        self._set(**{name: chosen(getattr(self, name), f"{type(self).__name__}.{name}") for name in self.naming})
+        self._set(**{name: self._targets(name) for name in self.naming})
+        for name, targets in self._keys().items():
+            _check_once(targets, f"{type(self).__name__}.{name}")
 
     @property
     def by_name(self) -> bool:
         """Whether some bodies are given by name. These are not known until the item is in a scene."""
-        return any(isinstance(each, str) for keys in self._keys().values() for each in keys)
+        return any(isinstance(_body(each), str) for keys in self._keys().values() for each in keys)
 
-    def _keys(self) -> dict[str, tuple[Body | str, ...]]:
-        """The bodies and names in each field; fields that are None are omitted."""
-        given = {name: chosen(getattr(self, name), f"{type(self).__name__}.{name}") for name in self.naming}
+    def _targets(self, name: str) -> tuple[Target, ...] | None:
+        """The validated value of a field that names bodies."""
+        value, path = getattr(self, name), f"{type(self).__name__}.{name}"
+        return targeted(value, path) if self.selects else chosen(value, path)
+
+    def _keys(self) -> dict[str, tuple[Target, ...]]:
+        """The bodies, names and selections in each field; fields that are None are omitted."""
+        given = {name: self._targets(name) for name in self.naming}
         return {name: keys for name, keys in given.items() if keys is not None}
 
     def among(self, bodies: Sequence[Body], path: str) -> Self:
@@ -130,11 +167,21 @@ class ActingItem(SceneItem):
         """
         if not self.by_name:
             return self
-        return replace(self, **{name: found(keys, bodies, f"{path}.{name}") for name, keys in self._keys().items()})
+        return replace(self, **{name: _known(keys, bodies, f"{path}.{name}") for name, keys in self._keys().items()})
 
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
-        """The bodies that a field names, or None; for an item of a scene."""
-        return cast("tuple[Body, ...] | None", getattr(self, field))  # converted by __post_init__ and `among`
+        """The bodies that a field names, in whole or in part, each once; None: all. For an item of a scene."""
+        targets = self.targets(field)
+        return None if targets is None else tuple(dict.fromkeys(_body(each) for each in targets))
+
+    def targets(self, field: str = "on") -> tuple[Body | Selection, ...] | None:
+        """The bodies that a field names, and the selections from bodies; None: all. For an item of a scene."""
+        return cast("tuple[Body | Selection, ...] | None", getattr(self, field))  # converted by `among`
+
+    @property
+    def partial(self) -> tuple[str, ...]:
+        """The fields that name some particles of a body."""
+        return tuple(name for name, keys in self._keys().items() if any(isinstance(key, Selection) for key in keys))
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Check the bodies that the item acts on, after names are replaced; `path` is the item's path in the scene.
@@ -142,6 +189,34 @@ class ActingItem(SceneItem):
         Raises:
             SceneError: the item cannot act on them.
         """
+
+
+def _body(target: Target) -> Any:
+    """The body of a target, or its name."""
+    return target.body if isinstance(target, Selection) else target
+
+
+def _known(keys: Sequence[Target], bodies: Sequence[Body], path: str) -> tuple[Body | Selection, ...]:
+    """The targets with the bodies of a scene in place of their names."""
+    where = [f"{path}[{place}]" if len(keys) > 1 else path for place in range(len(keys))]
+    named = [found([_body(key)], bodies, path)[0] for key in keys]
+    return tuple(
+        key.of(body, own) if isinstance(key, Selection) else body
+        for key, body, own in zip(keys, named, where, strict=True)
+    )
+
+
+def _check_once(targets: Sequence[Target], path: str) -> None:
+    """Check that no particle is named twice, as far as the bodies are known."""
+    seen: dict[Body, BoolArray] = {}
+    for place, target in enumerate(targets):
+        body = _body(target)
+        if isinstance(body, Body):
+            own = target.mask if isinstance(target, Selection) else np.ones(len(body), dtype=np.bool_)
+            again = seen.get(body, np.zeros_like(own)) & own
+            if again.any():
+                raise SceneError(f"{path}[{place}]: names particle {np.argmax(again)} of {body!r} again")
+            seen[body] = seen.get(body, own) | own
 
 
 # To add a force: a module in `forces`, a line in `FORCES`, and its counterpart in Rust.
@@ -152,9 +227,16 @@ class Force(ActingItem):
         scene.forces  # (Gravity(…),)
         all(isinstance(force, pc.Force) for force in scene.forces)  # True
 
-    `Scene.forces` has all forces of a scene.
+    `Scene.forces` has all forces of a scene. A force acts on the bodies that `on=` names, and on some particles of a
+    body by `on=(body, indices)`. The indices are an integer, a slice, integer indices or a bool mask:
+
+        pc.Gravity(on=(cloth, slice(0, 40)))
+        pc.Drag(0.1, on=[ball, ("cloth", cloth.positions[:, 1] > 0.5)])
+
+    A force between particles acts between those that are named.
     """
 
+    selects: ClassVar[bool] = True
     feels_charges: ClassVar[bool] = False
     """Whether the force may act on the charges of bodies."""
     needs_charges: ClassVar[bool] = False

@@ -9,12 +9,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from physcore.checks import BoolArray
 from physcore.storage.archive import Tree
 from physcore.units.systems import Default
 
-Named: TypeAlias = Mapping[str, "list[int] | None"]
-"""Indices of the bodies that fields name; None: all."""
+Named: TypeAlias = Mapping[str, "list[Any] | None"]
+"""Indices of the bodies that fields name; [index, particles] where a field names some particles; None: all."""
+Masks: TypeAlias = Mapping[str, BoolArray]
+"""Whether fields name each particle of the scene, for fields that name some particles of a body."""
 _NONE: Named = {}
+_NO_MASKS: Masks = {}
 _OWN = ("name", "on")
 """Fields that have a separate place in the form of the engine."""
 
@@ -50,14 +54,24 @@ class Record:
         values = {name: bodies[name] if name in bodies else pack(self.values[name]) for name in self.arguments}
         return {"kind": self.kind, "fields": values}
 
-    def described(self, bodies: Named = _NONE) -> dict[str, object]:
-        """The form of the engine: all values, and the indices of the bodies that fields name; None: all."""
+    def described(self, bodies: Named = _NONE, masks: Masks = _NO_MASKS) -> dict[str, object]:
+        """The form of the engine: all values, and the indices of the bodies that fields name, or masks of particles."""
         hidden = (*_OWN, *bodies)
         values = {name: _described(value) for name, value in self.values.items() if name not in hidden}
         indices = {name: None if named is None else np.array(named, int) for name, named in bodies.items()}
-        others = {name: named for name, named in indices.items() if name not in _OWN}
-        name, on = self.values.get("name"), bodies.get("on")
-        return {"kind": self.kind, "name": name, "on": on, "values": {**values, **others}}
+        others = {name: masks.get(name, named) for name, named in indices.items() if name not in _OWN}
+        return _form(self.kind, {**values, **others}, self.values.get("name"), bodies.get("on"), masks.get("on"))
+
+
+def _form(
+    kind: str,
+    values: dict[str, object],
+    name: str | None = None,
+    on: list[int] | None = None,
+    members: BoolArray | None = None,
+) -> dict[str, object]:
+    """The form of the engine."""
+    return {"kind": kind, "name": name, "on": on, "members": members, "values": values}
 
 
 def _is_item(value: Any) -> bool:
@@ -84,8 +98,7 @@ def _is_code(value: Any) -> bool:
 def _described(value: Any) -> object:
     """A value in the form of the engine. An empty tuple becomes None, a mapping becomes a record without a class."""
     if isinstance(value, dict):
-        values = {name: _described(each) for name, each in value.items()}
-        return {"kind": "", "name": None, "on": None, "values": values}
+        return _form("", {name: _described(each) for name, each in value.items()})
     if isinstance(value, tuple) and (not value or any(isinstance(each, Record) for each in value)):
         return tuple(map(_described, value)) or None
     return value.described() if isinstance(value, Record) else value

@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from typing import Any, cast
 
 import numpy as np
 
-from physcore.checks import shown
-from physcore.errors import FileError, SceneError, SceneWarning, warn
+from physcore.checks import BoolArray, shown
+from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
 from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem, System
+from physcore.scene.mistakes import warn_of_mistakes
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
-from physcore.scene.records import Record, pack
-from physcore.spelling import did_you_mean
+from physcore.scene.records import Named, Record, pack
+from physcore.scene.selection import Selection
+from physcore.spelling import UnknownKey, did_you_mean
 from physcore.storage.archive import Tree, digest
 from physcore.units.systems import SI, Default, UnitSystem
 
@@ -97,7 +100,7 @@ class Scene:
         self._check_items("systems", self.systems)
         self._check_probes()
         self._check_sizes()
-        self._warn_of_charges()
+        warn_of_mistakes(self)
 
     @property
     def dimension(self) -> int:
@@ -127,6 +130,30 @@ class Scene:
             return named
         return tuple(body for body in self.bodies if not (item.spares_fluids and isinstance(body, Fluid)))
 
+    def members(self, item: ActingItem, field: str = "on") -> BoolArray:
+        """Whether a force or a boundary of this scene acts on each particle, shape (N,).
+
+            scene.members(scene.forces[0])
+
+        Args:
+            item: the force or the boundary.
+            field: "on", or another field of the item that names bodies, such as "sources".
+
+        Raises:
+            SceneError: the item is neither.
+        """
+        targets = self.targets(item)  # raises the error
+        named = item.among(self.bodies, "members.item").targets(field)
+        if named is None:
+            named = targets if field == "on" else self.bodies
+        result = np.zeros(self.particles, dtype=np.bool_)
+        for each in named:
+            if isinstance(each, Selection):
+                result[self.slice(each.body)] |= each.mask
+            else:
+                result[self.slice(each)] = True
+        return result
+
     def index(self, key: BodyKey) -> int:
         """The position of a body among the bodies of this scene.
 
@@ -142,7 +169,7 @@ class Scene:
             return number % len(self.bodies)
         known = [body.name for body in self.bodies if body.name is not None]
         names = ", ".join(map(repr, known)) or "none"
-        raise KeyError(
+        raise UnknownKey(
             f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}{did_you_mean(key, known)}"
         )
 
@@ -331,20 +358,6 @@ class Scene:
                     "pc.ball does, leave the radius out, or let it pass by Fluid(…, obstacles=False)"
                 )
 
-    def _warn_of_charges(self) -> None:
-        """Warn if there are charges but no force that acts on charges, or Coulomb's force and no charges."""
-        charged = [position for position, body in enumerate(self.bodies) if body.charge.any()]
-        if self.bodies and not charged:
-            for index, force in enumerate(self.forces):
-                if force.needs_charges:
-                    warn(f"forces[{index}]: no body has a charge: give Particles(…, charge=…)", SceneWarning)
-        if charged and not any(force.feels_charges for force in self.forces):
-            warn(
-                f"{self.path(charged[0])}.charge: no force of the scene acts on charges; "
-                "add Coulomb() between them, or an ElectromagneticField(…)",
-                SceneWarning,
-            )
-
     def _check_items(self, section: str, items: Sequence[SceneItem]) -> None:
         for position, item in enumerate(items):
             self._check_item(f"{section}[{position}]", item)
@@ -374,18 +387,28 @@ class Scene:
         item.check(targets, path)
 
 
-def indices(scene: Scene, item: SceneItem) -> dict[str, list[int] | None]:
-    """The indices of the bodies that a force or a boundary names, and of the systems that a system names, by field."""
+def indices(scene: Scene, item: SceneItem) -> Named:
+    """The indices of the bodies that a force or a boundary names, and of the systems that a system names, by field.
+
+    A selection of particles is the index of its body and the indices of the particles.
+    """
     if isinstance(item, System):
         places = {id(system): index for index, system in enumerate(scene.systems)}
         return {field: [places[id(other)]] for field, other in item.named().items()}
     if not isinstance(item, ActingItem):
         return {}
-    named = {field: item.bodies(field) for field in item.naming}
+    named = {field: item.targets(field) for field in item.naming}
     return {
-        field: None if bodies is None else [scene.bodies.index(body) for body in bodies]
-        for field, bodies in named.items()
+        field: None if targets is None else [_place(scene, target) for target in targets]
+        for field, targets in named.items()
     }
+
+
+def _place(scene: Scene, target: Body | Selection) -> int | list[Any]:
+    """The index of a body, with the indices of the selected particles, if not of all."""
+    if isinstance(target, Selection):
+        return [scene.bodies.index(cast(Body, target.body)), target.index]
+    return scene.bodies.index(target)
 
 
 def _advice(item: object) -> str:

@@ -10,14 +10,14 @@ import numpy as np
 from physcore import memory
 from physcore.arithmetic import dots
 from physcore.checks import MOST, FloatArray, Vector, span, vector
+from physcore.entrance import entrance
 from physcore.errors import SceneError
-from physcore.spelling import spelled
 
 COPIES = 3
 """Peak memory in arrays of coordinates while a shape is filled."""
 
 
-@spelled
+@entrance
 def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     """Block of particles: a rectangle in 2D, a cuboid in 3D.
 
@@ -52,7 +52,7 @@ def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     return np.array(low) + step * _centers(counts)
 
 
-@spelled
+@entrance
 def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
     """Ball of particles, a disc in 2D.
 
@@ -73,7 +73,7 @@ def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
     return np.array(middle) + _round(span(radius, "ball.radius"), spacing, len(middle), "ball")
 
 
-@spelled
+@entrance
 def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
     """Cylinder of particles in 3D, along z.
 

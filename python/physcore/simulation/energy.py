@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.markup import html_table
+from physcore.markup import Printed, html_table
 from physcore.simulation.diagrams import canvas
 from physcore.units.systems import SI, UnitSystem
 
@@ -100,8 +100,8 @@ class Budget(Generic[T]):
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Energy(Budget[float]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Energy(Printed, Budget[float]):
     """Energy budget at one time, in joules or the scene's unit of energy.
 
         energy = pc.Simulation(scene).energy()  # an Energy
@@ -114,10 +114,6 @@ class Energy(Budget[float]):
     time: float
     """Time of the budget [s]."""
 
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
-
     def __str__(self) -> str:
         return _table([_when(self)], {name: [value] for name, value in self._rows().items()}, self._corner)
 
@@ -127,8 +123,8 @@ class Energy(Budget[float]):
         return html_table([self._corner, _when(self)], rows)
 
 
-@dataclass(frozen=True, eq=False)
-class EnergySeries(Budget[FloatArray]):
+@dataclass(frozen=True, eq=False, repr=False)
+class EnergySeries(Printed, Budget[FloatArray]):
     """Energy budget over time, in joules or the scene's unit of energy; every array has the shape (F,).
 
         energy = recording.energy  # an EnergySeries
@@ -151,10 +147,6 @@ class EnergySeries(Budget[FloatArray]):
         scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
         drift: FloatArray = change / scale if scale > 0 else change
         return drift
-
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
 
     def __str__(self) -> str:
         ends = {name: [values[0], values[-1]] for name, values in self._rows().items()}
@@ -248,8 +240,8 @@ class Stock(Generic[T]):
         return {"total": self.total, **removed, **supplied, "= balance": self.balance}
 
 
-@dataclass(frozen=True, eq=False)
-class Amount(Stock[float]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Amount(Printed, Stock[float]):
     """Budget of a conserved quantity at one time.
 
         grid = pc.Grid((64, 64), spacing=0.01)
@@ -262,17 +254,13 @@ class Amount(Stock[float]):
     time: float
     """Time of the budget [s]."""
 
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
-
     def __str__(self) -> str:
         rows = {name: [value] for name, value in self._rows().items()}
         return _table([_when(self)], rows, self._corner)
 
 
-@dataclass(frozen=True, eq=False)
-class AmountSeries(Stock[FloatArray]):
+@dataclass(frozen=True, eq=False, repr=False)
+class AmountSeries(Printed, Stock[FloatArray]):
     """Budget of a conserved quantity over time; every array has the shape (F,).
 
         grid = pc.Grid((64, 64), spacing=0.01)
@@ -284,10 +272,6 @@ class AmountSeries(Stock[FloatArray]):
 
     times: FloatArray
     """Times of the budgets [s]: the last step at or before each frame."""
-
-    def __repr__(self) -> str:
-        """The table, as at a prompt."""
-        return str(self)
 
     def __str__(self) -> str:
         rows = {name: [values[0], values[-1]] for name, values in self._rows().items()}

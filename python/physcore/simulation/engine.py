@@ -183,6 +183,8 @@ def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
     record = Record.of(item.resolved(scene.dimension))
     if not isinstance(item, ActingItem):
         return record.described(indices(scene, item))
+    bodies = {field: item.bodies(field) for field in item.naming}
     targets = scene.targets(item)
-    on = None if targets == scene.bodies else [scene.index(body) for body in targets]
-    return record.described({**indices(scene, item), "on": on})
+    bodies["on"] = None if targets == scene.bodies else targets
+    named = {field: None if own is None else [scene.index(body) for body in own] for field, own in bodies.items()}
+    return record.described(named, {field: scene.members(item, field) for field in item.partial})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 from physcore._core import World
@@ -14,8 +14,10 @@ from physcore.scene.channels import GAUGES
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.energy import Amount, Energy
-from physcore.simulation.state import Frame, Snapshot
+from physcore.simulation.state import Frame
 from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
+from physcore.simulation.watch import Watch, stopped
+from physcore.simulation.within import between
 from physcore.units.systems import UnitSystem
 
 
@@ -97,8 +99,11 @@ def frame_count(duration: float, fps: float, units: UnitSystem) -> int:
     return math.floor(intervals) + 1
 
 
-def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: float) -> Iterator[Frame]:
-    """Advance by a duration, and yield a frame at each start + k/fps. The first one is the present state.
+def frames(
+    world: World, scene: Scene, stepper: Stepper, duration: float, fps: float, watch: Watch | None = None
+) -> Iterator[Frame]:
+    """Advance by a duration, and yield a frame at each start + k/fps. The first one is the present state. With a watch,
+    advance at most to a terminal event.
 
     With a given time step, a frame between two steps is a cubic Hermite interpolation of both. With dt="auto" every
     frame is at a step. The steps are the same as without frames. Positions are wrapped into the periodic domain at the
@@ -108,10 +113,12 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
         PhyscoreError: the world was advanced by other code between two frames.
     """
     with scene.units.worded():
-        yield from _frames(world, scene, stepper, duration, fps)
+        yield from _frames(world, scene, stepper, duration, fps, watch)
 
 
-def _frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: float) -> Iterator[Frame]:
+def _frames(
+    world: World, scene: Scene, stepper: Stepper, duration: float, fps: float, watch: Watch | None
+) -> Iterator[Frame]:
     """The frames, with errors as of the engine."""
     start = world.time
     count = frame_count(duration, fps, scene.units)
@@ -120,9 +127,11 @@ def _frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: 
     stepper.warn_if_long(duration)
     sampled = _stepped if stepper.fixed is None else _interpolated
     before: Frame | None = None
-    for index, sample in enumerate(sampled(world, scene, stepper, count, fps)):
-        here = world.steps
-        yield replace(engine.shown(_measured(sample, before, fps), scene), time=start + index / fps, dt=stepper.dt)
+    for index, sample in enumerate(sampled(world, scene, stepper, count, fps, watch)):
+        time, here = start + index / fps, world.steps
+        if watch is not None and watch.stop is not None and time > watch.stop.time + TIME_TOLERANCE * stepper.dt:
+            break
+        yield replace(engine.shown(_measured(sample, before, fps), scene), time=time, dt=stepper.dt)
         before = sample
         if world.steps != here:
             raise PhyscoreError(
@@ -130,8 +139,9 @@ def _frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: 
                 "at their times: step it before or after, not meanwhile, and not from another thread"
             )
     left = duration - (world.time - start)
-    if left > TIME_TOLERANCE * stepper.dt:
-        stepper.run(left, fps)
+    if left > TIME_TOLERANCE * stepper.dt and not stopped(watch):
+        stepper.run(left, fps, watch)
+    stepper.settle(watch)
 
 
 def _measured(sample: Frame, before: Frame | None, fps: float) -> Frame:
@@ -144,17 +154,21 @@ def _measured(sample: Frame, before: Frame | None, fps: float) -> Frame:
     return replace(sample, fields=fields)
 
 
-def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
+def _stepped(
+    world: World, scene: Scene, stepper: Stepper, count: int, fps: float, watch: Watch | None
+) -> Iterator[Frame]:
     """Frames at the steps of a time step that divides the frame interval."""
     for index in range(count):
         if index > 0:
-            stepper.run(1.0 / fps, fps)
+            stepper.run(1.0 / fps, fps, watch)
         yield frame(world, scene)
 
 
-def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
-    """Frames between steps of a given size. `before` is the last step at or before a frame, `done` the number of the
-    present step.
+def _interpolated(
+    world: World, scene: Scene, stepper: Stepper, count: int, fps: float, watch: Watch | None
+) -> Iterator[Frame]:
+    """Frames between steps of a given size, without meaning after a terminal event. `before` is the last step at or
+    before a frame, `done` the number of the present step.
     """
     dt = stepper.dt
     rates = {info.name: info.rate for info in engine.fields(world, scene)}
@@ -165,32 +179,12 @@ def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps:
         on_step = abs(target - nearest) <= TIME_TOLERANCE
         first = nearest if on_step else math.floor(target)
         if done <= first:
-            stepper.step(first - done)
+            stepper.step(first - done, watch)
             done, before = first, frame(world, scene)
         if on_step:
             yield before
             continue
         if done == first:
-            stepper.step(1)
+            stepper.step(1, watch)
             done += 1
         yield between(before, engine.snapshot(world, scene), target - first, dt, rates)
-
-
-def between(before: Frame, after: Snapshot, fraction: float, dt: float, rates: Mapping[str, str | None]) -> Frame:
-    """The fields at a fraction of a step; the audit is that of `before`.
-
-    A field whose rate of change is also a field is a cubic Hermite interpolation, and its rate is the derivative of
-    this cubic. All other fields are interpolated linearly. The formulas use differences, so that constant values keep
-    their bits. The error is of order dt⁴ for fields such as positions, dt³ for their rates, and dt² for the others.
-
-    Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
-    """
-    s, r = fraction, 1.0 - fraction
-    fields = {name: values + s * (after.fields[name] - values) for name, values in before.fields.items()}
-    for name, rate in rates.items():
-        if rate is not None:
-            shift = after.fields[name] - before.fields[name]
-            v0, v1 = before.fields[rate], after.fields[rate]
-            fields[name] = before.fields[name] + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * v0 - s * v1)
-            fields[rate] = 6.0 * s * r * (shift / dt) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
-    return replace(before, fields=fields)

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 
 from physcore.checks import file_path
+from physcore.entrance import entrance
 from physcore.errors import FileError, PhyscoreError
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
@@ -19,6 +20,7 @@ _KINDS: dict[str, Callable[[dict[str, archive.Tree]], Simulation | Recording]] =
 """Loaders by the kind of a file's content."""
 
 
+@entrance
 def load(path: str | os.PathLike[str]) -> Simulation | Recording:
     """Load a checkpoint or a recording.
 

@@ -19,6 +19,9 @@ from physcore.scene.scene import Scene
 from physcore.simulation.energy import FAIR_DRIFT, verdict
 from physcore.simulation.recording import Recording
 
+ROWS = 6
+"""Number of rows of particles across a fluid below which sloshing loses more than 5 % of its amplitude in a period."""
+
 ROUNDING = 1e-12
 """Tolerance of a plane, relative to the extent of a body."""
 
@@ -65,12 +68,35 @@ def _untouched(recording: Recording) -> Iterator[str]:
 
 def of_scene(scene: Scene, numerics: Numerics) -> list[str]:
     """Notes on what a scene does not resolve, and on unstable equilibrium."""
-    notes = _edge_on(scene)
+    notes = [*_edge_on(scene), *_thin(scene)]
     for system in scene.systems:
         path = str(scene.system(system))
         integrator = numerics.integrators.get(path, numerics.integrator)
         notes += [f"{path}: {each}" for each in system.unresolved(type(integrator).__name__)]
     return notes
+
+
+def _thin(scene: Scene) -> Iterator[str]:
+    """Notes on fluids of few rows of particles, or between walls with room for few."""
+    sides = [np.ptp(np.array([wall.lower, wall.upper]), axis=0) for wall in _containers(scene)]
+    for place, body in enumerate(scene.bodies):
+        if not isinstance(body, Fluid):
+            continue
+        extents = [np.ptp(body.positions, axis=0) + body.spacing, *sides]
+        thinnest = float(np.min(extents))
+        rows = round(thinnest / body.spacing)
+        if rows < ROWS:
+            yield (
+                f"{scene.path(place)}: {rows} rows of particles across its thinnest side or its container; waves in "
+                f"fewer than {ROWS} rows lose more than 5 % of their height in a period; a spacing of "
+                f"{thinnest / ROWS:.2g} m keeps that"
+            )
+
+
+def _containers(scene: Scene) -> list[Box]:
+    """The boxes that contain the bodies of a scene."""
+    walls = [boundary.resolved(scene.dimension) for boundary in scene.boundaries]
+    return [wall for wall in walls if isinstance(wall, Box) and wall.inside]
 
 
 def _edge_on(scene: Scene) -> list[str]:

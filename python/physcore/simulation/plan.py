@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physcore.markup import html_table
+from physcore.markup import Printed, html_table
 from physcore.numerics.choices import LimitKind
 from physcore.units.systems import SI, UnitSystem
 
 
-@dataclass(frozen=True)
-class Plan:
+@dataclass(frozen=True, repr=False)
+class Plan(Printed):
     """Plan of a simulation: the stages that the scene requires, and the chosen numerics.
 
         print(pc.Simulation(scene).plan)  # a Plan
@@ -88,10 +88,6 @@ class Plan:
             "left out": ", ".join(self.left_out) or "nothing",
         }
         return {name: text for name, text in rows.items() if text}
-
-    def __repr__(self) -> str:
-        """The text, as at a prompt."""
-        return str(self)
 
     def __str__(self) -> str:
         lines = [f"  {name:<11}{text}" for name, text in self._rows().items()]

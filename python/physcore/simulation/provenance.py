@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Self
@@ -9,7 +10,7 @@ from typing import Self
 from physcore.checks import shown
 from physcore.errors import FileError
 from physcore.storage.archive import Tree
-from physcore.storage.schema import Rule, either, of, record, several, table, text
+from physcore.storage.schema import Rule, either, of, real, record, several, table, text
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Segment:
     def from_content(cls, content: Tree) -> Self:
         """A segment from a file, where tuples are lists."""
         dt = content["dt"]
-        return cls(content["start"], content["steps"], tuple(dt) if isinstance(dt, list) else dt)
+        return cls(content["start"], content["steps"], tuple(dt) if isinstance(dt, (list, tuple)) else dt)
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,17 @@ def segments_from(content: Tree) -> tuple[Segment, ...]:
     return tuple(Segment.from_content(entry) for entry in content)
 
 
-SEGMENTS: Rule = several(of(Segment))
+def _segment(value: Tree, path: str) -> Tree:
+    """A segment in a file, which ends at a finite time."""
+    step = real(above=0.0)
+    checked: Tree = of(Segment, start=real(least=0.0), dt=either(list, several(step, lengths=(2,)), step))(value, path)
+    largest = max(checked["dt"]) if isinstance(checked["dt"], tuple) else checked["dt"]
+    if math.isinf(checked["start"] + checked["steps"] * largest):
+        raise FileError(f"{path}: must end at a finite time")
+    return checked
+
+
+SEGMENTS: Rule = several(_segment)
 """Rule for the segments in a file."""
 
 

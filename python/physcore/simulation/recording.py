@@ -6,40 +6,34 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
 from physcore import memory
-from physcore.checks import BoolArray, FloatArray, is_word, word, words
-from physcore.errors import SceneError
+from physcore.checks import FloatArray, is_word, word, words
+from physcore.errors import FileError, SceneError
 from physcore.scene.channels import (
     CHANNELS,
     FLUID_CHANNELS,
-    OWNERS,
-    SPRING_CHANNELS,
-    body_fields,
-    body_gauges,
     field_names,
-    gauge,
-    gauge_shapes,
     springs,
-    system_shapes,
 )
 from physcore.scene.grid import GridSystem
 from physcore.scene.points import PointSystem
-from physcore.scene.scene import BodyKey, ItemKey, Scene
+from physcore.scene.scene import ItemKey, Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.energy import Amount, AmountSeries, EnergySeries
+from physcore.simulation.occurrences import Events
 from physcore.simulation.periods import period_of
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance
 from physcore.simulation.serial import unpack_scene
 from physcore.simulation.state import Frame
 from physcore.simulation.tables import data_frame
+from physcore.simulation.trajectory import Trajectory, channel_rules
 from physcore.storage import archive, schema
 from physcore.storage.schema import Sizes, anything, of, real, record, several, table, text
-from physcore.units.systems import SI, UnitSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,9 +45,6 @@ PARTS = ("removed_by", "supplied_by")
 """Parts of other budgets that have one number for each cause."""
 TOTALS = {"momentum": "kg·m/s", "angular_momentum": "kg·m²/s"}
 """Sums over all particles, with their units."""
-UNITS = {"positions": "m", "velocities": "m/s", "densities": "kg/m³", "pressures": "Pa", "tensions": "N"}
-UNITS |= {"pressure": "Pa", "force": "N"}
-"""Units of channels."""
 TERMS = 8
 """Approximate number of forces and causes of dissipation, each with an energy of its own."""
 
@@ -75,114 +66,6 @@ def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
     ):
         hint = "" if fluids else "; only a Fluid has densities and pressures"
     return words(channels, "channels", known, hint)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Trajectory:
-    """Recorded fields of a whole scene or of one item over time."""
-
-    times: FloatArray
-    """Time of each frame [s], shape (F,)."""
-    channels: dict[str, FloatArray]
-    """Channels by name: vectors have the shape (F, N, D), numbers (F, N)."""
-    units: UnitSystem = field(default=SI, kw_only=True)
-    """Units of all numbers."""
-
-    @property
-    def positions(self) -> FloatArray:
-        """Positions [m], shape (F, N, D); within the periodic domain."""
-        return self._channel("positions")
-
-    @property
-    def velocities(self) -> FloatArray:
-        """Velocities [m/s], shape (F, N, D)."""
-        return self._channel("velocities")
-
-    @property
-    def densities(self) -> FloatArray:
-        """Mass densities [kg/m³], shape (F, N); NaN for particles that do not belong to a fluid."""
-        return self._channel("densities")
-
-    @property
-    def pressures(self) -> FloatArray:
-        """Pressures [Pa], shape (F, N); NaN for particles that do not belong to a fluid."""
-        return self._channel("pressures")
-
-    @property
-    def tensions(self) -> FloatArray:
-        """Tensions of the springs of networks with rods [N], shape (F, S), in the order of `pairs`; positive is
-        attractive.
-        """
-        return self._channel("tensions")
-
-    @property
-    def broken(self) -> BoolArray:
-        """Mask of the broken springs of networks that can tear, shape (F, S), in the order of `pairs`."""
-        return np.not_equal(self._channel("broken"), 0.0)
-
-    def to_dataframe(self) -> DataFrame:
-        """Convert to a pandas data frame (`pip install "physcore[pandas]"`), with a row for each particle at each time.
-
-            table = recording["balls"].to_dataframe()
-            table[table.particle == 0].plot("time", "y")
-
-        Returns:
-            DataFrame: the columns are time [s], particle (its index), x, y and z [m], vx, vy and vz [m/s], and the
-                other
-            channels of particles, as far as they were recorded. For a whole recording there is also body, its name or
-            its index.
-
-        Raises:
-            PhyscoreError: pandas is not installed.
-            SceneError: there are no particles, or the table would not fit into memory.
-        """
-        return data_frame(self.times, self.channels)
-
-    def plot(self, channel: str = "positions", axes: Axes | None = None) -> Axes:
-        """Plot a channel over time with Matplotlib (`pip install "physcore[plot]"`).
-
-        The plot has the mean of each component, and a band from the smallest to the largest value.
-
-        Args:
-            channel: the channel, such as "positions" or "velocities".
-            axes: the axes to draw into; a new figure by default.
-
-        Raises:
-            PhyscoreError: Matplotlib is not installed.
-            SceneError: there is no such channel.
-        """
-        name = word(channel, "plot.channel", self.channels)
-        values = self.channels[name]
-        flat = values if values.ndim == 3 and name in CHANNELS else values.reshape(len(values), -1, 1)
-        label = self.units.label(name, UNITS[name]) if name in UNITS else name
-        return over_time(self.times, flat, "xyz"[: flat.shape[2]], label, axes, self.units)
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    def __repr__(self) -> str:
-        shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
-        return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
-
-    def __getattr__(self, name: str) -> FloatArray:
-        """A field of a system over time, such as `recording[wave].displacement`."""
-        channels = self.__dict__.get("channels", {})
-        if name not in channels:
-            raise AttributeError(f"no field {name!r}: there are {', '.join(channels)}")
-        values: FloatArray = channels[name]
-        return values
-
-    def __getitem__(self, name: str) -> FloatArray:
-        """A field over time by name, such as `recording[item]["u"]`."""
-        if name not in self.channels:
-            raise KeyError(f"no field {name!r}: there are {', '.join(self.channels)}")
-        return self.channels[name]
-
-    def _channel(self, name: str) -> FloatArray:
-        if name not in self.channels:
-            whose = f"; only {OWNERS[name]} them" if name in OWNERS else ""
-            raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
-        return self.channels[name]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -213,6 +96,8 @@ class Recording(Trajectory):
     """Budgets of other conserved quantities by name, such as `budgets["u"]` for the amount of a species."""
     provenance: Provenance
     """The steps that were taken, and the hash of the state at the end."""
+    events: Events = field(default_factory=Events)
+    """Occurrences of the events that the run looked for: `events[event].times`, by event, name or number."""
     film: ClassVar[Callable[..., Any]]
     """Draw a film: `recording.film("run.gif", …)` is `physcore.film(recording, "run.gif", …)`."""
 
@@ -252,24 +137,7 @@ class Recording(Trajectory):
         return over_time(self.energy.times, values[:, np.newaxis], components, label, axes, self.units)
 
     def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # the part of an item
-        system = self.scene.system(item)
-        if system is not None:
-            own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
-            shown = next(each for each in self.scene.systems if self.scene.system(each) == system).shown
-            return self._part(shown({name.removeprefix(f"{system}."): values for name, values in own.items()}))
-        measured = gauge(self.scene, item)
-        if measured is not None:
-            return self._part({measured[0]: self._channel(measured[1])[:, measured[2]]})
-        body = cast("BodyKey", item)
-        mine = body_fields(self.scene, body)
-        own = {name: self.channels[name][:, part] for name, part in mine.items() if name in self.channels}
-        pressed = body_gauges(self.scene, body).items()
-        own |= {name: self.channels[field][:, row] for name, (field, row) in pressed if field in self.channels}
-        return self._part(own)
-
-    def _part(self, channels: dict[str, FloatArray]) -> Trajectory:
-        """The trajectory of one item."""
-        return Trajectory(self.times, channels, units=self.units)
+        return self._part(self.scene, item)
 
     def __repr__(self) -> str:
         return (
@@ -322,6 +190,7 @@ class Recording(Trajectory):
             "scene": self.scene.packed(),
             "plan": _without_units(asdict(self.plan)),
             "provenance": self.provenance.content(),
+            "events": [occurrences.content() for occurrences in self.events],
         }
         archive.write(path, "recording", content)
 
@@ -334,15 +203,14 @@ class Recording(Trajectory):
         """
         scene = unpack_scene(content.get("scene"))
         sizes = Sizes(N=scene.particles, S=springs(scene), D=scene.dimension, A=_turns(scene))
-        over_time = sizes.array("F")
+        if "provenance" not in content:
+            raise FileError("provenance: is missing")
+        provenance = Provenance.from_content(content["provenance"])
+        # A run that went on in spite of its divergence may have energies beyond the range of numbers.
+        finite = not is_word(provenance.numerics.get("on_divergence"), "ignore")
+        over_time = sizes.array("F", finite=finite)
         channels = several(schema.word(*field_names(scene)))(content.get("channels"), "channels")
-        axes = {**dict.fromkeys(CHANNELS, ("F", "N", "D")), **dict.fromkeys(FLUID_CHANNELS, ("F", "N"))}
-        axes |= dict.fromkeys(SPRING_CHANNELS, ("F", "S"))
-        for name, lengths in {**system_shapes(scene), **gauge_shapes(scene)}.items():
-            axes[name] = ("F", *(f"{name}, axis {axis}" for axis in range(len(lengths))))
-            sizes.update(zip(axes[name][1:], lengths, strict=True))
-        # Particles of other bodies have the density NaN.
-        rules = {name: sizes.array(*axes[name], finite=name not in FLUID_CHANNELS) for name in channels}
+        rules = channel_rules(scene, sizes, "F")
         terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
         amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
         budget = record(unit=text, total=over_time, times=over_time, **dict.fromkeys(PARTS, table(over_time)))
@@ -352,25 +220,33 @@ class Recording(Trajectory):
             times=sizes.array("F", finite=True),
             fps=real(above=0.0),
             energy=record(**amounts, **terms),
-            momentum=sizes.array("F", "D"),
-            angular_momentum=sizes.array("F", "A"),
+            momentum=sizes.array("F", "D", finite=finite),
+            angular_momentum=sizes.array("F", "A", finite=finite),
             plan=of(Plan, units=None),
             budgets=table(budget),
-            provenance=Provenance.from_content,
-            **rules,
+            provenance=anything,
+            events=lambda value, path: Events.from_content(value, path, scene, sizes),
+            **{name: rules[name] for name in channels},
         )
         checked = shape(content, "")
+        if not (np.diff(checked["times"]) > 0.0).all():
+            raise FileError("times: must be ascending")
+        energy = EnergySeries(**checked["energy"], units=scene.units)
+        with np.errstate(over="ignore", invalid="ignore"):
+            if finite and not np.isfinite(energy.drift).all():
+                raise FileError("energy: must have a drift of the balance that is finite")
         return cls(
             times=checked["times"],
             channels={name: checked[name] for name in channels},
-            energy=EnergySeries(**checked["energy"], units=scene.units),
+            energy=energy,
             momentum=checked["momentum"],
             angular_momentum=checked["angular_momentum"],
             fps=checked["fps"],
             scene=scene,
             plan=Plan(**checked["plan"], units=scene.units),
             budgets={name: AmountSeries(**each, units=scene.units) for name, each in checked["budgets"].items()},
-            provenance=checked["provenance"],
+            provenance=provenance,
+            events=checked["events"],
         )
 
 
@@ -383,8 +259,8 @@ def collect(
     end: Callable[[], tuple[Plan, Provenance]],
     tick: Callable[[int], None],
 ) -> Recording:
-    """Collect the fields in `shapes` from `count` frames. `tick` is called with the number of frames so far, `end`
-    after the last one.
+    """Collect the fields in `shapes` from at most `count` frames. `tick` is called with the number of frames so far,
+    `end` after the last one.
 
     Raises:
         SceneError: the recording would not fit into memory.
@@ -400,7 +276,9 @@ def collect(
     by_term: dict[str, FloatArray] = {}
     dissipated_by: dict[str, FloatArray] = {}
     amounts: dict[str, list[Amount]] = {}
+    taken = 0
     for index, frame in enumerate(frames):
+        taken = index + 1
         for name, values in data.items():
             values[index] = frame.fields[name]
         times[index] = frame.time
@@ -413,11 +291,15 @@ def collect(
                 series.setdefault(term, np.empty(count))[index] = value
         for name, amount in frame.budgets.items():
             amounts.setdefault(name, []).append(amount)
-        tick(index + 1)
+        tick(taken)
     budgets = {name: AmountSeries.of(each) for name, each in amounts.items()}
+    by_term, dissipated_by, budget, data = (
+        {name: values[:taken] for name, values in series.items()} for series in (by_term, dissipated_by, budget, data)
+    )
     energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget, units=scene.units)
     plan, provenance = end()
-    return Recording(times, data, energy, momentum, angular_momentum, fps, scene, plan, budgets, provenance)
+    totals = momentum[:taken], angular_momentum[:taken]
+    return Recording(times[:taken], data, energy, *totals, fps, scene, plan, budgets, provenance)
 
 
 def _without_units(content: Mapping[str, archive.Tree]) -> dict[str, archive.Tree]:

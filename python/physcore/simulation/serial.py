@@ -23,8 +23,9 @@ from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
 from physcore.scene.records import kind_of, pack, parameters
 from physcore.scene.scene import Scene
+from physcore.scene.selection import Selection
 from physcore.storage.archive import Tree
-from physcore.storage.schema import anything, maybe, of, real, record, several, table, text, whole, word
+from physcore.storage.schema import Rule, anything, either, maybe, of, real, record, several, table, text, whole, word
 from physcore.systems import SYSTEMS
 from physcore.units.systems import Unit, UnitSystem
 
@@ -165,8 +166,19 @@ def _with_named(tree: Tree, path: str, found: dict[int, Any]) -> Tree | None:
 def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: list[Body]) -> Any:
     thing = _THING(tree, path)
     values = table(anything)(thing["fields"], f"{path}.fields")
-    named: dict[str, list[Body]] = {}
+    named: dict[str, list[Body | Selection]] = {}
+    index = whole(most=len(bodies) - 1)
+    rule = maybe(several(either(list, several(anything, lengths=(2,)), index)))
     for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
-        indices = maybe(several(whole(most=len(bodies) - 1)))(values.get(field), f"{path}.{field}")
-        named |= {} if indices is None else {field: [bodies[index] for index in indices]}
+        own = f"{path}.{field}"
+        targets = rule(values.get(field), own)
+        named |= {} if targets is None else {field: [_target(each, own, bodies, index) for each in targets]}
     return _unpack({**tree, "fields": {**values, **named}}, path, kinds)
+
+
+def _target(tree: Tree, path: str, bodies: list[Body], index: Rule) -> Body | Selection:
+    """A body from its index, or some of its particles from the index with those of the particles."""
+    if not isinstance(tree, tuple):
+        return bodies[tree]
+    with _named(path):
+        return Selection(bodies[index(tree[0], path)], tree[1], path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Literal, cast
@@ -36,15 +36,18 @@ from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Amount, Energy
+from physcore.simulation.event import Event, checked
 from physcore.simulation.notes import noted, of_scene
+from physcore.simulation.occurrences import Events
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import SEGMENTS, Provenance, version
 from physcore.simulation.recording import Recording, check_channels, collect
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
 from physcore.simulation.state import Frame, Part
 from physcore.simulation.stepper import Captured, Stepper
+from physcore.simulation.watch import Watch
 from physcore.storage import archive
-from physcore.storage.schema import of, record, several, table
+from physcore.storage.schema import of, real, record, several, table
 
 State = ArrayLike | Mapping[BodyKey, ArrayLike]
 """New values for all particles, or for some bodies."""
@@ -86,7 +89,7 @@ class Simulation:
 
     Warns:
         StabilityWarning: `dt` is above the limit of stability, or a step had to be taken in parts; said once in a run.
-        MachWarning: a thousandth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
+        MachWarning: a fiftieth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
     """
 
     def __init__(
@@ -121,6 +124,7 @@ class Simulation:
         self._numerics = numerics
         self._world = engine.build(scene, numerics)
         self._stepper = Stepper(self._world, scene, numerics)
+        self._watch: Watch | None = None
 
     @property
     def scene(self) -> Scene:
@@ -221,29 +225,49 @@ class Simulation:
         with self._scene.units.worded():
             self._stepper.step(n)
 
-    def run(self, duration: float) -> None:
+    @property
+    def events(self) -> Events:
+        """The occurrences of the events that the last `run`, `record` or `frames` looked for; also after an error."""
+        return Events() if self._watch is None else self._watch.events
+
+    def run(self, duration: float, events: Sequence[Event] = ()) -> None:
         """Advance by `duration` [s]: ⌈duration/dt⌉ steps; with dt="auto" or adaptive steps the last one ends exactly
         there.
 
+            simulation.run(0.1, events=[pc.Event.crossing("cloth", "y", -0.1)])
+            simulation.events[0].times
+
+        Args:
+            duration: [s].
+            events: what to look for on the way; a terminal one ends the run, and the simulation is then at the event.
+
         Raises:
+            SceneError: an argument is not valid, or the function of an event fails.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
+        interval = span(duration, "run.duration", empty=True)
+        watch = self._watch_for(events, None)
         with self._scene.units.worded():
-            self._stepper.run(span(duration, "run.duration", empty=True))
+            self._stepper.run(interval, watch=watch)
+            self._stepper.settle(watch)
 
-    def frames(self, duration: float, fps: float = FRAMES_PER_SECOND) -> Iterator[Frame]:
+    def frames(self, duration: float, fps: float = FRAMES_PER_SECOND, events: Sequence[Event] = ()) -> Iterator[Frame]:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
 
         The first frame is the present state. Frames between two steps of a given dt are cubic Hermite interpolations.
-        Who stops early finds the simulation at the last frame, or one step past it.
+        Who stops early finds the simulation at the last frame, or one step past it. `events` is as for `run`; the last
+        frame is then at or before a terminal event.
 
         Raises:
             SceneError: an argument is out of range.
             PhyscoreError: the simulation was stepped between two frames.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
+        return self._frames(duration, fps, self._watch_for(events, None))
+
+    def _frames(self, duration: float, fps: float, watch: Watch | None) -> Iterator[Frame]:
         interval, rate = span(duration, "duration", empty=True), span(fps, "fps")
-        return sampling.frames(self._world, self._scene, self._stepper, interval, rate)
+        return sampling.frames(self._world, self._scene, self._stepper, interval, rate, watch)
 
     def record(
         self,
@@ -252,6 +276,7 @@ class Simulation:
         channels: tuple[str, ...] | None = None,
         *,
         progress: bool | None = None,
+        events: Sequence[Event] = (),
     ) -> Recording:
         """Advance by `duration` [s] and keep `fps` frames per second.
 
@@ -261,6 +286,8 @@ class Simulation:
             channels: what to keep of each frame, such as "positions" and "velocities", and with a Fluid "densities" and
                 "pressures", "wall_forces" and "probe_pressures"; None: all but the first two of fluids.
             progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+            events: what to look for on the way, for `Recording.events`. A terminal one ends the run; the last frame is
+                then at or before it, and the simulation is at the event.
 
         Raises:
             SceneError: the recording would not fit into memory, or an argument is out of range.
@@ -272,13 +299,21 @@ class Simulation:
         """
         kept = check_channels(channels, self._scene)
         shown = None if progress is None else flag(progress, "progress")
-        frames = self.frames(duration, fps)
+        watch = self._watch_for(events, kept)
+        frames = self._frames(duration, fps, watch)
         count = sampling.frame_count(float(duration), float(fps), self._scene.units)
         with Progress(count, "simulating", shown) as bar:
             shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
             recording = collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
         self._stepper.warn_of_drift(float(np.abs(recording.energy.drift).max()))
-        return noted(recording)
+        return noted(recording if watch is None else replace(recording, events=watch.events))
+
+    def _watch_for(self, events: object, channels: tuple[str, ...] | None) -> Watch | None:
+        """A watch that keeps these fields; None without events."""
+        given = checked(events, self._scene)
+        kept = check_channels(channels, self._scene)
+        self._watch = Watch(given, self._world, self._scene, self._numerics, kept) if given else None
+        return self._watch
 
     def set(self, positions: State | None = None, velocities: State | None = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.
@@ -292,8 +327,7 @@ class Simulation:
             SceneError: a shape does not fit, or a value is not finite.
         """
         given = {"positions": positions, "velocities": velocities}
-        with self._scene.units.worded():
-            self._world.write({name: self._whole(values, name) for name, values in given.items() if values is not None})
+        self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
 
     def _set_body(self, body: BodyKey, values: Mapping[str, ArrayLike]) -> None:
         """Replace positions or velocities of a body."""
@@ -309,10 +343,16 @@ class Simulation:
             if name not in system.shapes() or not states[name]:
                 known = ", ".join(each for each in system.shapes() if states[each])
                 raise SceneError(f"{path}.set.{name}: must be one of {known}")
+        self._write(
+            {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
+        )
+
+    def _write(self, fields: dict[str, FloatArray]) -> None:
+        """Replace fields of the world."""
         with self._scene.units.worded():
-            self._world.write(
-                {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
-            )
+            self._world.write(fields)
+        if self._watch is not None:
+            self._watch.restart()
 
     def energy(self) -> Energy:
         """The energy budget of the present state.
@@ -464,12 +504,17 @@ class Simulation:
         Raises:
             FileError: an entry is missing or wrong; with its path.
         """
-        limits = several(of(Limit), lengths=(0, 2))
+        bounds = dict.fromkeys(("dt", "stability", "accuracy", "certified", "endured"), real(least=0.0, finite=False))
+        limits = several(of(Limit, **bounds), lengths=(0, 2))
         stepper = of(Captured, limits=limits, segments=SEGMENTS)
         shape = record(scene=unpack_scene, numerics=unpack_numerics, stepper=stepper, world=table(_numbers))
         checked = shape(content, "")
         numerics = check(checked["numerics"], checked["scene"])
         simulation = cls._resumed(checked["scene"], numerics, checked["stepper"], checked["world"])
+        if numerics.on_divergence != "ignore" and not np.isfinite(checked["world"]["tallies"]).all():
+            raise FileError("world.tallies: must be finite")
+        if not np.isfinite(simulation.time):
+            raise FileError("world.clock: must be a time that is finite")
         for info in engine.fields(simulation._world, simulation._scene):
             # Particles that are no fluid's have no density.
             whole = info.state and info.name not in FLUID_CHANNELS
@@ -536,7 +581,7 @@ def _numbers(value: object, path: str) -> NDArray[np.generic]:
     if not isinstance(value, np.ndarray):
         raise FileError(f"{path}: must be an array, got {shown(value)}")
     steps = value.dtype.kind in "iu" and value.size > 0 and int(value.max()) > MOST
-    if steps or (path.endswith("clock") and not np.isfinite(value).all()):
+    if steps or (path.endswith(("clock", "adaptation")) and not np.isfinite(value).all()):
         raise FileError(f"{path}: must be finite numbers, with at most {MOST} steps")
     return value
 

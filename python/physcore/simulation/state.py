@@ -13,6 +13,7 @@ from physcore.errors import SceneError
 from physcore.scene.channels import OWNERS, body_fields, body_gauges, gauge
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import Amount, Energy
+from physcore.spelling import UnknownKey
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Snapshot:
         if isinstance(key, str) and key in self.fields:
             return self.fields[key]
         if self.scene is None:
-            raise KeyError(f"no field {key!r}: there are {', '.join(self.fields)}")
+            raise UnknownKey(f"no field {key!r}: there are {', '.join(self.fields)}")
         path = self.scene.system(key)
         if path is not None:
             own = {name: values for name, values in self.fields.items() if name.startswith(f"{path}.")}

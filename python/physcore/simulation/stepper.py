@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import asdict, replace
-from typing import Any, TypedDict
+from typing import Any, NamedTuple, TypedDict
 
 from physcore._core import World
 from physcore.arithmetic import power
-from physcore.checks import count, number
+from physcore.checks import MOST, count, number
 from physcore.errors import (
     MachWarning,
     PhyscoreError,
@@ -34,12 +34,15 @@ from physcore.numerics.choices import (
     largest_step,
     steps_to,
 )
+from physcore.scene.fluid import Fluid
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.effort import ENCOUNTER_CURE, MOST_STEPS, is_encounter, long_run
 from physcore.simulation.energy import BROKEN_DRIFT, FAIR_DRIFT, WRONG_DRIFT
 from physcore.simulation.provenance import Segment, segments_from
+from physcore.simulation.watch import Watch, stopped
+from physcore.storage.archive import Tree
 from physcore.systems.reaction_diffusion import ReactionDiffusion
 
 CHECK_INTERVAL = 256
@@ -72,6 +75,9 @@ DAMPINGS = ("drag", "spring damping")
 COARSE = 25.0
 """Ratio of a given time step to the limit of accuracy above which it is warned of: a quarter of a turn in a step."""
 
+NEAR = 0.5
+"""Ratio of a given time step to a limit that varies above which the plan has a note; AutoStep() keeps to half."""
+
 RECOVERED = 1.25
 """Factor by which the limit must rise before the time step follows it."""
 
@@ -80,13 +86,43 @@ SLOWEST = 64
 time step resolves it.
 """
 
-FAST_SHARE = 1e-3
-"""Fraction of a fluid's particles that may exceed the Mach number without a warning, as spray does at any speed of
-sound.
+FAST_SHARE = 0.02
+"""Fraction of a fluid's particles that may exceed the Mach number without a warning, as spray and the tips of jets do
+at any speed of sound. They are thin and have free surfaces, so that their density hardly changes.
 """
+
+REHEARSED, REHEARSED_WORK, FEWEST = 20_000, 20_000_000, 100
+"""Number of steps of a rehearsal, unless these are more steps of single particles than the second number; at least the
+third number.
+"""
+
+STEADY = 1.5
+"""Ratio of two numbers of steps per second up to which they count as equal."""
 
 TIME_TOLERANCE = 1e-6
 """Tolerance of times, as a fraction of a step."""
+
+
+class Before(NamedTuple):
+    """State before a step that is watched."""
+
+    world: Tree
+    """Captured world."""
+    time: float
+    substepped: int
+    segments: int
+    """Number of segments."""
+    segment: list[Segment]
+    """The last segment."""
+
+
+class Cut(NamedTuple):
+    """Step that ended at an event."""
+
+    steps: int
+    """Number of steps up to its end."""
+    dt: float
+    """Length of the whole step [s]."""
 
 
 class Captured(TypedDict):
@@ -133,6 +169,10 @@ class Stepper:
         self._long_warned = False
         self._substepped = 0
         self._segments: list[Segment] = []
+        self._last: Before | None = None
+        """The state before the last step that was watched."""
+        self._cut: Cut | None = None
+        """The last step that ended at an event."""
 
     def begin(self) -> None:
         """Find the limits before the first step. A stepper from a checkpoint uses `restore` instead.
@@ -166,7 +206,11 @@ class Stepper:
 
     @property
     def dt(self) -> float:
-        """The time step [s] of the last step; before the first step, that of the next one."""
+        """The time step [s] of the last step, or of that of which a part was taken; before the first step, that of the
+        next one.
+        """
+        if self._cut is not None and self._cut.steps == self._world.steps:
+            return self._cut.dt
         return self.fixed or self._world.dt or self._largest(FRAMES_PER_SECOND)
 
     @property
@@ -177,46 +221,62 @@ class Stepper:
         _, _, smallest, largest = self._world.adaptation()
         return (Segment(0.0, self._world.steps, (smallest, largest)),) if self._world.steps else ()
 
-    def step(self, steps: int) -> None:
-        """Advance by a number of steps."""
+    def step(self, steps: int, watch: Watch | None = None) -> None:
+        """Advance by a number of steps; with a watch, at most to a terminal event."""
         left = count(steps, "step.n")
         if self._adaptive is not None:
             raise SceneError(
                 "dt: adaptive steps are not equal, and end where an interval ends: use run(duration), record or "
                 f"frames; or give dt a number{'' if self._numerics.integrator.self_adaptive else ', or AutoStep()'}"
             )
-        if self.fixed is not None:
-            return self._advance_by(left, self.fixed)
         with self._alone():
-            while left > 0:
+            if self.fixed is not None:
+                return self._advance_by(left, self.fixed, watch)
+            while left > 0 and not stopped(watch):
                 self._check_limit()
                 batch = min(left, self._until_check())
-                left -= self._advance(batch, self._largest(FRAMES_PER_SECOND))
+                left -= self._advance(batch, self._largest(FRAMES_PER_SECOND), watch)
         return None
 
-    def run(self, duration: float, fps: float = FRAMES_PER_SECOND) -> None:
-        """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt."""
+    def run(self, duration: float, fps: float = FRAMES_PER_SECOND, watch: Watch | None = None) -> None:
+        """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt. With
+        a watch, advance at most to the end of the step that has a terminal event.
+        """
         interval = number(duration, "run.duration", least=0.0)
         self.warn_if_long(interval)
-        if self.fixed is not None:
-            return self._advance_by(max(0, steps_to(interval, self.fixed, TIME_TOLERANCE)), self.fixed)
-        if interval == 0.0:
-            return None
-        if self._adaptive is not None:
-            return self._adapt(interval, fps, self._adaptive)
         with self._alone():
+            if self.fixed is not None:
+                return self._advance_by(max(0, steps_to(interval, self.fixed, TIME_TOLERANCE)), self.fixed, watch)
+            if interval == 0.0:
+                return None
+            if self._adaptive is not None:
+                return self._adapt(interval, fps, self._adaptive, watch)
             steps, dt = divide(interval, self._largest(fps))
-            while steps > 0:
+            while steps > 0 and not stopped(watch):
                 if self._check_limit():
                     steps, dt = divide(steps * dt, self._largest(fps))
                 batch = min(steps, self._until_check())
-                steps -= self._advance(batch, dt)
+                steps -= self._advance(batch, dt, watch)
         return None
 
+    def settle(self, watch: Watch | None) -> None:
+        """End a watch, and go to the state at its terminal event from the end of the last step."""
+        last, self._last = self._last, None
+        if watch is None:
+            return
+        watch.end()
+        if watch.stop is None or watch.stop.stretch is None or last is None:
+            return
+        stretch, dt = watch.stop.stretch, self.dt
+        self._return_to(last)
+        self._world.restore(stretch.world)
+        self._note(Segment(last.time, stretch.parts, stretch.size))
+        self._cut = Cut(self._world.steps, dt)
+
     def notes(self) -> list[str]:
-        """Notes of the plan about steps of different sizes, and about oscillations that steps do not resolve."""
+        """Notes of the plan about adaptive steps, limits that vary, and oscillations that steps do not resolve."""
         if self._adaptive is None:
-            return self._unresolved()
+            return self._momentary() + self._unresolved()
         by = (
             f"keep their last coefficient within {self._adaptive.tolerance:g} of the largest acceleration"
             if self._numerics.integrator.self_adaptive and self._adaptive.tolerance is not None
@@ -231,6 +291,18 @@ class Stepper:
             else "none taken so far"
         )
         return [f"adaptive steps {by}: {taken}"]
+
+    def _momentary(self) -> list[str]:
+        """A note on a given step near a limit that varies with the motion."""
+        limit, flows = self.limit, any(isinstance(body, Fluid) for body in self._scene.bodies)
+        if isinstance(self._numerics.dt, StepRule) or not self._varies or not (limit.kind == "accuracy" or flows):
+            return []
+        if not NEAR * limit.dt < self.dt <= limit.dt:
+            return []
+        return [
+            f"the {limit.kind} limit of {limit.dt:.3g} s ({limit.term}) is that of the present state, and falls where "
+            'the motion becomes faster; dt="auto" follows it'
+        ]
 
     def _unresolved(self) -> list[str]:
         """A note on the fastest oscillation of bodies, if it is off by more than 1 % after ten periods."""
@@ -253,23 +325,56 @@ class Stepper:
             f"{ratio:.2g} times as many steps"
         ]
 
-    def _adapt(self, interval: float, fps: float, rule: AdaptiveStep) -> None:
+    def _adapt(self, interval: float, fps: float, rule: AdaptiveStep, watch: Watch | None) -> None:
         """Advance by an interval [s] in steps that follow the motion."""
-        before = self.substepped
-        try:
-            flow = self._world.run(interval, rule.safety, free_step(fps), rule.tolerance)
-        except SimulationDiverged as error:
-            self._complete(error)
-            raise
-        if before == 0 < self.substepped:
-            cause = "safety" if rule.tolerance is None else "tolerance"
-            warn(f"a step that follows the motion diverged and was halved: take a smaller {cause}", StabilityWarning)
-        self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
+        before, most = self.substepped, MOST if watch is None else 1
+        course: tuple[float, float, int] | None = (self._world.time, interval, 0)
+        while course is not None and not stopped(watch):
+            with self._watched(watch):
+                try:
+                    course, flow = self._world.run(course, most, rule.safety, free_step(fps), rule.tolerance)
+                except SimulationDiverged as error:
+                    self._complete(error)
+                    raise
+            if before == 0 < self.substepped:
+                before = self.substepped
+                cause = "safety" if rule.tolerance is None else "tolerance"
+                warn(
+                    f"a step that follows the motion diverged and was halved: take a smaller {cause}", StabilityWarning
+                )
+            self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
 
-    def _advance_by(self, steps: int, dt: float) -> None:
+    def _advance_by(self, steps: int, dt: float, watch: Watch | None) -> None:
         """Advance by `steps` steps."""
-        while steps > 0:
-            steps -= self._advance(steps, dt)
+        while steps > 0 and not stopped(watch):
+            steps -= self._advance(steps, dt, watch)
+
+    @contextmanager
+    def _watched(self, watch: Watch | None) -> Iterator[None]:
+        """Look for events in the one step that is taken inside. If this fails, return to the start of the step."""
+        if watch is None:
+            yield
+            return
+        watch.prepare()
+        world, segments = self._world, self._segments
+        start = Before(world.capture(), world.time, self._substepped, len(segments), segments[-1:])
+        steps = world.steps
+        try:
+            yield
+            if world.steps != steps:
+                watch.look(start.world)
+                self._last = start
+        except SimulationDiverged:
+            raise  # The world is at the last good state, perhaps after parts of the step.
+        except BaseException:
+            self._return_to(start)
+            raise
+
+    def _return_to(self, start: Before) -> None:
+        """Return to the start of the last step."""
+        self._world.restore(start.world)
+        self._substepped = start.substepped
+        self._segments[max(0, start.segments - 1) :] = start.segment
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
@@ -283,9 +388,14 @@ class Stepper:
         finally:
             self._stepping.release()
 
-    def _advance(self, steps: int, dt: float) -> int:
-        """Advance by up to `steps` steps, and return their number. The first step that must be repeated in parts is the
-        last one.
+    def _advance(self, steps: int, dt: float, watch: Watch | None) -> int:
+        """Advance by up to `steps` steps, by one with a watch, and return their number."""
+        with self._watched(watch):
+            return self._take(steps if watch is None else 1, dt)
+
+    def _take(self, steps: int, dt: float) -> int:
+        """Take up to `steps` steps, and return their number. The first step that must be repeated in parts is the last
+        one.
         """
         start, before = self._world.time, self._world.steps
         try:
@@ -348,12 +458,40 @@ class Stepper:
                 start += len(body)
         error.last_good = engine.shown(engine.snapshot(self._world, self._scene), self._scene)
 
+    def steps_ahead(self, duration: float) -> float | None:
+        """The number of steps in a duration [s] from now; None if it is unknown.
+
+        Steps that follow the motion are counted in a rehearsal, in intervals of increasing length. Its mean is used if
+        the last two intervals have about the same number of steps per second.
+        """
+        if self._adaptive is None:
+            return duration / self.dt
+        rule, least = self._adaptive, self.dt
+        world = engine.build(self._scene, self._numerics)
+        world.restore(self._world.capture())
+        most = max(FEWEST, min(REHEARSED, REHEARSED_WORK // max(1, self._scene.particles)))
+        taken, passed, interval, rates = 0, 0.0, 0.5 * least, [0.0, 0.0]
+        try:
+            while passed < duration and taken < most:
+                interval, before = min(2.0 * interval, duration - passed), world.steps
+                course = (world.time, interval, 0)
+                world.run(course, MOST, rule.safety, free_step(FRAMES_PER_SECOND), rule.tolerance)
+                taken, passed = taken + world.steps - before, passed + interval
+                rates = [rates[1], (world.steps - before) / interval]
+        except SimulationDiverged:
+            return None
+        steady = passed >= duration or max(rates) <= STEADY * min(rates)
+        return taken * duration / passed if steady else None
+
     def warn_if_long(self, duration: float) -> None:
         """Warn once if a duration [s] takes more steps than are probably intended."""
         given = self.fixed is not None
         if self._long_warned or duration <= MOST_STEPS * self.dt or _UNWARNED.get():
             return
-        message = long_run(duration, self.dt, "" if given else self.limit.term, given)
+        steps = self.steps_ahead(duration)
+        if steps is None:
+            return
+        message = long_run(duration, duration / steps, "" if given else self.limit.term, given)
         if message is not None:
             self._long_warned = True
             self._warn(message, SceneWarning)
@@ -364,7 +502,8 @@ class Stepper:
         Methods for stiff motion lose energy by choice. The energy in motion of the first steps from rest is no scale.
         """
         allowed = WRONG_DRIFT if self.fixed is None else BROKEN_DRIFT if self._world.steps > FIRST else math.inf
-        if drift <= allowed or self._numerics.integrator.stiff or _UNWARNED.get():
+        # NaN, beyond the range of numbers, has a warning of its own.
+        if not drift > allowed or self._numerics.integrator.stiff or _UNWARNED.get():
             return
         warn(
             f"the energy balance drifted by {drift:.2g} of the energy in motion: the motion is not resolved; "
@@ -412,7 +551,7 @@ class Stepper:
             return False
         assert self._limits
         first, kept = self._limits
-        fallen = kept.kept / RECOVERED if self._numerics.resolves else self._world.dt
+        fallen = kept.kept / RECOVERED if self._numerics.resolves else self.dt
         # NaN, and so no change, where a function of the user's is not finite nearby: the step itself will say so.
         certified = engine.certified(self._world)
         if kept != first and certified >= first.kept:

@@ -24,12 +24,12 @@ Rule: TypeAlias = Callable[[Any, str], Any]
 class Sizes(dict[str, int]):
     """Lengths of axes by name. The first array with an axis determines its length, which all others must have."""
 
-    def array(self, *axes: str, finite: bool = False) -> Rule:
-        """An array of float64 numbers whose axes have these names. With `finite`, all entries must be finite."""
+    def array(self, *axes: str, finite: bool = False, kind: type[np.generic] = np.float64) -> Rule:
+        """An array of numbers of a kind whose axes have these names. With `finite`, all entries must be finite."""
 
         def check(value: Any, path: str) -> Any:
-            if not isinstance(value, np.ndarray) or value.dtype != np.float64 or value.ndim != len(axes):
-                raise _wrong(path, f"an array of float64 numbers with {len(axes)} axes", _kind(value))
+            if not isinstance(value, np.ndarray) or value.dtype != kind or value.ndim != len(axes):
+                raise _wrong(path, f"an array of {kind.__name__} numbers with {len(axes)} axes", _kind(value))
             expected = tuple(self.setdefault(axis, size) for axis, size in zip(axes, value.shape, strict=True))
             if value.shape != expected:
                 raise _wrong(path, f"an array of the shape {expected}", f"the shape {value.shape}")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Unpack
 
 from physcore.checks import flag, is_word, number, span
+from physcore.entrance import entrance
 from physcore.errors import AccuracyError, SceneError
 from physcore.forces import Coulomb, Gravitation, SoftSpheres
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, suited
@@ -15,10 +16,11 @@ from physcore.numerics.integrators import RATTLE
 from physcore.scene.channels import has_rods
 from physcore.scene.items import Force
 from physcore.scene.scene import Scene
+from physcore.simulation.event import Event, checked
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
-from physcore.spelling import spelled
+from physcore.simulation.stepper import unwarned
 from physcore.studies.state import primary, size, suffix
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods
@@ -31,7 +33,7 @@ differences.
 """
 
 
-@spelled
+@entrance
 def simulate(
     scene: Scene,
     duration: float,
@@ -41,6 +43,7 @@ def simulate(
     progress: bool | None = None,
     accuracy: float | None = None,
     energy_drift: float | None = None,
+    events: Sequence[Event] = (),
     **numerics: Unpack[Options],
 ) -> Recording:
     """Simulate a scene from its start, and record it.
@@ -66,6 +69,9 @@ def simulate(
         accuracy: largest error of any particle's position at any frame [m]. Without particles, the largest error of the
             first field of the first system, in its unit.
         energy_drift: largest drift of the energy balance, as in `Recording.energy.drift`.
+        events: events to look for, such as `pc.Event.crossing("ball", "y", 0.5)`, for `Recording.events`. A terminal
+            one ends the run; the last frame is at or before it. With `accuracy` or `energy_drift`, the chosen run is
+            repeated for them.
         numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, as in Simulation. dt
             must not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for each item, no
             other is tried.
@@ -77,7 +83,7 @@ def simulate(
     if progress is not None:
         flag(progress, "progress")
     if accuracy is None and energy_drift is None:
-        return Simulation(scene, **numerics).record(duration, fps, channels, progress=progress)
+        return Simulation(scene, **numerics).record(duration, fps, channels, progress=progress, events=events)
     require_scene(scene)
     if not is_word(numerics.get("dt", "auto"), "auto"):
         raise SceneError("dt: is what accuracy= and energy_drift= choose; leave it out")
@@ -89,8 +95,13 @@ def simulate(
     whole, rate = span(duration, "duration", empty=True), span(fps, "fps")
     if frame_count(whole, rate, scene.units) < 2:
         raise SceneError("fps: there is no frame but the first; ask for more of them, or for a longer duration")
+    given = checked(events, scene)
     selection = _search(scene, target, whole, rate, kept, numerics)
     recording, proof = selection.trial.recording, _proof(selection)
+    if given:
+        simulation = selection.candidate.experiment.start(selection.trial.choice)
+        with unwarned():
+            recording = simulation.record(whole, rate, kept, progress=False, events=given)
     assert recording is not None
     print(proof)
     recording = replace(recording, channels={name: recording.channels[name] for name in kept})

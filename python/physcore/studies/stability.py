@@ -9,7 +9,9 @@ from typing import Literal, overload
 import numpy as np
 
 from physcore.checks import flag
+from physcore.entrance import entrance
 from physcore.errors import SimulationDiverged
+from physcore.markup import Printed
 from physcore.numerics.choices import Numerics, check
 from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
@@ -17,7 +19,6 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
-from physcore.spelling import spelled
 from physcore.studies.state import nudge, place
 from physcore.units.systems import SI, UnitSystem
 
@@ -37,8 +38,8 @@ STRIDE = 1.1
 """Factor between trial steps in the upward search, small enough not to skip an unstable range."""
 
 
-@dataclass(frozen=True)
-class MeasuredLimit:
+@dataclass(frozen=True, repr=False)
+class MeasuredLimit(Printed):
     """Measured limit of stability: the largest stable time step in trial runs, and the theoretical limit.
 
         limit = pc.stability_limit(scene, "PEFRL", measured=True)  # a MeasuredLimit
@@ -87,7 +88,7 @@ def stability_limit(
 ) -> MeasuredLimit: ...
 
 
-@spelled
+@entrance
 def stability_limit(
     scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: bool = False
 ) -> float | MeasuredLimit:

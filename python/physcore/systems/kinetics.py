@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Literal, Self
 
-from physcore.checks import items, number, shown, text, word
+import numpy as np
+
+from physcore.checks import array, frozen, items, number, regular, require, shown, text, word
 from physcore.errors import SceneError
+from physcore.scene.by_value import ByValue
+from physcore.scene.grid import Field, Grid
 
 Pearson = Literal["alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu"]
 
@@ -29,19 +34,40 @@ PEARSON: Mapping[Pearson, tuple[float, float]] = {
 
 
 # To add kinetics: a class here, a line in `KINETICS`, and its counterpart in Rust.
-@dataclass(frozen=True)
-class Kinetics:
-    """Base class of reaction kinetics; the built-in ones have the species "u" and "v"."""
+@dataclass(frozen=True, eq=False)
+class Kinetics(ByValue):
+    """Base class of reaction kinetics; the built-in ones have the species "u" and "v".
+
+    Each parameter of built-in kinetics is a field: a number, an array of the grid's shape or a function of the
+    coordinates of the cell centers. Functions are evaluated by the `ReactionDiffusion` that has the grid.
+    """
 
     signed: ClassVar[bool] = False
     """Whether values have both signs."""
     shown: ClassVar[str] = "u"
     """Default species of films, which is also compared between runs."""
+    least: ClassVar[float] = -math.inf
+    """Smallest value of a parameter."""
 
     def __post_init__(self) -> None:
         for entry in fields(self):
             path = f"{type(self).__name__}.{entry.name}"
-            object.__setattr__(self, entry.name, number(getattr(self, entry.name), path))
+            object.__setattr__(self, entry.name, _parameter(getattr(self, entry.name), path, self.least))
+
+    def on(self, grid: Grid, path: str) -> Self:
+        """The kinetics on a grid, with arrays in place of functions.
+
+        Raises:
+            SceneError: a parameter has another shape than the grid, or is out of range; `path` is that of the kinetics.
+        """
+        given = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return replace(
+            self,
+            **{
+                name: _parameter(grid.uniform_or_field(value, f"{path}.{name}"), f"{path}.{name}", self.least)
+                for name, value in given.items()
+            },
+        )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -49,32 +75,44 @@ class Kinetics:
         return ("u", "v")
 
 
-@dataclass(frozen=True)
+def _parameter(value: Field, path: str, least: float) -> Field:
+    """A number, or a read-only array, not below `least`; a function unchanged."""
+    if callable(value):
+        return value
+    if np.ndim(regular(value, path)) == 0:
+        return number(value, path, least=least)
+    values = frozen(array(value, path))
+    require(values >= least, values, path, f"≥ {least:g}")
+    return values
+
+
+@dataclass(frozen=True, eq=False)
 class GrayScott(Kinetics):
     """Gray–Scott reaction u + 2 v → 3 v in a stirred tank fed with u: spots, stripes, labyrinths and chaos.
 
         kinetics = pc.GrayScott(feed=0.035, kill=0.0625)
+        pearson_map = pc.GrayScott(feed=lambda x, y: 0.01 + 0.02 * x, kill=lambda x, y: 0.045 + 0.01 * y)
 
         R_u = −u v² + F (1 − u)
         R_v =  u v² − (F + k) v
 
     Args:
-        feed: F [1/s], at least zero.
-        kill: k [1/s], at least zero.
+        feed: F [1/s], a field ≥ 0.
+        kill: k [1/s], a field ≥ 0.
+
+    A field is a number, an array of the grid's shape, or a function of the coordinates of the cell centers. With F
+    along x and k along y, one picture shows Pearson's map of patterns.
 
     Raises:
-        SceneError: a number is below zero.
+        SceneError: a value is below zero or not finite.
 
     Source: P. Gray, S. K. Scott, Chem. Eng. Sci. 39, 1087 (1984); J. E. Pearson, Science 261, 189 (1993).
     """
 
-    feed: float
-    kill: float
+    feed: Field
+    kill: Field
     shown: ClassVar[str] = "v"
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "feed", number(self.feed, "GrayScott.feed", least=0.0))
-        object.__setattr__(self, "kill", number(self.kill, "GrayScott.kill", least=0.0))
+    least: ClassVar[float] = 0.0
 
     @classmethod
     def pearson(cls, pattern: Pearson) -> Self:
@@ -95,7 +133,7 @@ class GrayScott(Kinetics):
         return cls(*PEARSON[word(pattern, "GrayScott.pearson", tuple(PEARSON))])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FitzHughNagumo(Kinetics):
     """FitzHugh–Nagumo excitable medium: nerve pulses and spiral waves.
 
@@ -108,24 +146,24 @@ class FitzHughNagumo(Kinetics):
     −0.6243 is stable and excitable. For currents from 0.33 to 1.42 the medium oscillates.
 
     Args:
-        epsilon: ε, the ratio of the rates of recovery and of excitation.
-        beta, gamma: parameters β and γ.
-        current: stimulus current I.
+        epsilon: ε, the ratio of the rates of recovery and of excitation, a field as in `GrayScott`.
+        beta, gamma: parameters β and γ, fields.
+        current: stimulus current I, a field.
 
     Raises:
-        SceneError: a number is not finite.
+        SceneError: a value is not finite.
 
     Source: R. FitzHugh, Biophys. J. 1, 445 (1961); J. Nagumo, S. Arimoto, S. Yoshizawa, Proc. IRE 50, 2061 (1962).
     """
 
-    epsilon: float = 0.08
-    beta: float = 0.7
-    gamma: float = 0.8
-    current: float = 0.0
+    epsilon: Field = 0.08
+    beta: Field = 0.7
+    gamma: Field = 0.8
+    current: Field = 0.0
     signed: ClassVar[bool] = True
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Brusselator(Kinetics):
     """Brusselator of Prigogine and Lefever: oscillations, and patterns if v diffuses faster than u.
 
@@ -138,19 +176,19 @@ class Brusselator(Kinetics):
     √(D_u/D_v))².
 
     Args:
-        a, b: feed parameters.
+        a, b: feed parameters, fields as in `GrayScott`.
 
     Raises:
-        SceneError: a number is not finite.
+        SceneError: a value is not finite.
 
     Source: I. Prigogine, R. Lefever, J. Chem. Phys. 48, 1695 (1968).
     """
 
-    a: float
-    b: float
+    a: Field
+    b: Field
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Schnakenberg(Kinetics):
     """Schnakenberg reaction: spots and stripes if v diffuses faster than u.
 
@@ -162,19 +200,19 @@ class Schnakenberg(Kinetics):
     The uniform state is u = a + b, v = b/(a + b)².
 
     Args:
-        a, b: feed rates.
+        a, b: feed rates, fields as in `GrayScott`.
 
     Raises:
-        SceneError: a number is not finite.
+        SceneError: a value is not finite.
 
     Source: J. Schnakenberg, J. Theor. Biol. 81, 389 (1979).
     """
 
-    a: float
-    b: float
+    a: Field
+    b: Field
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reaction(Kinetics):
     """User-defined reaction between any species, given by a NumPy function of all cells.
 
@@ -206,6 +244,11 @@ class Reaction(Kinetics):
         if not callable(self.function):
             raise SceneError(f"Reaction.function: must be a function of the species, got {shown(self.function)}")
         object.__setattr__(self, "species", names)
+
+    def on(self, grid: Grid, path: str) -> Self:
+        """The kinetics itself: its function has all cells."""
+        del grid, path
+        return self
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -49,8 +49,7 @@ class ReactionDiffusion(GridSystem):
             coordinates of the cell centers.
         edges: "free": no flux through the outer faces; "fixed": values are zero on them. A word for all edges, or a
             mapping of axes or sides, `{"x": "fixed", "y-": "free"}`; other sides are free. Periodic axes of the grid
-                have
-            no edges.
+            have no edges.
         name: name of the system, also a key into results.
 
     Raises:
@@ -91,7 +90,7 @@ class ReactionDiffusion(GridSystem):
         words, _ = grid.edges(edges, "ReactionDiffusion.edges", EDGES, "free")
         self._set(
             grid=grid,
-            reaction=reaction,
+            reaction=reaction.on(grid, "ReactionDiffusion.reaction"),
             diffusion={
                 species: number(value, f"ReactionDiffusion.diffusion[{species!r}]", least=0.0)
                 for species, value in rates.items()

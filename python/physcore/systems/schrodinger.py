@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from physcore.arithmetic import arctan2, cos, exp, sin
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, number, regular, require, shown, text
+from physcore.entrance import entrance
 from physcore.errors import SceneError, SceneWarning, warn
 from physcore.scene.grid import Absorbing, Field, Grid, GridSystem
 from physcore.scene.items import Equation
-from physcore.spelling import spelled
 from physcore.systems.resolution import note, wave_number
 from physcore.systems.wave import EDGES, Edges
 
@@ -24,7 +24,7 @@ Complex: TypeAlias = ArrayLike | Callable[..., ArrayLike]
 """Complex field: an array of the grid's shape, or a function of the coordinates."""
 
 
-@spelled
+@entrance
 def wave_packet(
     grid: Grid, center: ArrayLike, momentum: ArrayLike, width: ArrayLike, hbar: float = 1.0
 ) -> ComplexArray:

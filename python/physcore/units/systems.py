@@ -11,8 +11,9 @@ from functools import cache, cached_property
 from numbers import Real
 from typing import Final, TypeAlias, TypeGuard
 
+from physcore.entrance import entrance
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
-from physcore.spelling import did_you_mean, spelled
+from physcore.spelling import did_you_mean
 from physcore.units import constants
 from physcore.units.symbols import BASE, DERIVED, OTHERS, POWERS, SYMBOLS, Kind, dimension_of, powers_of, raised
 
@@ -103,6 +104,7 @@ class UnitSystem:
         symbol = self.symbol(unit)
         return f"{quantity} [{symbol}]" if symbol else quantity
 
+    @entrance
     def convert(self, value: float, unit: str) -> float:
         """A value of the SI in units of this system.
 
@@ -204,7 +206,7 @@ class Default(float):
         return units.convert(self, self.unit)
 
 
-@spelled
+@entrance
 def system(length: Given = "m", time: Given = "s", mass: Given = "kg", charge: Given = "C") -> UnitSystem:
     """A system of units for scenes: `pc.Scene(…, units=system)`.
 

@@ -190,6 +190,18 @@ impl Grid {
         }))
     }
 
+    /// Reads a field without negative values, as [`field`](Self::field) does.
+    ///
+    /// # Errors
+    /// If the field is missing, of another shape, not finite, or negative somewhere.
+    pub fn non_negative_field(&self, item: &Item, name: &str) -> Result<RowTable<f64>> {
+        let table = self.field(item, name)?;
+        match table.different().iter().find(|&&value| value < 0.0) {
+            Some(&value) => Err(item.wrong(name, "numbers ≥ 0", Some(&Value::Number(value)))),
+            None => Ok(table),
+        }
+    }
+
     /// Reads an optional mask of an item.
     ///
     /// # Errors

@@ -13,7 +13,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 
 /// Size below which allocations are not checked [bytes].
-pub const SMALL: usize = 1 << 24;
+pub const SMALL: usize = 1 << 20;
+
+/// Memory that a checked allocation leaves for those that are not checked [bytes].
+pub const HEADROOM: usize = 1 << 24;
 
 /// Memory available without swapping [bytes], if the system reports it.
 pub fn available() -> Option<u64> {
@@ -32,13 +35,15 @@ pub fn available() -> Option<u64> {
 /// Refuses an allocation that does not fit: `needed` bytes in total, of which `held` bytes are already held and will be reused.
 ///
 /// # Errors
-/// [`Error::Memory`] if the new bytes exceed both [`SMALL`] and the available memory.
+/// [`Error::Memory`] if the new bytes exceed [`SMALL`], and the available memory less [`HEADROOM`].
 pub fn check(what: &str, needed: usize, held: usize, hint: impl FnOnce() -> String) -> Result<()> {
     if needed.saturating_sub(held) <= SMALL {
         return Ok(());
     }
-    match available().map(|free| free.saturating_add(held as u64)) {
-        Some(available) if needed as u64 > available => Err(refusal(what, needed, available, hint)),
+    match available() {
+        Some(free) if (needed - held) as u64 > free.saturating_sub(HEADROOM as u64) => {
+            Err(refusal(what, needed, free.saturating_sub(HEADROOM as u64).saturating_add(held as u64), hint))
+        }
         _ => Ok(()),
     }
 }

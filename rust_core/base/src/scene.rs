@@ -62,6 +62,9 @@ impl Scene {
 
     /// Whether an item acts on each particle.
     pub fn members(&self, item: &Item) -> Vec<bool> {
+        if let Some(members) = &item.members {
+            return members.clone();
+        }
         let bodies = self.bodies.iter().enumerate();
         bodies.flat_map(|(index, body)| std::iter::repeat_n(item.acts_on(index), body.positions.len())).collect()
     }

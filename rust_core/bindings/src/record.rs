@@ -19,13 +19,14 @@ pub struct Reader {
     pub functions: Vec<Arc<PythonFunction>>,
 }
 
-/// Record of an item. The bodies on which it acts are given by index.
+/// Record of an item. The bodies on which it acts are given by index, and some of their particles by a mask.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Record<'py> {
     kind: String,
     name: Option<String>,
     on: Option<Vec<usize>>,
+    members: Option<PyReadonlyArrayDyn<'py, bool>>,
     values: Bound<'py, PyDict>,
 }
 
@@ -38,14 +39,15 @@ impl Reader {
 
     /// Reads the item that a record declares.
     pub fn item(&mut self, record: &Bound<'_, PyAny>, path: String) -> PyResult<Item> {
-        let Record { kind, name, on, values: given } = record.extract()?;
+        let Record { kind, name, on, members, values: given } = record.extract()?;
+        let members = members.map(|given| array(&given, |&flag| flag)).transpose()?.map(|array| array.entries);
         let mut values = BTreeMap::new();
         for (name, value) in given.iter().filter(|(_, value)| !value.is_none()) {
             let name: String = name.extract()?;
             let value = self.value(&value, format!("{path}.{name}"))?;
             values.insert(name, value);
         }
-        Ok(Item { path, kind, name, on, values })
+        Ok(Item { path, kind, name, on, members, values })
     }
 
     fn value(&mut self, value: &Bound<'_, PyAny>, path: String) -> PyResult<Value> {

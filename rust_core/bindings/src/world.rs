@@ -10,7 +10,7 @@ use physcore_engine::ledger::{Budget, Class};
 use physcore_engine::memory;
 use physcore_engine::parallel::{Executor, SERIAL, attend};
 use physcore_engine::plan::Stages;
-use physcore_engine::simulation::{Adaptation, Checkpoint, Numerics, Segment, Simulation, StepSizeRule, Vigilance};
+use physcore_engine::simulation::{Adaptation, Checkpoint, Course, Numerics, Segment, Simulation, StepSizeRule, Vigilance};
 use physcore_engine::stability::{Horizon, Limit, LimitKind};
 use physcore_engine::systems::Mach;
 use physcore_engine::systems::{Quantity, Sample};
@@ -263,18 +263,24 @@ impl World {
         (parts, outcome.err())
     }
 
-    /// Advance by an interval [s] in adaptive steps. Return the values of `step`.
+    /// Take up to `steps` adaptive steps of a course: its start [s], its interval [s] and the position in it, 0 at the start.
+    /// Return the course, or None at its end, and the values of `step`.
+    #[allow(clippy::type_complexity)]
     fn run(
         &self,
         py: Python<'_>,
-        interval: f64,
+        course: (f64, f64, u64),
+        steps: u64,
         safety: f64,
         free: f64,
         tolerance: Option<f64>,
-    ) -> PyResult<Option<(f64, f64, f64)>> {
+    ) -> PyResult<(Option<(f64, f64, u64)>, Option<(f64, f64, f64)>)> {
         let rule = StepSizeRule { safety, free, tolerance };
-        let mach = self.change(py, |world| world.run(interval, &rule, &interrupted).map(|()| world.mach()))?;
-        Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
+        let (start, interval, position) = course;
+        let mut course = Course { start, interval, position };
+        let mach = self.change(py, |world| world.cross(&mut course, steps, &rule, &interrupted).map(|()| world.mach()))?;
+        let left = (!course.is_complete()).then_some((start, interval, course.position));
+        Ok((left, mach.map(|mach| (Mach::FAST, mach.fast, mach.sound))))
     }
 
     /// Statistics of the adaptive steps so far: numbers of rejected and of diverged steps; smallest and largest step [s].

@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::forces::springs::Spring;
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Matter, Properties};
+use crate::parallel::{Executor, SERIAL};
 use crate::stability::SpectralBound;
 use network::{Network, Rod};
 
@@ -57,11 +58,14 @@ pub fn is_rod(spring: &Spring) -> bool {
 impl Rods {
     /// Selects the rods among springs; None if there are none. Ends of springs are indices in the engine's order. Rods
     /// between two fixed particles constrain nothing and are left out.
-    pub fn new<V: Vector>(springs: &[Spring], properties: &Properties<V>) -> Option<Self> {
+    ///
+    /// # Errors
+    /// If the equations do not fit into memory, or on an interrupt.
+    pub fn new<V: Vector>(springs: &[Spring], properties: &Properties<V>, executor: &Executor) -> Result<Option<Self>, Error> {
         let free = |spring: &Spring| spring.ends.iter().any(|&end| !properties.is_fixed(end as usize));
         let chosen: Vec<usize> = (0..springs.len()).filter(|&index| is_rod(&springs[index]) && free(&springs[index])).collect();
         if chosen.is_empty() {
-            return None;
+            return Ok(None);
         }
         let mut particles: Vec<u32> = chosen.iter().flat_map(|&index| springs[index].ends).collect();
         particles.sort_unstable();
@@ -72,12 +76,17 @@ impl Rods {
             .map(|&index| Rod { ends: springs[index].ends.map(local), length: springs[index].rest_length })
             .collect();
         let inverse_mass: Vec<f64> = particles.iter().map(|&particle| 1.0 / properties.mass[particle as usize]).collect();
-        Some(Self { network: Network::new(links, inverse_mass), supports: None, springs: chosen, particles, removed: 0.0 })
+        let network = Network::new(links, inverse_mass, executor)?;
+        Ok(Some(Self { network, supports: None, springs: chosen, particles, removed: 0.0 }))
     }
 
     /// Enables contacts with walls, in a space of `axes` dimensions.
-    pub fn meet_walls(&mut self, axes: usize) {
-        self.supports = Some(Supports::new(&self.network, axes));
+    ///
+    /// # Errors
+    /// If the equations do not fit into memory, or on an interrupt.
+    pub fn meet_walls(&mut self, axes: usize, executor: &Executor) -> Result<(), Error> {
+        self.supports = Some(Supports::new(&self.network, axes, executor)?);
+        Ok(())
     }
 
     /// Particles at the ends of the rods, in the engine's order.
@@ -101,10 +110,11 @@ impl Rods {
         matter: &mut Matter<V>,
         (contacts, properties): (&Contacts<V>, &Properties<V>),
         drift: (f64, usize),
+        executor: &Executor,
     ) -> Result<(), Unsolved> {
         let Some(supports) = &mut self.supports else { return Ok(()) };
         let walls = RodWalls { contacts, properties, particles: &self.particles };
-        let held = supports.hold_positions(matter, &walls, &self.network.directions, drift);
+        let held = supports.hold_positions(matter, &walls, &self.network.directions, drift, executor);
         held.map_err(|unsolved| self.located(unsolved))
     }
 
@@ -118,10 +128,11 @@ impl Rods {
         matter: &mut Matter<V>,
         (contacts, properties): (&Contacts<V>, &Properties<V>),
         h: f64,
+        executor: &Executor,
     ) -> Result<(), Unsolved> {
         let walls = RodWalls { contacts, properties, particles: &self.particles };
         let touches = match &mut self.supports {
-            Some(supports) => supports.hold_velocities(matter, &walls, &self.network.directions, h),
+            Some(supports) => supports.hold_velocities(matter, &walls, &self.network.directions, h, executor),
             None => Ok(false),
         };
         if touches.map_err(|unsolved| self.located(unsolved))? { Ok(()) } else { self.hold_velocities(matter) }
@@ -131,7 +142,7 @@ impl Rods {
     ///
     /// # Errors
     /// If the length of a rod is wrong by more than rounding.
-    pub fn begin<V: Vector>(&mut self, matter: &mut Matter<V>) -> Result<(), Error> {
+    pub fn begin<V: Vector>(&mut self, matter: &mut Matter<V>, executor: &Executor) -> Result<(), Error> {
         let kinetic = |rods: &Self, matter: &Matter<V>| -> f64 {
             let of =
                 |(&particle, &inverse): (&u32, &f64)| matter.velocity.get(particle as usize).widen().length_squared() / inverse;
@@ -146,7 +157,7 @@ impl Rods {
                 return Err(Error::parameter("set.positions", expected, format!("{found} m")));
             }
         }
-        self.turn(|index| matter.exact_position(index));
+        self.turn(|index| matter.exact_position(index), executor);
         let unsolved = |unsolved: Unsolved| {
             Error::parameter(
                 "set.positions",
@@ -156,7 +167,7 @@ impl Rods {
         };
         self.hold_positions(matter, None).map_err(unsolved)?;
         let before = kinetic(self, matter);
-        self.turn(|index| matter.exact_position(index));
+        self.turn(|index| matter.exact_position(index), executor);
         self.hold_velocities(matter).map_err(unsolved)?;
         let removed = before - kinetic(self, matter);
         if removed > 1e-9 * before {
@@ -166,17 +177,17 @@ impl Rods {
     }
 
     /// Sets the directions of the rods at these positions, and factorizes A for projections.
-    pub fn turn(&mut self, position: impl Fn(usize) -> DVec3) {
-        self.turn_with(SHIFT, position);
+    pub fn turn(&mut self, position: impl Fn(usize) -> DVec3, executor: &Executor) {
+        self.turn_with(SHIFT, position, executor);
     }
 
-    fn turn_with(&mut self, shift: f64, position: impl Fn(usize) -> DVec3) {
+    fn turn_with(&mut self, shift: f64, position: impl Fn(usize) -> DVec3, executor: &Executor) {
         let Network { directions, links, .. } = &mut self.network;
         for (direction, rod) in directions.iter_mut().zip(links.iter()) {
             let [one, other] = rod.ends.map(|end| position(self.particles[end as usize] as usize));
             *direction = (other - one).normalize_or_zero();
         }
-        self.network.factorize(shift);
+        self.network.factorize(shift, executor);
     }
 
     /// Moves particles along the directions until all rods have their lengths. `drift` is the duration [s] of the preceding
@@ -235,7 +246,7 @@ impl Rods {
         acceleration: impl Fn(usize) -> DVec3,
         walls: Option<(&Contacts<V>, &Properties<V>)>,
     ) -> Vec<f64> {
-        self.turn_with(SHIFT_OF_TENSIONS, &position);
+        self.turn_with(SHIFT_OF_TENSIONS, &position, &SERIAL);
         for (vector, &particle) in self.network.vectors.iter_mut().zip(&self.particles) {
             *vector = acceleration(particle as usize);
         }

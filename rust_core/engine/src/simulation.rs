@@ -6,7 +6,7 @@ mod controlled;
 mod halving;
 mod monitor;
 
-pub use adaptive::{Adaptation, StepSizeRule};
+pub use adaptive::{Adaptation, Course, StepSizeRule};
 pub use checkpoint::Checkpoint;
 
 use std::collections::BTreeMap;
@@ -190,7 +190,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::step`].
     pub fn run(&mut self, interval: f64, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        self.advance_adaptively(interval, rule, interrupted)
+        self.cross(&mut Course::new(self.time(), interval), u64::MAX, rule, interrupted)
     }
 
     fn take(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {

@@ -9,6 +9,9 @@ use std::ops::{Div, Mul, SubAssign};
 
 use glam::{DVec3, DVec4};
 
+use crate::error::Result;
+use crate::memory;
+use crate::parallel::Executor;
 use crate::simd::{Isa, Kernel, dispatch};
 
 /// Factorization of matrices with one pattern of entries.
@@ -48,10 +51,23 @@ struct Scratch {
 /// Marker of no row.
 const NONE: u32 = u32::MAX;
 
+/// Name of the allocation in errors.
+const NAME: &str = "the factorization";
+
+/// Memory of the analysis per row and entry [bytes].
+const ANALYSIS: usize = 250;
+
+/// Rows between two tests for an interrupt.
+const ROWS: usize = 64;
+
 impl Factorization {
     /// Analyzes the pattern of matrices with `count` rows. The entries [row, column] are off the diagonal, each once, in any
     /// triangle.
-    pub fn new(count: usize, entries: &[[u32; 2]]) -> Self {
+    ///
+    /// # Errors
+    /// If L does not fit into memory, or on an interrupt.
+    pub fn new(count: usize, entries: &[[u32; 2]], executor: &Executor) -> Result<Self> {
+        memory::check(NAME, ANALYSIS * (count + entries.len()), 0, || format!("for {count} rows; take fewer springs or rods"))?;
         let row = elimination_order(count, entries);
         let mut place = vec![0; count];
         row.iter().enumerate().for_each(|(index, &row)| place[row as usize] = index as u32);
@@ -72,15 +88,18 @@ impl Factorization {
             pivots: vec![0.0; count],
             scratch,
         };
-        new.allocate();
-        new
+        new.allocate(executor)?;
+        Ok(new)
     }
 
     /// Allocates the columns of L; their lengths follow from the patterns of its rows.
-    fn allocate(&mut self) {
+    fn allocate(&mut self, executor: &Executor) -> Result<()> {
         let count = self.row.len();
         let mut lengths = vec![0; count];
         for row in 0..count {
+            if row % ROWS == 0 {
+                executor.check()?;
+            }
             self.find_pattern(row);
             self.scratch.pattern.iter().for_each(|&column| lengths[column as usize] += 1);
         }
@@ -89,7 +108,11 @@ impl Factorization {
             self.start.push(total);
             total += length;
         }
+        memory::check(NAME, total * (size_of::<u32>() + size_of::<f64>()), 0, || {
+            format!("for {total} entries of the factor; take fewer springs or rods")
+        })?;
         (self.rows, self.values) = (vec![0; total], vec![0.0; total]);
+        Ok(())
     }
 
     /// Number of values of L below the diagonal.
@@ -128,11 +151,15 @@ impl Factorization {
         pattern.reverse();
     }
 
-    /// Factorizes the matrix with these diagonal values by row, plus `shift`, and these off-diagonal values by entry.
-    pub fn factorize(&mut self, diagonal: &[f64], shift: f64, off_diagonal: &[f64]) {
+    /// Factorizes the matrix with these diagonal values by row, plus `shift`, and these off-diagonal values by entry. Ends early
+    /// on an interrupt.
+    pub fn factorize(&mut self, diagonal: &[f64], shift: f64, off_diagonal: &[f64], executor: &Executor) {
         self.scratch.filled.fill(0);
         self.scratch.mark.fill(NONE);
         for row in 0..self.row.len() {
+            if row % ROWS == 0 && executor.stopped() {
+                return;
+            }
             self.find_pattern(row);
             let Scratch { row: sums, pattern, filled, .. } = &mut self.scratch;
             for &[column, index] in &self.entries[row] {
@@ -280,6 +307,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::Factorization;
+    use crate::parallel::SERIAL;
 
     /// Diagonally dominant matrix of a given pattern: its diagonal and its full rows.
     fn matrix(count: usize, entries: &[[u32; 2]], values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
@@ -307,11 +335,11 @@ mod tests {
             }
             let (pattern, values): (Vec<_>, Vec<_>) = entries.into_iter().unzip();
             let (diagonal, full) = matrix(count, &pattern, &values);
-            let mut factorization = Factorization::new(count, &pattern);
+            let mut factorization = Factorization::new(count, &pattern, &SERIAL).unwrap();
             let right: Vec<f64> = (0..count).map(|row| (row as f64 + 1.0).sin()).collect();
             // Factorize twice, with other values first: nothing of the first factorization stays.
-            factorization.factorize(&vec![1.0; count], 0.0, &vec![0.0; values.len()]);
-            factorization.factorize(&diagonal, 0.0, &values);
+            factorization.factorize(&vec![1.0; count], 0.0, &vec![0.0; values.len()], &SERIAL);
+            factorization.factorize(&diagonal, 0.0, &values, &SERIAL);
             let mut solution = right.clone();
             factorization.solve(&mut solution, &mut Vec::new());
             let largest = diagonal.iter().copied().fold(0.0, f64::max);
@@ -325,7 +353,7 @@ mod tests {
     #[test]
     fn a_chain_fills_nothing_in() {
         let entries: Vec<[u32; 2]> = (1..50).map(|row| [row, row - 1]).collect();
-        assert_eq!(Factorization::new(50, &entries).len(), 49);
+        assert_eq!(Factorization::new(50, &entries, &SERIAL).unwrap().len(), 49);
     }
 
     /// Nested dissection of an n × n grid fills in about 31/8 n² log₂ n values, and minimum degree no more. Rows in their
@@ -336,6 +364,6 @@ mod tests {
         let along = (0..side * side).filter(|index| index % side != 0).map(|index| [index, index - 1]);
         let entries: Vec<[u32; 2]> = along.chain((side..side * side).map(|index| [index, index - side])).collect();
         let size = f64::from(side * side);
-        assert!((Factorization::new(1600, &entries).len() as f64) < 31.0 / 8.0 * size * f64::from(side).log2());
+        assert!((Factorization::new(1600, &entries, &SERIAL).unwrap().len() as f64) < 31.0 / 8.0 * size * f64::from(side).log2());
     }
 }

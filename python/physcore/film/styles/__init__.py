@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+from physcore.entrance import entrances
 from physcore.film.styles.arrows import Arrows
 from physcore.film.styles.base import BodyStyle, Painter, Style, SystemStyle
 from physcore.film.styles.density import Density
@@ -23,7 +24,6 @@ from physcore.film.styles.strain import Strain
 from physcore.film.styles.streamlines import Streamlines
 from physcore.film.styles.surface import Surface
 from physcore.film.styles.trails import Trails
-from physcore.spelling import spell
 
 STYLES: tuple[type[Style], ...] = (
     Points,
@@ -44,7 +44,7 @@ STYLES: tuple[type[Style], ...] = (
 )
 """All styles. Those registered here are tested."""
 
-spell(STYLES)
+entrances(STYLES)
 
 __all__ = [
     "STYLES",

@@ -12,8 +12,9 @@ from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.film.colors.themes import Theme
 from physcore.forces import Coulomb, ElectromagneticField
-from physcore.scene.bodies import Particles
+from physcore.scene.bodies import Body, Particles
 from physcore.scene.scene import Scene
+from physcore.scene.selection import Selection
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.sources import SourceFrame
 
@@ -59,11 +60,16 @@ class Fields:
             Particles(at, charge=body.charge, fixed=True) for body, at in zip(self.scene.bodies, places, strict=True)
         ]
 
+        def body_of(body: object) -> Particles:
+            return held[self.scene.bodies.index(cast("Body", body))]
+
         def alone(force: Coulomb | ElectromagneticField) -> Coulomb | ElectromagneticField:
-            named = force.bodies("sources") if isinstance(force, Coulomb) else None
+            named = force.targets("sources") if isinstance(force, Coulomb) else None
             if named is None:
                 return replace(force, on=None)
-            sources = [held[self.scene.bodies.index(body)] for body in named]
+            sources = [
+                (body_of(each.body), each.index) if isinstance(each, Selection) else body_of(each) for each in named
+            ]
             return replace(cast("Coulomb", force), on=None, sources=sources)
 
         forces = [alone(each) for each in self.scene.forces if isinstance(each, (Coulomb, ElectromagneticField))]

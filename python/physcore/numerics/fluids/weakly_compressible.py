@@ -98,9 +98,10 @@ class WeaklyCompressible(FluidMethod):
 
     Args:
         sound_speed: c [m/s], above zero; "auto": ten times the greatest speed to be expected: the initial one, that of
-            a fall to the lowest wall or in a CentralForce, or that at which friction at no-slip walls and obstacles
-            holds up what gravity drives along a periodic axis; at least √(40 σ/(ρ₀ spacing)), with which tension
-            changes density by a few percent next to a surface, and 10 √(νU/L) where a flow U of the size L creeps.
+            a fall to the lowest wall or in a CentralForce, 1.75 times that at which a fluid strikes this wall, for its
+            jets, or that at which friction at no-slip walls and obstacles holds up what gravity drives along a
+            periodic axis; at least √(40 σ/(ρ₀ spacing)), with which tension changes density by a few percent next to a
+            surface, and 10 √(νU/L) where a flow U of the size L creeps.
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
         artificial_viscosity: the coefficient α, at least zero, or "auto", as above.
         density_diffusion: the coefficient δ, at least zero, which damps noise of the density.

@@ -38,6 +38,8 @@ class Integrator:
     """Fraction of the limit of stability up to which an undamped oscillation is off by at most half a percent of its
     amplitude after ten periods; 1 for methods that `AutoStep(resolve=True)` leaves alone.
     """
+    continuous: ClassVar[bool] = True
+    """Whether a step that becomes short changes the state by less and less."""
     holds_rods: ClassVar[bool] = False
     """Whether the method keeps springs of infinite stiffness (rods) at their lengths."""
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order")

@@ -40,6 +40,7 @@ class XPBD(Integrator):
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
     stiff: ClassVar[bool] = True
+    continuous: ClassVar[bool] = False
     holds_rods: ClassVar[bool] = True
     solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 

@@ -6,11 +6,11 @@ Each symptom is a module with one function, which yields a `Finding` for each ca
 from __future__ import annotations
 
 from physcore.checks import shown, span
+from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
-from physcore.spelling import spelled
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.clumps import clumps
 from physcore.studies.diagnosis.coarse import coarse
@@ -28,7 +28,7 @@ SYMPTOMS = (explodes, sluggish, penetrates, jitters, clumps, coarse, slow, large
 """All symptoms, in the order of the report."""
 
 
-@spelled
+@entrance
 def diagnose(run: Recording | Simulation, duration: float | None = None) -> Diagnosis:
     """Diagnose a run: each finding has a symptom, a cause, a remedy and a measured value.
 

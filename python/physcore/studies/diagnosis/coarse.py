@@ -1,4 +1,4 @@
-"""Symptom "coarse": a field has waves that its grid does not carry."""
+"""Symptom "coarse": a field has waves, or a surface has folds, that are too short for its grid or mesh."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from physcore.arithmetic import dots
 from physcore.checks import FloatArray
+from physcore.scene.bodies import SpringNetwork
 from physcore.scene.grid import GridSystem
 from physcore.scene.items import System
 from physcore.studies.diagnosis.case import Case
@@ -18,9 +20,54 @@ LAST_MODES = 0.9
 """Fraction of the largest wave number at which the last modes of a transform begin."""
 SHARE = 0.05
 """Share of the squared amplitude in the last octave above which a field is coarse."""
+FOLDED = 0.05
+"""Share of a mesh's inner edges folded by more than 90° above which its wrinkles are as short as its springs.
+
+A single sharp fold across a sheet of n by n squares has a share of 1/(3 n).
+"""
 
 
 def coarse(case: Case) -> Iterator[Finding]:
+    """Check the spectra of fields on grids, and the folds of surfaces."""
+    yield from _waves(case)
+    yield from _folds(case)
+
+
+def _folds(case: Case) -> Iterator[Finding]:
+    """Check the angles between adjacent triangles of each surface, at the end."""
+    for index, body in enumerate(case.scene.bodies):
+        if not isinstance(body, SpringNetwork) or case.scene.dimension != 3 or case.positions is None:
+            continue
+        share = folded(case.positions[-1, case.scene.slice(index)], body.faces)
+        if share > FOLDED:
+            cause = (
+                f"{case.scene.path(index)} has {share:.0%} of its inner edges folded by more than 90°: its wrinkles "
+                "are as short as its springs"
+            )
+            cure = "take a finer mesh, or a stiffness against bending (pc.Dihedral or bend=) that makes wrinkles longer"
+            yield Finding("coarse", cause, cure, share)
+
+
+def folded(positions: FloatArray, faces: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:
+    """The share of inner edges at which two adjacent triangles are folded by more than 90°; 0.0 without inner edges."""
+    faces = np.asarray(faces)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    owner = np.tile(np.arange(len(faces)), 3)
+    ascending = edges[:, 0] < edges[:, 1]
+    edges = np.sort(edges, axis=1)
+    order = np.lexsort(edges.T)
+    same = (edges[order[1:]] == edges[order[:-1]]).all(axis=1)
+    one, other = order[:-1][same], order[1:][same]
+    if len(one) == 0:
+        return 0.0
+    corners = positions[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    # Triangles with the same orientation traverse their common edge in opposite directions.
+    sign = np.where(ascending[one] != ascending[other], 1.0, -1.0)
+    return float(np.mean(sign * dots(normals[owner[one]], normals[owner[other]]) < 0.0))
+
+
+def _waves(case: Case) -> Iterator[Finding]:
     """Check the spectra of the first, middle and last frames of fields on grids."""
     for system in case.scene.systems:
         if not isinstance(system, GridSystem) or system.solid is not None:

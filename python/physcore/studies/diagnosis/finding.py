@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from html import escape
 
+from physcore.markup import Printed
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -31,7 +33,7 @@ class Finding:
         return f"{self.symptom}: {self.cause}\n  cure: {self.cure}"
 
 
-class Diagnosis(tuple[Finding, ...]):
+class Diagnosis(Printed, tuple[Finding, ...]):
     """Diagnosis: all findings of a run; `print` shows them as text.
 
         print(pc.diagnose(recording))  # a Diagnosis
@@ -40,10 +42,6 @@ class Diagnosis(tuple[Finding, ...]):
     """
 
     __slots__ = ()
-
-    def __repr__(self) -> str:
-        """The text, as at a prompt."""
-        return str(self)
 
     def __str__(self) -> str:
         return "\n".join(map(str, self)) or "nothing wrong was found"

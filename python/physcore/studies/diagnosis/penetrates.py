@@ -67,7 +67,7 @@ def _of_particles(scene: Scene, worst: Overlap) -> Finding:
     names = f"{scene.path(one)} and {scene.path(other)}" if one != other else f"particles of {scene.path(one)}"
     figure = f"overlap by {worst.depth:.2g} of the smaller radius"
     spheres = [force for force in scene.forces if isinstance(force, SoftSpheres)]
-    acting = [force for force in spheres if {one, other} <= {scene.index(body) for body in scene.targets(force)}]
+    acting = [force for force in spheres if scene.members(force)[[worst.one, worst.other]].all()]
     if not acting:
         cause = f"{names} {figure}, and no force keeps them apart"
         return Finding("penetrates", cause, "add pc.SoftSpheres(stiffness, damping) to the scene", worst.depth)

@@ -20,12 +20,12 @@ def slow(case: Case) -> Iterator[Finding]:
     simulation = case.simulation
     ahead = forecast(simulation, case.duration)
     steps = ahead.steps
-    if steps <= MOST_STEPS and ahead.seconds <= LONGEST:
+    if steps is None or (steps <= MOST_STEPS and ahead.seconds <= LONGEST):
         return
     plan = case.plan
     given = simulation._stepper.fixed is not None
     what = "as it was given" if given else f"because of {plan.limit_term}" if plan.limit_term else "the largest"
     second = plan.units.suffix("s")
-    run = f"{case.duration:g}{second} are {steps:.1e} steps of {simulation.dt:.2g}{second}"
+    run = f"{case.duration:g}{second} are {steps:.1e} steps of {ahead.dt:.2g}{second}"
     cause = f"{run}, {what}, about {words(ahead.seconds)}"
     yield Finding("slow", cause, remedy(plan.limit_term, given), float(steps))

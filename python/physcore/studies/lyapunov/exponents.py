@@ -6,11 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physcore.checks import FloatArray
+from physcore.checks import BoolArray, FloatArray
+from physcore.markup import Printed
+
+MOST = 7
+"""Largest number of exponents in a table."""
 
 
-@dataclass(frozen=True, eq=False)
-class Lyapunov:
+@dataclass(frozen=True, eq=False, repr=False)
+class Lyapunov(Printed):
     """Lyapunov exponents, in descending order.
 
         cloud = pc.Tracers(rng.normal(size=(20, 3)) + (0, 0, 25), pc.Lorenz())
@@ -24,7 +28,8 @@ class Lyapunov:
     """Exponents λ: mean growth rates along directions of the tangent space [1/s], shape (K,)."""
     errors: FloatArray
     """Standard errors of the exponents [1/s], shape (K,), from the scatter over trajectories. For a single trajectory,
-    from the scatter over tenths of the duration; NaN if these are shorter than an interval.
+    from the scatter over tenths of the duration; NaN if these are shorter than an interval. At least the exponent
+    itself where the growth is not exponential.
     """
     each: FloatArray
     """Exponents along each trajectory [1/s], shape (N, K)."""
@@ -32,6 +37,22 @@ class Lyapunov:
     """Averaging time [s]."""
     directions: int
     """Total number of exponents: the dimension of the tangent space."""
+    exponential: BoolArray
+    """Whether distances grow or shrink exponentially, shape (K,): false where this is not told from a growth in
+    proportion to time.
+    """
+
+    def __str__(self) -> str:
+        """A line for each exponent with its error and a remark, and the dimension if it is known."""
+        heading = f"{'exponent [1/s]':>16}  {'error':>8}"
+        remarks = np.where(self.exponential, "", "  not told from zero")
+        rows = [
+            f"{value:16.6g}  {error:8.2g}{remark}"
+            for value, error, remark in zip(self.exponents, self.errors, remarks, strict=True)
+        ]
+        shown = [*rows[:MOST], *([f"  … and {len(rows) - MOST} more"] if len(rows) > MOST else [])]
+        dimension = [] if np.isnan(self.dimension) else [f"  dimension {self.dimension:.4g}"]
+        return "\n".join([heading, *shown, *dimension])
 
     @property
     def sum(self) -> float:

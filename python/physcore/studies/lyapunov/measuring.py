@@ -6,23 +6,30 @@ from typing import Unpack
 
 import numpy as np
 
-from physcore.checks import FloatArray, count, flag, shown, span
+from physcore.arithmetic import log
+from physcore.checks import BoolArray, FloatArray, count, flag, shown, span
+from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.numerics.choices import Options
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
-from physcore.spelling import spelled
 from physcore.studies.lyapunov.exponents import Lyapunov
 from physcore.studies.lyapunov.flows import Flow
 from physcore.studies.lyapunov.mechanics import Mechanics
 from physcore.studies.lyapunov.neighbors import Paths
 from physcore.systems.tracers import Tracers
 
+EXPONENTIAL = 1.5
+"""Growth above which it is exponential, in units of that of a distance that grows in proportion to time."""
+
+FEWEST, FOLDS = 4, 3.0
+"""Number of intervals below which growth is exponential if its total logarithm is above the second number."""
+
 PARTS = 10
 """Number of parts of the duration whose scatter gives the error for a single trajectory."""
 
 
-@spelled
+@entrance
 def lyapunov(
     scene: Scene | Tracers,
     duration: float,
@@ -52,7 +59,9 @@ def lyapunov(
 
     For bodies, with any integrator, each neighbor is a separate run with equal steps, one for each exponent. Offsets of
     positions are relative to the extent of the motion, offsets of velocities to the largest speed. With rods, the
-    offsets obey their constraints. The exponents of regular motion fall to zero as log(t)/t.
+    offsets obey their constraints. The exponents of regular motion fall to zero as log(t)/t, because distances grow in
+    proportion to time. Where the growth is not told from this, `exponential` is False. The error is then at least the
+    exponent itself, so that it is consistent with zero; a longer duration may tell.
 
     Args:
         scene: a scene of bodies; or tracers at their initial positions. More tracers average like a longer duration. In
@@ -96,6 +105,7 @@ def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
     """The mean growth along trajectories, after the transient."""
     warm, counted = paths.intervals
     parts: list[tuple[float, FloatArray]] = []
+    history = []
     with Progress(warm + counted, "measuring", progress) as bar:
         for index in range(warm):
             paths.advance()
@@ -103,6 +113,7 @@ def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
         growth, start = np.zeros(1), paths.time
         for index in range(counted):
             growth = growth + paths.advance()
+            history.append((paths.time, growth.mean(axis=0)))
             bar.update(warm + index + 1)
             if (index + 1) * PARTS // counted > len(parts):
                 parts.append((paths.time, growth.mean(axis=0)))
@@ -110,7 +121,29 @@ def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
     order = np.argsort(-each.mean(axis=0))
     each = each[:, order]
     errors = _scatter(each) if len(each) > 1 else _scatter(_rates(start, parts))[order]
-    return Lyapunov(each.mean(axis=0), errors, each, paths.time - start, paths.directions)
+    exponents, exponential = each.mean(axis=0), _is_exponential(*map(np.array, zip(*history, strict=True)))[order]
+    errors = np.where(exponential, errors, np.fmax(errors, np.abs(exponents)))
+    return Lyapunov(exponents, errors, each, paths.time - start, paths.directions, exponential)
+
+
+def _is_exponential(times: FloatArray, growth: FloatArray) -> BoolArray:
+    """Whether distances grow in proportion to e^(λ t), not to the time itself; shape (K,).
+
+    The growth is the difference of two mean logarithms, over the second half and over the quarter before. These means
+    even out oscillations.
+
+    Args:
+        times: times since the start of the motion [s], shape (F,).
+        growth: accumulated logarithms of the distances (F, K).
+    """
+    count = len(growth)
+    if count < FEWEST:
+        told: BoolArray = np.abs(growth[-1]) > FOLDS
+        return told
+    late, early = (part.mean(axis=0) for part in (growth[count // 2 :], growth[count // 4 : count // 2]))
+    linear = log(times)
+    told = np.abs(late - early) > EXPONENTIAL * (linear[count // 2 :].mean() - linear[count // 4 : count // 2].mean())
+    return told
 
 
 def _rates(start: float, parts: list[tuple[float, FloatArray]]) -> FloatArray:

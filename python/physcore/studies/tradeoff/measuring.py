@@ -10,6 +10,7 @@ import numpy as np
 
 from physcore.arithmetic import log, power
 from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
+from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.numerics.choices import MOST_THREADS, suited
 from physcore.numerics.fluids import FluidMethod, WeaklyCompressible, fluid_method, fluid_methods
@@ -18,7 +19,7 @@ from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import refuse_if_too_large
 from physcore.simulation.simulation import Simulation
-from physcore.spelling import did_you_mean, spelled
+from physcore.spelling import did_you_mean
 from physcore.studies.state import size
 from physcore.studies.tradeoff.experiment import SAMPLES, Experiment, Observer
 from physcore.studies.tradeoff.result import Row
@@ -34,7 +35,7 @@ COPIES = 6
 """Peak memory in arrays of samples: three runs of a reference, the reference, its check and a row."""
 
 
-@spelled
+@entrance
 def tradeoff(
     scene: Scene | Callable[[float], Scene],
     duration: float,

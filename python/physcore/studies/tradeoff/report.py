@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import platform
+from collections.abc import Sequence
 from dataclasses import asdict
 from html import escape
 from typing import Any
@@ -48,8 +49,24 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def table(trade: Measurements) -> str:
-    """The table of all rows. Marks: * on the Pareto front, ~ error near the reference's uncertainty, ? noisy time."""
+FRONT = 6
+"""Largest number of rows of a summary."""
+
+
+def summary(trade: Measurements) -> str:
+    """The table of the Pareto front, the fastest row first, evenly thinned out to `FRONT` rows."""
+    front = trade.front
+    shown = min(len(front), FRONT)
+    rows = [front[round(index * (len(front) - 1) / max(shown - 1, 1))] for index in range(shown)]
+    heading, *lines = table(trade, rows).splitlines()[: 2 + shown]
+    remark = f"{shown} of {len(trade.rows)} rows, on the Pareto front; print shows all"
+    return "\n".join([heading, *lines, *_lower_orders(trade), remark])
+
+
+def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
+    """The table of rows, by default all. Marks: * on the Pareto front, ~ error near the reference's uncertainty,
+    ? noisy time.
+    """
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
     compared = trade.rows and trade.rows[0].fluids is not None
@@ -63,7 +80,7 @@ def table(trade: Measurements) -> str:
         *(["resolution"] if resolved else []),
     ]
     header += ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
-    lines = [header, *(_cells(row, id(row) in front) for row in trade.rows)]
+    lines = [header, *(_cells(row, id(row) in front) for row in (trade.rows if rows is None else rows))]
     widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
     left = {0, 1, 3, len(header) - 1}
     text = [
@@ -79,8 +96,16 @@ def table(trade: Measurements) -> str:
             *text,
             "* on the Pareto front   ~ below ten times the reference's uncertainty   "
             "? the median time is 5 % above the least",
+            *_lower_orders(trade),
         ]
     )
+
+
+def _lower_orders(trade: Measurements) -> list[str]:
+    """A line on the integrators whose order in this scene is below their nominal order; none without them."""
+    lowered = {row.label: (row.order, row.integrator.order) for row in trade.rows if row.order < row.integrator.order}
+    words = [f"{label} ({order}, not {nominal})" for label, (order, nominal) in lowered.items()]
+    return [f"of lower order in this scene: {', '.join(words)}"] if words else []
 
 
 def html(trade: Measurements) -> str:
@@ -121,7 +146,7 @@ def _error(row: Row) -> str:
 def explanation(trade: Measurements) -> str:
     """An explanation of the results, of their reference and of their reliability."""
     parts = [_on_chaos(trade), _on_reference(trade), _on_front(trade), _on_divergence(trade), _on_precision(trade)]
-    parts += [_on_prediction(trade), _on_noise(trade), *trade.notes]
+    parts += [*_lower_orders(trade), _on_prediction(trade), _on_noise(trade), *trade.notes]
     return "\n".join(part for part in parts if part)
 
 

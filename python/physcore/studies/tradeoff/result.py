@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from physcore.checks import number
 from physcore.errors import PhyscoreError, SceneError
+from physcore.markup import Printed
 from physcore.numerics.choices import Options
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
@@ -39,13 +40,15 @@ class Prediction:
     """Predicted time [s]."""
 
 
-@dataclass(frozen=True)
-class Row:
+@dataclass(frozen=True, repr=False)
+class Row(Printed):
     """Row of the diagram: a choice of numerics, its cost and its error."""
 
     integrator: Integrator
     label: str
     """Label of the integrator: its name, with the parameters that differ within its class."""
+    order: int
+    """Order of the integrator in this scene."""
     dt: float
     """Time step [s]."""
     precision: Literal["f32", "f64"]
@@ -106,10 +109,6 @@ class Row:
     def noisy(self) -> bool:
         """Whether the noise exceeds 5 %."""
         return self.noise > NOISY
-
-    def __repr__(self) -> str:
-        """The text, as at a prompt."""
-        return str(self)
 
     def __str__(self) -> str:
         at = "" if self.resolution is None else f", resolution {self.resolution:g}"

@@ -124,6 +124,7 @@ class WorkPrecisionDiagram:
             Row(
                 integrator=series.integrator,
                 label=self._labels[series.integrator],
+                order=series.order,
                 dt=self.experiment.dt(measurement.choice),
                 precision=series.precision,
                 threads=self.experiment.threads,
@@ -173,7 +174,10 @@ class WorkPrecisionDiagram:
         largest = [SAFETY * largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
         steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
         choices = [Choice(integrator, precision, number) for number in steps]
-        return StepSizeSeries(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
+        open_ended = dts is None
+        return StepSizeSeries(
+            integrator, precision, plan.order, plan.pairs, plan.memory, choices, open_ended=open_ended
+        )
 
     def _judge(self, budget: Budget) -> None:
         """Decide whether trajectories can be compared, and compute their reference."""

@@ -58,6 +58,8 @@ class StepSizeSeries:
 
     integrator: Integrator
     precision: Literal["f32", "f64"]
+    order: int
+    """Order of the integrator in this scene."""
     pairs: int
     memory: int
     choices: list[Choice]

@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Tradeoff(Measurements):
-    """Trade-off between speed and accuracy in one scene. `print` shows a table, and `explain` returns an explanation.
+    """Trade-off between speed and accuracy in one scene. A prompt shows its Pareto front, `print` all rows, and
+    `explain` returns an explanation.
 
         trade = pc.tradeoff(scene, duration=0.1, budget=1.0)  # a Tradeoff
         print(trade)
@@ -77,6 +78,12 @@ class Tradeoff(Measurements):
 
         with replacing(path) as file:
             file.write((json.dumps(document(self), indent=2, ensure_ascii=False) + "\n").encode())
+
+    def __repr__(self) -> str:
+        """The Pareto front as a table of ten lines at most, as at a prompt."""
+        from physcore.studies.tradeoff.report import summary
+
+        return summary(self)
 
     def __str__(self) -> str:
         from physcore.studies.tradeoff.report import table

@@ -20,6 +20,8 @@ pub struct Item {
     pub name: Option<String>,
     /// Indices of the bodies on which the item acts; None for all.
     pub on: Option<Vec<usize>>,
+    /// Whether the item acts on each particle of the scene, in the caller's order; None if it acts on whole bodies.
+    pub members: Option<Vec<bool>>,
     /// Values by name; values left open are absent.
     pub values: BTreeMap<String, Value>,
 }
@@ -27,7 +29,8 @@ pub struct Item {
 /// Items are equal if their contents are, wherever they stand in the scene.
 impl PartialEq for Item {
     fn eq(&self, other: &Self) -> bool {
-        (&self.kind, &self.name, &self.on, &self.values) == (&other.kind, &other.name, &other.on, &other.values)
+        (&self.kind, &self.name, &self.on, &self.members, &self.values)
+            == (&other.kind, &other.name, &other.on, &other.members, &other.values)
     }
 }
 
@@ -131,7 +134,7 @@ impl Item {
         Self { kind: kind.to_owned(), values, ..Self::default() }
     }
 
-    /// Whether the item acts on a body.
+    /// Whether the item acts on a body, or on some of its particles.
     pub fn acts_on(&self, body: usize) -> bool {
         self.on.as_ref().is_none_or(|bodies| bodies.contains(&body))
     }

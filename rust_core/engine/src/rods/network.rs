@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::error::Error;
+use crate::parallel::Executor;
 use crate::sparse::Factorization;
 
 /// A pivot of A below this multiple of its largest entry makes A singular. Pivots of chains of 10⁴ rods are all above.
@@ -70,13 +72,16 @@ pub struct Network {
 
 impl Network {
     /// Network of rods between particles with these inverse masses 1/m [1/kg].
-    pub fn new(links: Vec<Rod>, inverse_mass: Vec<f64>) -> Self {
+    ///
+    /// # Errors
+    /// If the factorization does not fit into memory, or on an interrupt.
+    pub fn new(links: Vec<Rod>, inverse_mass: Vec<f64>, executor: &Executor) -> Result<Self, Error> {
         let couplings = couplings(&links, &inverse_mass);
         let pattern: Vec<[u32; 2]> = couplings.iter().map(|&(pair, _)| pair).collect();
         let weight = |rod: &Rod| rod.ends.iter().map(|&end| inverse_mass[end as usize]).sum::<f64>();
         let weights: Vec<f64> = links.iter().map(weight).collect();
-        Self {
-            factorization: Factorization::new(links.len(), &pattern),
+        Ok(Self {
+            factorization: Factorization::new(links.len(), &pattern, executor)?,
             diagonal: weights.clone(),
             weights,
             off_diagonal: vec![0.0; couplings.len()],
@@ -90,11 +95,12 @@ impl Network {
             links,
             inverse_mass,
             couplings,
-        }
+        })
     }
 
-    /// Factorizes A in the present directions. A singular A is shifted by `shift` times its largest entry.
-    pub fn factorize(&mut self, shift: f64) {
+    /// Factorizes A in the present directions. A singular A is shifted by `shift` times its largest entry. Ends early
+    /// on an interrupt.
+    pub fn factorize(&mut self, shift: f64, executor: &Executor) {
         let largest = self.weights.iter().copied().fold(0.0, f64::max);
         for ((value, &weight), direction) in self.diagonal.iter_mut().zip(&self.weights).zip(&self.directions) {
             *value = if *direction == DVec3::ZERO { largest } else { weight };
@@ -104,10 +110,10 @@ impl Network {
         }
         let small =
             |network: &Self, bound: f64| network.factorization.pivots().iter().filter(|&&pivot| pivot < bound * largest).count();
-        self.factorization.factorize(&self.diagonal, 0.0, &self.off_diagonal);
+        self.factorization.factorize(&self.diagonal, 0.0, &self.off_diagonal, executor);
         self.redundant = small(self, SINGULAR);
         if self.redundant > 0 {
-            self.factorization.factorize(&self.diagonal, shift * largest, &self.off_diagonal);
+            self.factorization.factorize(&self.diagonal, shift * largest, &self.off_diagonal, executor);
             self.redundant = small(self, REDUNDANT * shift);
         }
     }

@@ -24,8 +24,10 @@ use glam::DVec3;
 use super::network::{Network, Rod, Unsolved, along};
 use super::{SHIFT, SHIFT_OF_TENSIONS, add, count_reactions, resolution};
 use crate::contacts::{ContactGap, Contacts};
+use crate::error::Error;
 use crate::math::{Real, Vector};
 use crate::matter::{Matter, Properties};
+use crate::parallel::{Executor, SERIAL};
 
 /// Maximum number of rounds in the search for the active contacts. Only the first half of the rounds removes contacts.
 const MOST_ROUNDS: usize = 60;
@@ -92,13 +94,17 @@ pub struct Supports {
 
 impl Supports {
     /// Contacts of a network of rods.
-    pub fn new(rods: &Network, axes: usize) -> Self {
+    ///
+    /// # Errors
+    /// If the equations do not fit into memory, or on an interrupt.
+    pub fn new(rods: &Network, axes: usize, executor: &Executor) -> Result<Self, Error> {
         let count = rods.inverse_mass.len();
         let rows = (0..count as u32).flat_map(|end| (0..axes).map(move |_| Rod { ends: [count as u32, end], length: 1.0 }));
         let links: Vec<Rod> = rods.links.iter().copied().chain(rows).collect();
         let inverse_mass = rods.inverse_mass.iter().copied().chain([0.0]).collect();
         let (contacts, start) = (Vec::new(), vec![[DVec3::ZERO; 2]; count]);
-        Self { network: Network::new(links, inverse_mass), rods: rods.links.len(), axes, contacts, start }
+        let network = Network::new(links, inverse_mass, executor)?;
+        Ok(Self { network, rods: rods.links.len(), axes, contacts, start })
     }
 
     /// Records the state at the start of a step.
@@ -119,6 +125,7 @@ impl Supports {
         walls: &RodWalls<'_, V>,
         directions: &[DVec3],
         (h, half): (f64, usize),
+        executor: &Executor,
     ) -> Result<(), Unsolved> {
         self.contacts.clear();
         let from: Vec<DVec3> = walls.particles.iter().map(|&particle| matter.exact_position(particle as usize)).collect();
@@ -145,7 +152,7 @@ impl Supports {
         self.settle(
             &mut contacts,
             &from,
-            SHIFT,
+            (SHIFT, executor),
             |_, rod, _, ends| rod.excess(ends, epsilon),
             |contact, x| (gap(contact, x).distance - contact.gap, gap(contact, x).slack),
             |contact, x| gap(contact, x).distance < -gap(contact, x).slack,
@@ -177,6 +184,7 @@ impl Supports {
         walls: &RodWalls<'_, V>,
         directions: &[DVec3],
         h: f64,
+        executor: &Executor,
     ) -> Result<bool, Unsolved> {
         let mut contacts = self.touching(matter, walls, h);
         if contacts.is_empty() {
@@ -188,7 +196,7 @@ impl Supports {
         self.settle(
             &mut contacts,
             &from,
-            SHIFT,
+            (SHIFT, executor),
             |_, _, direction, ends| along(direction, ends, epsilon),
             |contact, v| (contact.normal.dot(v) - contact.speed, 2.0 * epsilon * (v.length() + contact.speed)),
             |contact, v| contact.normal.dot(v) < contact.speed - STILL * epsilon * v.length(),
@@ -243,7 +251,7 @@ impl Supports {
         let _ = self.settle(
             &mut contacts,
             &from,
-            SHIFT_OF_TENSIONS,
+            (SHIFT_OF_TENSIONS, &SERIAL),
             residual,
             |contact, a| (contact.normal.dot(a) - contact.speed, 2.0 * f64::EPSILON * (a.length() + contact.speed.abs())),
             |contact, a| contact.normal.dot(a) < contact.speed - STILL * f64::EPSILON * (a.length() + contact.speed.abs()),
@@ -279,7 +287,7 @@ impl Supports {
         &mut self,
         contacts: &mut [RodContact],
         from: &[DVec3],
-        shift: f64,
+        (shift, executor): (f64, &Executor),
         rod: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64),
         row: impl Fn(&RodContact, DVec3) -> (f64, f64),
         violated: impl Fn(&RodContact, DVec3) -> bool,
@@ -294,7 +302,7 @@ impl Supports {
             for contact in contacts.iter().filter(|contact| contact.active) {
                 network.directions[contact.row] = contact.normal;
             }
-            network.factorize(shift);
+            network.factorize(shift, executor);
             outcome = network.project(|index, link, direction, ends| match contacts.get(places[index]) {
                 Some(contact) if contact.active => row(contact, ends[1]),
                 _ if index < *rods => rod(index, link, direction, ends),

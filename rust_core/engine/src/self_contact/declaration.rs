@@ -43,10 +43,7 @@ impl SelfContacts {
         };
         let (mut rules, mut pairs) = (Vec::new(), Vec::new());
         for item in items {
-            let own = match item.values.get("body") {
-                Some(Value::Indices(array)) if array.entries.len() == 1 => array.entries[0] as usize,
-                other => return Err(item.wrong("body", "a body", other)),
-            };
+            let own = own_body(item)?;
             let thickness = item.number("thickness")?;
             if thickness <= 0.0 {
                 return Err(item.wrong("thickness", "a number > 0", Some(&Value::Number(thickness))));
@@ -73,6 +70,36 @@ impl SelfContacts {
         let mut contacts = Self { rules, table, surfaces, limits, inverse_mass, start, ..Self::default() };
         contacts.leave_out(&[]);
         Ok(Some(contacts))
+    }
+}
+
+/// Number of triangles and free edges that a scene declares in contact with others.
+///
+/// # Errors
+/// If an item names no body.
+pub fn elements(scene: &Scene) -> Result<usize> {
+    let mut bodies = Vec::new();
+    for item in scene.constraints.iter().filter(|item| item.kind == KIND) {
+        bodies.push(own_body(item)?);
+        bodies.extend(item.on.iter().flatten().copied());
+    }
+    bodies.sort_unstable();
+    bodies.dedup();
+    let of = |body: &usize| {
+        let item = &scene.bodies[*body].item;
+        match item.tuples::<3>("faces") {
+            Ok(faces) if !faces.is_empty() => Ok(faces.len()),
+            _ => item.tuples::<2>("pairs").map(<[_]>::len),
+        }
+    };
+    bodies.iter().map(of).sum()
+}
+
+/// Body of an item, as an index.
+fn own_body(item: &Item) -> Result<usize> {
+    match item.values.get("body") {
+        Some(Value::Indices(array)) if array.entries.len() == 1 => Ok(array.entries[0] as usize),
+        other => Err(item.wrong("body", "a body", other)),
     }
 }
 

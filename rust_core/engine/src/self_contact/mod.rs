@@ -27,6 +27,7 @@ mod walls;
 mod zones;
 
 use declaration::BodySurface;
+pub use declaration::elements;
 use limits::StrainLimit;
 use loads::Loads;
 use mesh::{ContactRule, Mesh};

@@ -35,6 +35,29 @@ pub struct StepSizeRule {
     pub tolerance: Option<f64>,
 }
 
+/// An interval to be crossed in adaptive steps, and the progress in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    /// Start time [s].
+    pub start: f64,
+    /// Duration [s].
+    pub interval: f64,
+    /// Position in units of the finest block, a 2⁻⁴⁰ of the interval. With error control, 0 until the end.
+    pub position: u64,
+}
+
+impl Course {
+    /// A course from its start.
+    pub fn new(start: f64, interval: f64) -> Self {
+        Self { start, interval, position: 0 }
+    }
+
+    /// Whether its end is reached.
+    pub fn is_complete(&self) -> bool {
+        self.position == FINEST
+    }
+}
+
 /// The state of the step-size control.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Adaptation {
@@ -58,44 +81,50 @@ pub(super) enum Trial {
 }
 
 impl Simulation {
-    /// Advances by an interval [s] in steps chosen by the rule.
-    pub(super) fn advance_adaptively(
-        &mut self,
-        interval: f64,
-        rule: &StepSizeRule,
-        interrupted: &dyn Fn() -> bool,
-    ) -> Result<()> {
+    /// Takes up to `steps` steps of a course, of sizes chosen by the rule. The steps do not depend on how the course is divided
+    /// into calls.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn cross(&mut self, course: &mut Course, steps: u64, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        let interval = course.interval;
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("interval", "a finite number > 0", interval));
         }
         match rule.tolerance {
-            None => self.advance_in_blocks(interval, rule, interrupted),
+            None => self.advance_in_blocks(course, steps, rule, interrupted),
             Some(tolerance) => {
                 let expected = "one that estimates its errors, for a tolerance";
                 let estimates = || Error::parameter("integrator", expected, self.method());
                 let (_, order) = self.system.error(0.0).ok_or_else(estimates)?;
-                self.advance_by_errors(interval, rule, (tolerance, self.system.control(order)), interrupted)
+                self.advance_by_errors(course, steps, rule, (tolerance, self.system.control(order)), interrupted)
             }
         }
     }
 
     /// Advances in steps of the interval over powers of two, admissible at both of their ends.
-    fn advance_in_blocks(&mut self, interval: f64, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+    fn advance_in_blocks(
+        &mut self,
+        course: &mut Course,
+        steps: u64,
+        rule: &StepSizeRule,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<()> {
         let varies = self.system.limit_varies(Horizon::Present, self.time());
-        let (start, finest) = (self.time(), interval / FINEST as f64);
+        let (start, finest, mut left) = (course.start, course.interval / FINEST as f64, steps);
         let mut allowed = self.allowed(rule, interrupted)?;
-        self.expect(allowed.min(interval));
-        let (mut position, mut halvings, mut since) = (0, Halvings::default(), 0);
+        self.expect(allowed.min(course.interval));
+        let (mut halvings, mut since) = (Halvings::default(), 0);
         // Largest block that begins at a position of the binary tree.
         let largest = |position: u64| if position == 0 { FINEST } else { position & position.wrapping_neg() };
-        let mut block = largest(position);
-        while position < FINEST {
+        let mut block = largest(course.position);
+        while course.position < FINEST && left > 0 {
             while block > 1 && block as f64 * finest > allowed {
                 block /= 2;
             }
             let before = (self.segment, self.monitor, self.mach);
             let h = block as f64 * finest;
-            self.segment = Segment { start, steps: position / block, dt: h };
+            self.segment = Segment { start, steps: course.position / block, dt: h };
             let halved = match self.attempt(before.0, interrupted)? {
                 Trial::Taken => {
                     let end = if varies { self.allowed(rule, interrupted) } else { Ok(allowed) };
@@ -106,8 +135,9 @@ impl Simulation {
                     // In this form a NaN limit rejects the step.
                     let suits = end >= h;
                     if suits || block == 1 {
-                        (position, halvings, allowed) = (position + block, Halvings::default(), end);
+                        (course.position, halvings, allowed) = (course.position + block, Halvings::default(), end);
                         self.count(h);
+                        left -= 1;
                         false
                     } else {
                         self.rollback(1);
@@ -124,9 +154,9 @@ impl Simulation {
                 (self.segment, self.monitor, self.mach) = before;
                 block /= 2;
             } else {
-                block = largest(position);
+                block = largest(course.position);
             }
-            self.poll(&mut since, position < FINEST, interrupted)?;
+            self.poll(&mut since, !course.is_complete(), interrupted)?;
         }
         Ok(())
     }

@@ -5,20 +5,21 @@
 
 use super::adaptive::{FINEST, Trial};
 use super::halving::Halvings;
-use super::{Segment, Simulation, StepSizeRule};
+use super::{Course, Segment, Simulation, StepSizeRule};
 use crate::error::Result;
 use crate::systems::Control;
 
 impl Simulation {
-    /// Advances in steps whose estimated error is at most `tolerance`, by a method's control.
+    /// Takes up to `steps` steps of a course, whose estimated error is at most `tolerance`, by a method's control.
     pub(super) fn advance_by_errors(
         &mut self,
-        interval: f64,
+        course: &mut Course,
+        steps: u64,
         rule: &StepSizeRule,
         (tolerance, control): (f64, Control),
         interrupted: &dyn Fn() -> bool,
     ) -> Result<()> {
-        let end = self.time() + interval;
+        let (end, interval) = (course.start + course.interval, course.interval);
         // Not below the resolution of the clock.
         let finest = (interval / FINEST as f64).max(4.0 * f64::EPSILON * end);
         if self.adaptation.control[0] == 0.0 {
@@ -26,11 +27,15 @@ impl Simulation {
             self.adaptation.control = [if first > 0.0 { first } else { rule.free }, 1.0];
         }
         self.expect(self.adaptation.control[0].min(interval));
-        let (mut halvings, mut since) = (Halvings::default(), 0);
+        let (mut halvings, mut since, mut taken) = (Halvings::default(), 0, 0);
         loop {
             let time = self.time();
             let left = end - time;
             if left <= finest {
+                course.position = FINEST;
+                return Ok(());
+            }
+            if taken == steps {
                 return Ok(());
             }
             let [wanted, last] = self.adaptation.control;
@@ -49,7 +54,7 @@ impl Simulation {
                         if ends {
                             self.segment = Segment { start: end, steps: 0, dt: h };
                         }
-                        halvings = Halvings::default();
+                        (halvings, taken) = (Halvings::default(), taken + 1);
                     } else {
                         self.rollback(1);
                         self.adaptation.rejected += 1;

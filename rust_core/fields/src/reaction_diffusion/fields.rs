@@ -94,8 +94,9 @@ impl<T: Real> ReactionDiffusion<T> {
             &self.law.kinetics,
             law => {
                 let values = [0, 1].map(|species| self.species_row(species, row, &self.state.field));
+                let kinetics = law.row(row);
                 for cell in 0..length {
-                    let [one, other] = super::kinetics::RateLaw::rates(*law, [values[0][cell], values[1][cell]]);
+                    let [one, other] = super::kinetics::RateLaw::rates(kinetics.at(cell), [values[0][cell], values[1][cell]]);
                     slope[cell] += one;
                     slope[length + cell] += other;
                 }

@@ -2,12 +2,17 @@
 
 use std::sync::Arc;
 
+use super::cell_kinetics::{CellKinetics, PARAMETERS};
 use crate::error::{Error, Result};
+use crate::grid::Grid;
 use crate::math::Real;
 use crate::scene::{self, Argument, Callback, Item, Value};
 
 /// Reaction kinetics of two species in one cell.
 pub trait RateLaw<T>: Copy + Send + Sync {
+    /// Returns the kinetics with these parameters.
+    fn new(parameters: [T; PARAMETERS]) -> Self;
+
     /// Reaction rates R(u, v).
     fn rates(self, values: [T; 2]) -> [T; 2];
 
@@ -23,6 +28,11 @@ pub struct GrayScott<T> {
 }
 
 impl<T: Real> RateLaw<T> for GrayScott<T> {
+    #[inline(always)]
+    fn new([feed, loss, ..]: [T; PARAMETERS]) -> Self {
+        Self { feed, loss }
+    }
+
     #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let converted = u * (v * v);
@@ -47,6 +57,11 @@ pub struct FitzHughNagumo<T> {
 
 impl<T: Real> RateLaw<T> for FitzHughNagumo<T> {
     #[inline(always)]
+    fn new([epsilon, beta, gamma, current]: [T; PARAMETERS]) -> Self {
+        Self { epsilon, beta, gamma, current }
+    }
+
+    #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let cubic = u * (T::ONE - T::from_f64(1.0 / 3.0) * (u * u));
         [cubic - v + self.current, self.epsilon * (u + self.beta - self.gamma * v)]
@@ -66,6 +81,11 @@ pub struct Brusselator<T> {
 }
 
 impl<T: Real> RateLaw<T> for Brusselator<T> {
+    #[inline(always)]
+    fn new([a, b, ..]: [T; PARAMETERS]) -> Self {
+        Self { a, b }
+    }
+
     #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let (formed, turned) = (u * u * v, self.b * u);
@@ -87,6 +107,11 @@ pub struct Schnakenberg<T> {
 }
 
 impl<T: Real> RateLaw<T> for Schnakenberg<T> {
+    #[inline(always)]
+    fn new([a, b, ..]: [T; PARAMETERS]) -> Self {
+        Self { a, b }
+    }
+
     #[inline(always)]
     fn rates(self, [u, v]: [T; 2]) -> [T; 2] {
         let formed = u * u * v;
@@ -132,10 +157,10 @@ impl ReactionFunction {
 /// Registry of kinetics.
 #[derive(Clone)]
 pub enum Kinetics<T> {
-    GrayScott(GrayScott<T>),
-    FitzHughNagumo(FitzHughNagumo<T>),
-    Brusselator(Brusselator<T>),
-    Schnakenberg(Schnakenberg<T>),
+    GrayScott(CellKinetics<T, GrayScott<T>>),
+    FitzHughNagumo(CellKinetics<T, FitzHughNagumo<T>>),
+    Brusselator(CellKinetics<T, Brusselator<T>>),
+    Schnakenberg(CellKinetics<T, Schnakenberg<T>>),
     /// User-defined function of any number of species.
     Function(ReactionFunction),
 }
@@ -159,21 +184,19 @@ impl<T: Real> Kinetics<T> {
     ///
     /// # Errors
     /// If a value is missing or out of range.
-    pub fn declared(item: &Item) -> Result<(Self, Vec<String>)> {
-        let real = |name: &str| item.number(name).map(T::from_f64);
+    pub fn declared(item: &Item, grid: &Grid) -> Result<(Self, Vec<String>)> {
+        let any: fn([f64; PARAMETERS]) -> [f64; PARAMETERS] = |given| given;
         let kinetics = match item.kind.as_str() {
             "GrayScott" => {
-                let (feed, kill) = (item.non_negative("feed")?, item.non_negative("kill")?);
-                Self::GrayScott(GrayScott { feed: T::from_f64(feed), loss: T::from_f64(feed + kill) })
+                let names = ["feed", "kill"];
+                names.iter().try_for_each(|name| grid.non_negative_field(item, name).map(|_| ()))?;
+                Self::GrayScott(CellKinetics::declared(item, grid, &names, |[feed, kill, ..]| [feed, feed + kill, 0.0, 0.0])?)
             }
-            "FitzHughNagumo" => Self::FitzHughNagumo(FitzHughNagumo {
-                epsilon: real("epsilon")?,
-                beta: real("beta")?,
-                gamma: real("gamma")?,
-                current: real("current")?,
-            }),
-            "Brusselator" => Self::Brusselator(Brusselator { a: real("a")?, b: real("b")? }),
-            "Schnakenberg" => Self::Schnakenberg(Schnakenberg { a: real("a")?, b: real("b")? }),
+            "FitzHughNagumo" => {
+                Self::FitzHughNagumo(CellKinetics::declared(item, grid, &["epsilon", "beta", "gamma", "current"], any)?)
+            }
+            "Brusselator" => Self::Brusselator(CellKinetics::declared(item, grid, &["a", "b"], any)?),
+            "Schnakenberg" => Self::Schnakenberg(CellKinetics::declared(item, grid, &["a", "b"], any)?),
             "Reaction" => {
                 let species = match item.values.get("species") {
                     Some(Value::Texts(names)) if !names.is_empty() => names.clone(),
@@ -185,6 +208,16 @@ impl<T: Real> Kinetics<T> {
             _ => return Err(scene::unknown(item, "a kind of reaction")),
         };
         Ok((kinetics, vec!["u".to_owned(), "v".to_owned()]))
+    }
+
+    /// Whether parameters vary from cell to cell.
+    pub fn varies(&self) -> bool {
+        with_law!(self, kinetics => kinetics.uniform.is_none(), _function => false)
+    }
+
+    /// Memory of the parameters [bytes].
+    pub fn bytes(&self) -> usize {
+        with_law!(self, kinetics => kinetics.bytes(), _function => 0)
     }
 
     /// Whether the kinetics is a user-defined function.

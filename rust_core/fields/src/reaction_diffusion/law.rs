@@ -99,7 +99,8 @@ fn cells<'a, T: Copy, const N: usize>(
 
 impl<T: Real> Sweep<T, SpeciesTally> for SpeciesPass<'_, T> {
     fn scratch(&self) -> usize {
-        self.law.species.len() * (SEGMENT / size_of::<T>()).min(self.law.grid.row_length())
+        let arrays = if self.law.kinetics.varies() { 2 } else { 1 };
+        arrays * self.law.species.len() * (SEGMENT / size_of::<T>()).min(self.law.grid.row_length())
     }
 
     fn row(&self, stage: usize, block: &mut Block<'_, T, SpeciesTally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
@@ -119,25 +120,34 @@ impl<T: Real> Sweep<T, SpeciesTally> for SpeciesPass<'_, T> {
         while start < length {
             let range = start..(start + SEGMENT / size_of::<T>()).min(length);
             start = range.end;
+            let (diffused, reacted) = scratch.split_at_mut(count * range.len());
             for (species, diffusion) in law.diffusion.iter().enumerate() {
-                let out = &mut scratch[species * range.len()..(species + 1) * range.len()];
+                let out = &mut diffused[species * range.len()..(species + 1) * range.len()];
                 diffusion.apply(Window { field: species, ..before }, row, range.clone(), out);
             }
             with_law!(
                 &law.kinetics,
-                kinetics => {
-                    let mut cells = cells::<T, 2>(block, index, length, 0, &range, before, scratch);
-                    let sums = stage::run(scaled, ComputedRates(*kinetics), &mut cells);
+                kinetics => if let Some(uniform) = kinetics.uniform {
+                    let mut cells = cells::<T, 2>(block, index, length, 0, &range, before, diffused);
+                    let sums = stage::run(scaled, ComputedRates(uniform), &mut cells);
                     (0..2).for_each(|species| tally(block.tallies, species, sums[species]));
+                    continue;
+                } else {
+                    let values = [0, 1].map(|species| Window { field: species, ..before }.row(row));
+                    kinetics.row(row).rates(range.clone(), values, reacted);
                 },
-                _function => for species in 0..count {
-                    let given = &Window { field: species, ..of(self.given) }.row(row)[range.clone()];
-                    let diffusion = &scratch[species * range.len()..];
-                    let mut cells = cells::<T, 1>(block, index, length, species, &range, before, diffusion);
-                    let [sums] = stage::run(scaled, GivenRates(given), &mut cells);
-                    tally(block.tallies, species, sums);
-                }
+                _function => {}
             );
+            for species in 0..count {
+                let given = if law.kinetics.calls_back() {
+                    &Window { field: species, ..of(self.given) }.row(row)[range.clone()]
+                } else {
+                    &reacted[species * range.len()..(species + 1) * range.len()]
+                };
+                let mut cells = cells::<T, 1>(block, index, length, species, &range, before, &diffused[species * range.len()..]);
+                let [sums] = stage::run(scaled, GivenRates(given), &mut cells);
+                tally(block.tallies, species, sums);
+            }
         }
         for species in 0..count {
             let loss = law.loss(species, row, Window { field: species, ..before }.row(row));

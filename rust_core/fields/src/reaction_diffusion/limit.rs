@@ -6,6 +6,7 @@
 //! fast rates, unlike those of diffusion, carry the solution.
 
 use super::ReactionDiffusion;
+use super::cell_kinetics::RowKinetics;
 use super::kinetics::{RateLaw, with_law};
 use crate::error::Result;
 use crate::math::Real;
@@ -22,7 +23,7 @@ const DIFFERENCE: f64 = 1e-6;
 
 /// Largest ρ of the cells of a row. The norms ‖J‖₁ and ‖J‖∞ bound eigenvalues; the smaller one is used.
 struct Fastest<'a, T, L> {
-    law: L,
+    kinetics: RowKinetics<'a, T, L>,
     values: [&'a [T]; 2],
 }
 
@@ -34,8 +35,8 @@ impl<T: Real, L: RateLaw<T>> Kernel for Fastest<'_, T, L> {
         let size = |value: T| if value < T::ZERO { -value } else { value };
         let larger = |one: T, other: T| if other > one { other } else { one };
         let mut most = T::ZERO;
-        for (&u, &v) in self.values[0].iter().zip(self.values[1]) {
-            let [a, b, c, d] = self.law.derivatives([u, v]).map(size);
+        for (cell, (&u, &v)) in self.values[0].iter().zip(self.values[1]).enumerate() {
+            let [a, b, c, d] = self.kinetics.at(cell).derivatives([u, v]).map(size);
             let (rows, columns) = (larger(a + b, c + d), larger(a + c, b + d));
             most = larger(most, if columns < rows { columns } else { rows });
         }
@@ -87,8 +88,9 @@ impl<T: Real> ReactionDiffusion<T> {
                 let mut rates = vec![0.0; self.law.grid.rows()];
                 executor.for_each_block(BlockedSlice::new(&mut rates, 16), &|block: BlockedSlice<'_, f64>| {
                     for (index, rate) in block.items.iter_mut().enumerate() {
-                        let of = |species: usize| self.species_row(species, block.start + index, &self.state.field);
-                        *rate = dispatch(Fastest { law: *law, values: [of(0), of(1)] });
+                        let row = block.start + index;
+                        let values = [0, 1].map(|species| self.species_row(species, row, &self.state.field));
+                        *rate = dispatch(Fastest { kinetics: law.row(row), values });
                     }
                 });
                 executor.check()?;

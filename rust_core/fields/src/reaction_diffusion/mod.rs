@@ -1,6 +1,7 @@
 //! Reaction–diffusion systems: u' = D ∇²u + R(u, v, …) for several species on a uniform grid. They are advanced by an explicit
 //! method of first order in time derivatives.
 
+mod cell_kinetics;
 mod fields;
 mod kinetics;
 mod law;
@@ -84,7 +85,7 @@ impl<T: Real> ReactionDiffusion<T> {
         if edges.any(Edge::Absorbing) {
             return Err(item.wrong("edges", "fixed, free or periodic", item.values.get("edges")));
         }
-        let (kinetics, names) = Kinetics::declared(item.record("reaction")?)?;
+        let (kinetics, names) = Kinetics::declared(item.record("reaction")?, &grid)?;
         let (species, rows, length) = (names.len(), grid.rows(), grid.row_length());
         let bytes = species * (2 + method.columns()) * size_of::<T>();
         let given = if kinetics.calls_back() { species } else { 0 };

@@ -81,9 +81,10 @@ impl<T: Real> System for ReactionDiffusion<T> {
             depth => format!("{depth} evaluations in one pass over memory, row by row"),
         };
         let count = self.method.stages(0.0, 0.0).len();
+        let reaction = if self.law.kinetics.varies() { "reaction with parameters of each cell" } else { "reaction" };
         vec![Stages {
             item: String::new(),
-            names: vec!["diffusion".to_owned(), "reaction".to_owned(), format!("update of {}", self.law.species.join(", "))],
+            names: vec!["diffusion".to_owned(), reaction.to_owned(), format!("update of {}", self.law.species.join(", "))],
             dimension: self.law.grid.dimension,
             precision: T::NAME,
             method: self.method.name,
@@ -101,7 +102,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
     fn bytes(&self) -> usize {
         let workspace = &self.workspace;
         let columns = workspace.columns.iter().chain([&workspace.before, &workspace.given, &self.state.field, &self.saved.field]);
-        let coefficients = self.law.diffusion.iter().map(Laplacian::bytes).sum::<usize>();
+        let coefficients = self.law.diffusion.iter().map(Laplacian::bytes).sum::<usize>() + self.law.kinetics.bytes();
         columns.map(|column| size_of_val(column.as_slice())).sum::<usize>()
             + 2 * size_of_val(self.state.tallies.as_slice())
             + size_of_val(workspace.activity.as_slice())

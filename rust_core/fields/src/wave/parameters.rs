@@ -4,7 +4,7 @@ use super::absorbing::{self, AbsorptionParameters};
 use crate::error::Result;
 use crate::grid::{Edges, Grid, Padding, RowTable};
 use crate::integrators::Facts;
-use crate::scene::{Item, Value};
+use crate::scene::Item;
 
 /// Parameters of a wave, without its sources and its initial state.
 #[derive(Debug)]
@@ -51,8 +51,8 @@ impl Parameters {
         }
         let walls = grid.mask(item, "walls")?.filter(|walls| walls.contains(&true));
         Ok(Self {
-            speed: padding.extend(&non_negative(item, &grid, "speed")?),
-            damping: padding.extend(&non_negative(item, &grid, "damping")?),
+            speed: padding.extend(&grid.non_negative_field(item, "speed")?),
+            damping: padding.extend(&grid.non_negative_field(item, "damping")?),
             walls: walls.map(|walls| (0..padding.outer.count()).map(|cell| walls[padding.nearest(cell)]).collect()),
             density,
             order,
@@ -61,14 +61,5 @@ impl Parameters {
             grid: padding.outer.clone(),
             padding,
         })
-    }
-}
-
-/// Reads a field without negative values.
-fn non_negative(item: &Item, grid: &Grid, name: &str) -> Result<RowTable<f64>> {
-    let table = grid.field(item, name)?;
-    match table.different().iter().find(|&&value| value < 0.0) {
-        Some(&value) => Err(item.wrong(name, "numbers ≥ 0", Some(&Value::Number(value)))),
-        None => Ok(table),
     }
 }

@@ -106,15 +106,20 @@ pub fn coulomb<V: Vector>() -> ForceKind<V> {
     ForceKind { name: "Coulomb", reach: Reach::Far, charges: true, build }
 }
 
-/// Whether each particle belongs to a body that an item names as a source, in the engine's order.
+/// Whether an item names each particle, or its body, as a source, in the engine's order.
 fn sources<V: Vector>(declared: &Declared<'_, V>) -> Result<Vec<bool>> {
     let Declared { scene, item, properties, .. } = declared;
-    let on = match item.values.get("sources") {
-        None => None,
-        Some(Value::Indices(array)) => Some(array.entries.iter().map(|&body| body as usize).collect()),
+    let named = match item.values.get("sources") {
+        None => Item::default(),
+        Some(Value::Indices(array)) => {
+            Item { on: Some(array.entries.iter().map(|&body| body as usize).collect()), ..Item::default() }
+        }
+        Some(Value::Flags(array)) if array.entries.len() == scene.count() => {
+            Item { members: Some(array.entries.clone()), ..Item::default() }
+        }
         other => return Err(item.wrong("sources", "indices of bodies", other)),
     };
-    let in_scene = scene.members(&Item { on, ..Item::default() });
+    let in_scene = scene.members(&named);
     Ok(properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect())
 }
 

@@ -365,6 +365,11 @@ pub fn are_between_neighbors(scene: &Scene) -> bool {
     sph::is_in(scene) || scene.forces.iter().any(|item| reach(item) == Some(Reach::Pairs))
 }
 
+/// Whether forces act between all pairs of particles, at any distance.
+pub fn are_at_a_distance(scene: &Scene) -> bool {
+    scene.forces.iter().any(|item| reach(item) == Some(Reach::Far))
+}
+
 /// A vector for which this crate compiles all forces. Callers use these functions; generic ones would be compiled with them.
 pub trait Space: Vector {
     /// Builds the forces that an item of the scene declares.
@@ -413,6 +418,9 @@ fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, exec
         return Err(scene::unknown(item, "a force"));
     };
     let in_scene = scene.members(item);
+    if in_scene.len() != scene.count() {
+        return Err(item.wrong("on", "a mask of all particles", None));
+    }
     let chosen = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
     (kind.build)(&Declared { scene, item, properties, chosen, executor })
 }

@@ -99,7 +99,7 @@ impl Air {
 
 impl<V: Vector> Wind<V> {
     fn new(declared: &Declared<'_, V>) -> Result<Self> {
-        let Declared { scene, item, properties, .. } = declared;
+        let Declared { scene, item, properties, chosen, .. } = declared;
         if V::DIMENSION != 3 {
             return Err(Error::parameter(&item.path, "a scene in 3D", format!("{}D", V::DIMENSION)));
         }
@@ -115,7 +115,8 @@ impl<V: Vector> Wind<V> {
         for body in named {
             let number = |corner: u32| engine[scene.first(body) + corner as usize];
             let own = scene.bodies[body].item.tuples::<3>("faces").unwrap_or(&[]);
-            faces.extend(own.iter().map(|face| face.map(number)));
+            let faces_in_engine = own.iter().map(|face| face.map(number));
+            faces.extend(faces_in_engine.filter(|face| face.iter().all(|&corner| chosen[corner as usize])));
         }
         let corners = Corners::new(properties.count(), faces.iter().copied());
         Ok(Self { air, torn: vec![false; faces.len()], corners, faces })

@@ -166,7 +166,7 @@ impl Lists {
     /// from a sample. Neighboring lengths vary little.
     fn check(&mut self, candidates: Candidates<'_>, dimension: usize, executor: &Executor) -> Result<()> {
         let (count, held) = (self.ends.len(), self.bytes());
-        if room(count.saturating_mul(count)) <= held + memory::SMALL {
+        if room(count.saturating_mul(count)) <= held + memory::HEADROOM {
             return Ok(());
         }
         let work = (BlockedSlice::new(&mut self.ends, BLOCK), BlockedSlice::new(&mut self.segments, 1));
@@ -180,7 +180,7 @@ impl Lists {
             ends.items[0].all = listed * ends.items.len() / samples;
         });
         let needed = room(self.ends.iter().step_by(BLOCK).map(|ends| ends.all).sum());
-        let refused = memory::check(LISTS, needed, held, || hint(candidates.metric));
+        let refused = memory::check(LISTS, needed + count * AFTER, held, || hint(candidates.metric));
         if refused.is_err() {
             *self = Self::new(count);
         }
@@ -190,6 +190,9 @@ impl Lists {
 
 /// Name of the allocation in errors.
 const LISTS: &str = "neighbors";
+
+/// Memory that a particle takes after its first list: records, and what limits and energies need [bytes].
+const AFTER: usize = 150;
 
 /// Slots per sampled list.
 const SAMPLE: usize = 64;

@@ -21,7 +21,7 @@ use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::rods::{self, Rods};
 use crate::scene::{self, Item, PARTICLES, Scene};
-use crate::self_contact::SelfContacts;
+use crate::self_contact::{self, SelfContacts};
 
 mod precision;
 
@@ -46,7 +46,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let properties = properties::<V>(scene, &order);
     precision::check::<V>(scene, &springs, &properties)?;
     let springs = renumbered(springs, &order);
-    let mut rods = rods(scene, &springs, &properties, &about)?;
+    let mut rods = rods(scene, &springs, &properties, &about, executor)?;
     executor.check()?;
 
     let mut all: Vec<Box<dyn Force<V>>> = Vec::new();
@@ -69,7 +69,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     if tearing.is_some() && about.springs != Treatment::Rods {
         refuse_kinks(&about, "springs that break")?;
     }
-    let contacts = contacts(scene, &properties, rods.as_mut(), &about)?;
+    let contacts = contacts(scene, &properties, rods.as_mut(), &about, executor)?;
     let self_contacts = self_contacts(scene, &springs, &properties, &about)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
     let (mut stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
@@ -164,13 +164,14 @@ fn contacts<V: Space>(
     properties: &Properties<V>,
     rods: Option<&mut Rods>,
     about: &MethodAbout,
+    executor: &Executor,
 ) -> Result<Option<Contacts<V>>> {
     let Some(mut contacts) = Contacts::build(scene, properties)? else { return Ok(None) };
     if about.springs != Treatment::Rods || about.order != 2 {
         refuse_kinks(about, "boundaries")?;
     }
     if let Some(rods) = rods {
-        rods.meet_walls(V::DIMENSION);
+        rods.meet_walls(V::DIMENSION, executor)?;
         contacts.leave_out(rods.particles());
         if let Some((path, friction)) = contacts.friction(properties, rods.particles()) {
             return Err(Error::parameter(format!("{path}.friction"), "0 with rods", friction)
@@ -250,7 +251,13 @@ fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) ->
 }
 
 /// Rods among springs. Refuses rods that the method does not hold, and rods between fixed particles that have to part.
-fn rods<V: Space>(scene: &Scene, springs: &[Spring], properties: &Properties<V>, about: &MethodAbout) -> Result<Option<Rods>> {
+fn rods<V: Space>(
+    scene: &Scene,
+    springs: &[Spring],
+    properties: &Properties<V>,
+    about: &MethodAbout,
+    executor: &Executor,
+) -> Result<Option<Rods>> {
     if !about.holds_rods && springs.iter().any(rods::is_rod) {
         let hint = "their stiffness is infinite, and it takes springs as forces; RATTLE holds lengths to rounding";
         return Err(Error::parameter("integrator", "RATTLE() or XPBD() for rods", about.name).with_hint(hint));
@@ -268,7 +275,7 @@ fn rods<V: Space>(scene: &Scene, springs: &[Spring], properties: &Properties<V>,
         let found = format!("a rod between the fixed particles {} and {}, whose velocities differ", ends[0], ends[1]);
         return Err(Error::parameter("scene", "rods whose ends can keep their distance", found));
     }
-    Ok(if about.springs == Treatment::Rods { Rods::new(springs, properties) } else { None })
+    if about.springs == Treatment::Rods { Rods::new(springs, properties, executor) } else { Ok(None) }
 }
 
 /// Refuses a method of smooth motion for a scene with kinks in its motion.
@@ -280,10 +287,15 @@ fn refuse_kinks(about: &MethodAbout, found: &str) -> Result<()> {
 
 /// Memory of a particle besides its state [bytes]: its properties, and during compilation its index in two orders.
 const PROPERTIES: usize = 100;
-/// Memory of a particle with neighbors, of a fluid particle, and of a spring, without neighbor lists [bytes].
-const NEIGHBOR: usize = 250;
-const FLUID: usize = 600;
+/// Memory of a particle with neighbors, of a fluid particle besides that, and of a particle with forces at a distance, without neighbor
+/// lists [bytes].
+const NEIGHBOR: usize = 800;
+const FLUID: usize = 100;
+const FAR: usize = 400;
+/// Memory of a spring, of a rod besides that, and of a triangle or free edge in contact with others [bytes].
 const SPRING: usize = 250;
+const ROD: usize = 400;
+const ELEMENT: usize = 1700;
 
 /// Estimated peak memory of a scene, during and after compilation [bytes]. Neighbor lists are excluded: they are checked when
 /// they are built.
@@ -294,8 +306,12 @@ fn footprint<V: Space>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
     // State with its copy, and workspace of sweeps.
     let columns = 2 * (2 + registers) + about.own + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
-    let neighbor = if forces::are_between_neighbors(scene) { NEIGHBOR } else { 0 } + if sph::is_in(scene) { FLUID } else { 0 };
-    Ok(scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING)
+    let pairs =
+        [(forces::are_between_neighbors(scene), NEIGHBOR), (sph::is_in(scene), FLUID), (forces::are_at_a_distance(scene), FAR)];
+    let pairs: usize = pairs.into_iter().filter(|(holds, _)| *holds).map(|(_, bytes)| bytes).sum();
+    let particles = scene.count() * (columns * vector + PROPERTIES + pairs);
+    let spring = SPRING + if about.holds_rods { ROD } else { 0 };
+    Ok(particles + springs * spring + self_contact::elements(scene)? * ELEMENT)
 }
 
 /// Advice on a better integrator; None under gravity alone, or where contacts reduce every method's order.

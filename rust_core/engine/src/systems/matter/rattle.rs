@@ -74,32 +74,33 @@ fn step<V: Space>(
     coupled::collisions(verlet, dynamics, matter, workspace, h, executor)?;
     let Dynamics { rods, contacts, properties, .. } = dynamics;
     if let Some(rods) = rods {
-        rods.hold_positions(matter, half).map_err(|unsolved| diverged(&properties.caller, unsolved))?;
+        held(rods.hold_positions(matter, half), &properties.caller, executor)?;
         if let (Some(contacts), Some(drift)) = (&*contacts, half) {
-            let held = rods.hold_gaps(matter, (contacts, properties), drift);
-            held.map_err(|unsolved| diverged(&properties.caller, unsolved))?;
+            held(rods.hold_gaps(matter, (contacts, properties), drift, executor), &properties.caller, executor)?;
         }
     }
     coupled::sweep(verlet, dynamics, matter, workspace, interval, time + h, StageAction::StageUpdate(0, None), executor)?;
     let Dynamics { rods, contacts, properties, .. } = dynamics;
     if let Some(rods) = rods {
-        rods.turn(|index| matter.exact_position(index));
-        let held = match contacts {
-            Some(contacts) => rods.hold_velocities_at_walls(matter, (contacts, properties), h),
+        rods.turn(|index| matter.exact_position(index), executor);
+        let outcome = match contacts {
+            Some(contacts) => rods.hold_velocities_at_walls(matter, (contacts, properties), h, executor),
             None => rods.hold_velocities(matter),
         };
-        held.map_err(|unsolved| diverged(&properties.caller, unsolved))?;
+        held(outcome, &properties.caller, executor)?;
     }
     Ok(())
 }
 
-/// Divergence of a step whose rods have no solution.
-fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error {
+/// Reports an interrupt, after which a projection has no meaning, or the divergence of a step whose rods have no solution.
+fn held(outcome: std::result::Result<(), Unsolved>, caller: &[u32], executor: &Executor) -> Result<()> {
+    executor.check()?;
+    let Err(Unsolved { particle, residual }) = outcome else { return Ok(()) };
     let index = caller[particle] as usize;
     let cause = format!(
         "does not satisfy its rods: they turn too far within a step, or walls leave them no room, and a residual of {residual:.1e} rounding errors is left"
     );
-    Error::unsolved(index, cause)
+    Err(Error::unsolved(index, cause))
 }
 
 impl<V: Space> History for Rattle<V> {}
@@ -151,7 +152,7 @@ impl<V: Space> Method<V> for Rattle<V> {
 
     fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
         if let Some(rods) = &mut job.dynamics.rods {
-            rods.begin(job.state)?;
+            rods.begin(job.state, executor)?;
         }
         self.verlet.begin(job, executor)
     }
@@ -161,7 +162,7 @@ impl<V: Space> Method<V> for Rattle<V> {
         let Some(workspace) = workspace else { return Ok(()) };
         // After a rollback or a restoration, the directions belong to another state.
         if let Some(rods) = &mut dynamics.rods {
-            rods.turn(|index| state.exact_position(index));
+            rods.turn(|index| state.exact_position(index), executor);
         }
         for index in 0..interval.steps {
             let mut node = 0.0;

@@ -10,7 +10,7 @@ use crate::forces::{PART, Reach, Strength, VelocityDependence};
 use crate::matter::{Columns, Matter, Properties};
 use crate::memory;
 use crate::parallel::Executor;
-use crate::scene::{Array, Body, Item, Scene, Value};
+use crate::scene::{Body, Item, Scene, Value};
 use crate::simd::{LANES, padded};
 use crate::systems::{Quantity, Sample};
 
@@ -41,12 +41,13 @@ pub fn sample(
     let alone = |item: Item| {
         let given = item.values.get("sources").cloned();
         let next = match given {
-            Some(Value::Indices(array)) => array.entries.iter().map(|body| body + 1).collect(),
-            _ => (1..=sources).collect::<Vec<u32>>(),
+            Some(Value::Indices(array)) => Value::Indices(array.entries.iter().map(|body| body + 1).collect::<Vec<u32>>().into()),
+            Some(Value::Flags(array)) => Value::Flags([vec![false; count], array.entries].concat().into()),
+            _ => Value::Indices((1..=sources).collect::<Vec<u32>>().into()),
         };
-        let mut item = Item { on: Some(vec![0]), ..item };
+        let mut item = Item { on: Some(vec![0]), members: None, ..item };
         if forces::is_between_pairs(&item) {
-            item.values.insert("sources".to_owned(), Value::Indices(Array::from(next)));
+            item.values.insert("sources".to_owned(), next);
             // The sum is exact: its error need not be measured.
             item.values.insert("opening_angle".to_owned(), Value::Number(0.0));
         }

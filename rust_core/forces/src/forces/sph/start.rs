@@ -19,6 +19,11 @@ const GAMMA: i32 = 7;
 /// Speed of sound in units of the fastest flow. Density then varies by about (1/10)² = 1 %.
 const SOUND: f64 = 10.0;
 
+/// Expected speed of a fluid that strikes a wall, in units of the speed of this impact. The jets of a block that falls onto a floor
+/// are measured to be faster. Two percent of its particles exceed 2.0 to 2.5 times the impact, at any height and resolution. With
+/// this value their Mach number is below 0.15.
+const JETS: f64 = 1.75;
+
 /// Velocity in the middle of a turbulent channel in units of √(τ/ρ), where τ is the stress at its walls.
 ///
 /// Source: S. B. Pope, Turbulent Flows (2000), § 7.1.
@@ -436,22 +441,32 @@ fn falling(scene: &Scene) -> Result<f64> {
 }
 
 /// Estimate of the largest speed [m/s]: the maximum of several speeds. One is the initial speed. The second is that of a fall
-/// from the highest fluid to the lowest wall below any fluid. The third is that of a fall in a central force. The last is the
-/// speed at which friction balances gravity along a periodic axis.
+/// to the lowest wall. The third is that of a fall in a central force. The last is the speed at which friction balances gravity
+/// along a periodic axis.
 fn fastest(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
-    let bodies = || fluids(scene).map(|(body, _)| &scene.bodies[body]);
-    let fall = match gravity.try_normalize() {
-        None => 0.0,
-        Some(down) => {
-            let sides = walls(scene, DVec3::ZERO)?;
-            let positions = || bodies().flat_map(|body| &body.positions);
-            let highest = positions().map(|x| x.dot(down)).fold(f64::INFINITY, f64::min);
-            let below = |x: &DVec3| sides.iter().filter_map(|side| hit(&side.wall, *x, down)).fold(f64::INFINITY, f64::min);
-            let lowest = positions().map(|x| x.dot(down) + below(x)).filter(|depth| depth.is_finite()).fold(highest, f64::max);
-            (2.0 * gravity.length() * (lowest - highest)).sqrt()
-        }
-    };
+    let fall = gravity.try_normalize().map_or(Ok(0.0), |down| plunge(scene, gravity.length(), down))?;
     Ok(initial(scene).max(fall).max(driven(scene, first, gravity)?).max(falling(scene)?))
+}
+
+/// Largest speed [m/s] in a fall to the lowest wall below any fluid: that of the highest particle, or that of jets where a fluid
+/// strikes the wall.
+///
+/// The speed of the impact is that of the lowest particle and of the mean initial velocity. It is negligible where a fluid stands
+/// on the wall already, as in a dam, or where another fluid falls into it.
+fn plunge(scene: &Scene, gravity: f64, down: DVec3) -> Result<f64> {
+    let sides = walls(scene, DVec3::ZERO)?;
+    let bodies = || fluids(scene).map(|(body, _)| &scene.bodies[body]);
+    let positions = || bodies().flat_map(|body| &body.positions);
+    let depths = || positions().map(|x| x.dot(down));
+    let (highest, lowest) = (depths().fold(f64::INFINITY, f64::min), depths().fold(f64::NEG_INFINITY, f64::max));
+    let below = |x: &DVec3| sides.iter().filter_map(|side| hit(&side.wall, *x, down)).fold(f64::INFINITY, f64::min);
+    let floor = positions().map(|x| x.dot(down) + below(x)).filter(|depth| depth.is_finite()).fold(highest, f64::max);
+    if floor <= highest {
+        return Ok(0.0);
+    }
+    let squares = bodies().flat_map(|body| &body.velocities).map(|velocity| velocity.length_squared());
+    let impact = (squares.sum::<f64>() / positions().count() as f64 + 2.0 * gravity * (floor - lowest).max(0.0)).sqrt();
+    Ok((2.0 * gravity * (floor - highest)).sqrt().max(JETS * impact))
 }
 
 /// Squared speed of sound for surface tension [m²/s²]. Capillary pressures, of order σ/Δ, then change the density by some

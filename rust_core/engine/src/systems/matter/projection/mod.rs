@@ -41,7 +41,17 @@ pub trait Projector<V: Space>: Send + Sync {
     fn begin(&mut self, dynamics: &Dynamics<V>);
     /// Converts predicted displacements over `h` seconds [m], of particles in a state, into projected ones. Ends early on an
     /// interrupt.
-    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64, executor: &Executor);
+    ///
+    /// # Errors
+    /// If what the projection needs does not fit into memory.
+    fn project(
+        &mut self,
+        dynamics: &Dynamics<V>,
+        state: &Matter<V>,
+        displacement: &mut Columns<V>,
+        h: f64,
+        executor: &Executor,
+    ) -> Result<()>;
     /// Memory [bytes].
     fn bytes(&self) -> usize;
 }
@@ -70,7 +80,7 @@ impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
         dynamics.prepare(matter, time, executor)?;
         dynamics.begin_self_contacts(matter);
         self.predict(dynamics, matter, workspace, (time, h), executor);
-        self.projector.project(dynamics, matter, &mut self.displacement, h, executor);
+        self.projector.project(dynamics, matter, &mut self.displacement, h, executor)?;
         executor.check()?;
         if let Some([position, velocity]) = &mut workspace.before {
             position.copy_from(&matter.position);

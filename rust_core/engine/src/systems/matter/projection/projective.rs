@@ -73,7 +73,10 @@ impl<V: Space> Projective<V> {
 }
 
 /// Factorized matrix M + h² Σ (k + c/h) Dᵀ D of the free particles, and these particles.
-fn prepare<V: Space>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
+///
+/// # Errors
+/// If it does not fit into memory, or on an interrupt.
+fn prepare<V: Space>(dynamics: &Dynamics<V>, h: f64, executor: &Executor) -> Result<Prepared<V::Scalar>> {
     let mass = &dynamics.properties.mass;
     let free: Vec<u32> = (0..mass.len() as u32).filter(|&index| mass[index as usize].is_finite()).collect();
     let row = |particle: u32| free.binary_search(&particle).ok().map(|row| row as u32);
@@ -98,9 +101,11 @@ fn prepare<V: Space>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
             }
         }
     }
-    let mut factorization = Factorization::new(free.len(), &pattern);
-    factorization.factorize(&diagonal, 0.0, &values);
-    Prepared { links: links(&dynamics.springs, &dynamics.properties, h), free, factorization }
+    let links = links(&dynamics.springs, &dynamics.properties, h);
+    let mut factorization = Factorization::new(free.len(), &pattern, executor)?;
+    factorization.factorize(&diagonal, 0.0, &values, executor);
+    executor.check()?;
+    Ok(Prepared { links, free, factorization })
 }
 
 impl<V: Space> Projector<V> for Projective<V> {
@@ -116,15 +121,22 @@ impl<V: Space> Projector<V> for Projective<V> {
         self.prepared = None;
     }
 
-    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64, executor: &Executor) {
+    fn project(
+        &mut self,
+        dynamics: &Dynamics<V>,
+        state: &Matter<V>,
+        displacement: &mut Columns<V>,
+        h: f64,
+        executor: &Executor,
+    ) -> Result<()> {
         if self.prepared.as_ref().is_none_or(|(known, _)| *known != h) {
-            self.prepared = Some((h, prepare(dynamics, h)));
+            self.prepared = Some((h, prepare(dynamics, h, executor)?));
         }
         gather(&state.position, &mut self.from);
         gather(displacement, &mut self.predicted);
         gather(&state.velocity, &mut self.displacements);
         self.displacements.iter_mut().flatten().for_each(|component| *component = V::Scalar::from_f64(h) * *component);
-        let Some((_, prepared)) = self.prepared.take() else { return };
+        let Some((_, prepared)) = self.prepared.take() else { return Ok(()) };
         self.curvature.clear();
         self.balance(dynamics, &prepared);
         for iteration in 0..self.iterations {
@@ -134,6 +146,7 @@ impl<V: Space> Projector<V> for Projective<V> {
         }
         self.prepared = Some((h, prepared));
         scatter(&self.displacements, displacement);
+        Ok(())
     }
 
     fn bytes(&self) -> usize {

@@ -71,7 +71,14 @@ impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
         self.h = 0.0;
     }
 
-    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64, executor: &Executor) {
+    fn project(
+        &mut self,
+        dynamics: &Dynamics<V>,
+        state: &Matter<V>,
+        displacement: &mut Columns<V>,
+        h: f64,
+        executor: &Executor,
+    ) -> Result<()> {
         if self.h != h {
             (self.h, self.links) = (h, links(&dynamics.springs, &dynamics.properties, h));
         }
@@ -87,6 +94,7 @@ impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
             dispatch(ProjectionSweep { links, multipliers, from, displacements });
         }
         scatter(&self.displacements, displacement);
+        Ok(())
     }
 
     fn bytes(&self) -> usize {

@@ -1,0 +1,75 @@
+"""Warnings of probable mistakes in a scene: charges without a force, fluid within bodies, floors without gravity."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from physcore.errors import SceneWarning, warn
+from physcore.scene.fluid import CLOSEST, Fluid
+from physcore.scene.overlaps import close_pairs
+
+if TYPE_CHECKING:
+    from physcore.scene.scene import Scene
+
+
+def warn_of_mistakes(scene: Scene) -> None:
+    """Warn of what a scene can hardly mean."""
+    _warn_of_charges(scene)
+    _warn_of_shared_places(scene)
+    _warn_of_rest(scene)
+
+
+def _warn_of_charges(scene: Scene) -> None:
+    """Warn if there are charges but no force that acts on charges, or Coulomb's force and no charges."""
+    charged = [position for position, body in enumerate(scene.bodies) if body.charge.any()]
+    if scene.bodies and not charged:
+        for index, force in enumerate(scene.forces):
+            if force.needs_charges:
+                warn(f"forces[{index}]: no body has a charge: give Particles(…, charge=…)", SceneWarning)
+    if charged and not any(force.feels_charges for force in scene.forces):
+        warn(
+            f"{scene.path(charged[0])}.charge: no force of the scene acts on charges; "
+            "add Coulomb() between them, or an ElectromagneticField(…)",
+            SceneWarning,
+        )
+
+
+def _warn_of_shared_places(scene: Scene) -> None:
+    """Warn if a fluid with obstacles fills places that the particles of another body fill."""
+    fluids = [fluid for fluid in scene.fluids if fluid.obstacles]
+    for position, body in enumerate(scene.bodies):
+        for fluid in fluids if not isinstance(body, Fluid) else ():
+            filled = [first[first < len(fluid)] for first, second in _shared(fluid, body.positions)]
+            count = len(np.unique(np.concatenate(filled))) if filled else 0
+            if count > 0:
+                warn(
+                    f"{scene.path(position)}: {count} particles of {scene.path(scene.index(fluid))} start within half "
+                    "of their spacing of its own, so that both fill one place and are thrown apart; leave them out",
+                    SceneWarning,
+                )
+
+
+def _shared(fluid: Fluid, positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[tuple[np.ndarray, ...]]:
+    """Pairs of a particle of a fluid and a particle of a body that are closer than particles of a fluid can be."""
+    points = np.concatenate([fluid.positions, positions])
+    pairs: list[tuple[np.ndarray, ...]] = []
+    for one, other, _ in close_pairs(points, CLOSEST * fluid.spacing):
+        first, second = np.minimum(one, other), np.maximum(one, other)
+        mixed = (first < len(fluid)) & (second >= len(fluid))
+        pairs.append((first[mixed], second[mixed]))
+    return pairs
+
+
+def _warn_of_rest(scene: Scene) -> None:
+    """Warn if bodies at rest lie over boundaries, and no force moves them."""
+    still = scene.bodies and not any(body.velocities.any() for body in scene.bodies)
+    if not still or not scene.boundaries or scene.forces or scene.systems or scene.fluids:
+        return
+    if any(len(getattr(body, "pairs", ())) > 0 for body in scene.bodies):
+        return
+    kind = type(scene.boundaries[0]).__name__
+    warn(
+        f"boundaries[0]: nothing moves, and no force pulls anything toward this {kind}: add pc.Gravity()", SceneWarning
+    )

@@ -1,0 +1,179 @@
+"""Trajectories: recorded fields of a whole scene, or of one item, over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from physcore.checks import BoolArray, FloatArray, word
+from physcore.errors import SceneError
+from physcore.scene.channels import (
+    CHANNELS,
+    FLUID_CHANNELS,
+    OWNERS,
+    SPRING_CHANNELS,
+    body_fields,
+    body_gauges,
+    gauge,
+    gauge_shapes,
+    system_shapes,
+)
+from physcore.scene.scene import BodyKey, ItemKey, Scene
+from physcore.simulation.diagrams import over_time
+from physcore.simulation.tables import data_frame
+from physcore.spelling import UnknownKey
+from physcore.storage.schema import Rule, Sizes
+from physcore.units.systems import SI, UnitSystem
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+
+UNITS = {"positions": "m", "velocities": "m/s", "densities": "kg/m³", "pressures": "Pa", "tensions": "N"}
+UNITS |= {"pressure": "Pa", "force": "N"}
+"""Units of channels."""
+
+
+def channel_rules(scene: Scene, sizes: Sizes, over: str) -> dict[str, Rule]:
+    """The rules for the recorded fields of a scene in a file, by name; their first axis is `over`."""
+    axes: dict[str, tuple[str, ...]] = dict.fromkeys(CHANNELS, ("N", "D"))
+    axes |= {**dict.fromkeys(FLUID_CHANNELS, ("N",)), **dict.fromkeys(SPRING_CHANNELS, ("S",))}
+    for name, lengths in {**system_shapes(scene), **gauge_shapes(scene)}.items():
+        axes[name] = tuple(f"{name}, axis {axis}" for axis in range(len(lengths)))
+        sizes.update(zip(axes[name], lengths, strict=True))
+    # Particles of other bodies have the density NaN.
+    return {name: sizes.array(over, *own, finite=name not in FLUID_CHANNELS) for name, own in axes.items()}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory:
+    """Recorded fields of a whole scene or of one item over time."""
+
+    times: FloatArray
+    """Time of each frame [s], shape (F,)."""
+    channels: dict[str, FloatArray]
+    """Channels by name: vectors have the shape (F, N, D), numbers (F, N)."""
+    units: UnitSystem = field(default=SI, kw_only=True)
+    """Units of all numbers."""
+
+    @property
+    def positions(self) -> FloatArray:
+        """Positions [m], shape (F, N, D); within the periodic domain."""
+        return self._channel("positions")
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities [m/s], shape (F, N, D)."""
+        return self._channel("velocities")
+
+    @property
+    def densities(self) -> FloatArray:
+        """Mass densities [kg/m³], shape (F, N); NaN for particles that do not belong to a fluid."""
+        return self._channel("densities")
+
+    @property
+    def pressures(self) -> FloatArray:
+        """Pressures [Pa], shape (F, N); NaN for particles that do not belong to a fluid."""
+        return self._channel("pressures")
+
+    @property
+    def tensions(self) -> FloatArray:
+        """Tensions of the springs of networks with rods [N], shape (F, S), in the order of `pairs`; positive is
+        attractive.
+        """
+        return self._channel("tensions")
+
+    @property
+    def broken(self) -> BoolArray:
+        """Mask of the broken springs of networks that can tear, shape (F, S), in the order of `pairs`."""
+        return np.not_equal(self._channel("broken"), 0.0)
+
+    def to_dataframe(self) -> DataFrame:
+        """Convert to a pandas data frame (`pip install "physcore[pandas]"`), with a row for each particle at each time.
+
+            table = recording["balls"].to_dataframe()
+            table[table.particle == 0].plot("time", "y")
+
+        Returns:
+            DataFrame: the columns are time [s], particle (its index), x, y and z [m], vx, vy and vz [m/s], and the
+                other
+            channels of particles, as far as they were recorded. For a whole recording there is also body, its name or
+            its index.
+
+        Raises:
+            PhyscoreError: pandas is not installed.
+            SceneError: there are no particles, or the table would not fit into memory.
+        """
+        return data_frame(self.times, self.channels)
+
+    def plot(self, channel: str = "positions", axes: Axes | None = None) -> Axes:
+        """Plot a channel over time with Matplotlib (`pip install "physcore[plot]"`).
+
+        The plot has the mean of each component, and a band from the smallest to the largest value.
+
+        Args:
+            channel: the channel, such as "positions" or "velocities".
+            axes: the axes to draw into; a new figure by default.
+
+        Raises:
+            PhyscoreError: Matplotlib is not installed.
+            SceneError: there is no such channel.
+        """
+        name = word(channel, "plot.channel", self.channels)
+        values = self.channels[name]
+        flat = values if values.ndim == 3 and name in CHANNELS else values.reshape(len(values), -1, 1)
+        label = self.units.label(name, UNITS[name]) if name in UNITS else name
+        return over_time(self.times, flat, "xyz"[: flat.shape[2]], label, axes, self.units)
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
+        return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
+
+    def __getattr__(self, name: str) -> FloatArray:
+        """A field of a system over time, such as `recording[wave].displacement`."""
+        channels = self.__dict__.get("channels", {})
+        if name not in channels:
+            raise AttributeError(f"no field {name!r}: there are {', '.join(channels)}")
+        values: FloatArray = channels[name]
+        return values
+
+    def __getitem__(self, name: str) -> FloatArray:
+        """A field over time by name, such as `recording[item]["u"]`."""
+        if name not in self.channels:
+            raise UnknownKey(f"no field {name!r}: there are {', '.join(self.channels)}")
+        return self.channels[name]
+
+    def _channel(self, name: str) -> FloatArray:
+        if name not in self.channels:
+            whose = f"; only {OWNERS[name]} them" if name in OWNERS else ""
+            raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
+        return self.channels[name]
+
+    def _part(self, scene: Scene, item: ItemKey) -> Trajectory:
+        """The part of one item, in the trajectory of a whole scene.
+
+        Raises:
+            KeyError: there is no such item.
+        """
+        return Trajectory(self.times, self._fields(scene, item), units=self.units)
+
+    def _fields(self, scene: Scene, item: ItemKey) -> dict[str, FloatArray]:
+        """The channels of one item by name."""
+        system = scene.system(item)
+        if system is not None:
+            own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
+            shown = next(each for each in scene.systems if scene.system(each) == system).shown
+            return shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
+        measured = gauge(scene, item)
+        if measured is not None:
+            return {measured[0]: self._channel(measured[1])[:, measured[2]]}
+        body = cast("BodyKey", item)
+        mine = body_fields(scene, body)
+        own = {name: self.channels[name][:, part] for name, part in mine.items() if name in self.channels}
+        pressed = body_gauges(scene, body).items()
+        return own | {name: self.channels[field][:, row] for name, (field, row) in pressed if field in self.channels}
