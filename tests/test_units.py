@@ -39,7 +39,7 @@ WALL_TIME = re.compile(r"about \d+ (?:s|minutes|hours|days)\b|in [\d.e-]+ s[,;]|
 """Times of the machine and of the film, which are in seconds."""
 SI_WORDS = re.compile(
     r"(?:(?<=[\d)\]…])|(?<=inf)) ?/?\b(?:m|s|kg|C|K|J|N|W|Pa|Hz|V|T)(?:[·/²³]\S*)?(?=$|[\s,;:.)])"
-    r"|\[(?:m|s|kg|C|K|J|N|W|Pa|Hz|V|T|kg·\S*|m/\S*|m[²³])\]|\b(?:seconds?|meters?|joules?)\b"
+    r"|\[(?:m|s|1/s|kg|C|K|J|N|W|Pa|Hz|V|T|kg·\S*|m/\S*|m[²³])\]|\b(?:seconds?|meters?|joules?)\b"
 )
 """Units of the SI in a text."""
 
@@ -272,7 +272,7 @@ def test_a_value_that_is_given_is_not_converted():
 def test_files_keep_units(tmp_path: Path):
     scene = pc.Scene(*dust(1e-6), pc.Gravitation(), pc.Coulomb(), units=OWN)
     pc.Simulation(scene).save(tmp_path / "simulation.npz")
-    recording = pc.simulate(scene, 0.1)
+    recording = pc.simulate(scene, 0.1, events=[pc.Event.crossing(0, "x", 0.01)])
     recording.save(tmp_path / "recording.npz")
     loaded, read = pc.load(tmp_path / "simulation.npz"), pc.load(tmp_path / "recording.npz")
     assert isinstance(read, pc.Recording)
@@ -280,6 +280,10 @@ def test_files_keep_units(tmp_path: Path):
     assert loaded.scene.forces[0].constant == scene.forces[0].constant  # type: ignore[attr-defined]  # converted once
     assert str(read.energy) == str(recording.energy)
     assert str(read.plan) == str(recording.plan)
+    assert len(read.events[0]) == 1
+    assert str(read.events) == str(recording.events) != "no events"
+    assert str(read.events[0]) == str(recording.events[0])
+    assert read.events[0].units == read.events[0][0].units == pickle.loads(pickle.dumps(read)).events[0].units == OWN
     assert read.scene.hash() == scene.hash() == pickle.loads(pickle.dumps(scene)).hash()
     pc.film(recording, tmp_path / "film.png", size=(160, 120))
     assert pc.provenance(tmp_path / "film.png")[0]["units"] == asdict(OWN)
@@ -388,6 +392,7 @@ def messages(units: pc.units.UnitSystem | None) -> list[str]:
 
     net = pc.SpringNetwork([[0, 0], [1.5, 0]], [[0, 1]], 100.0, rest_length=1.0)
     swing, free = pc.Scene(net, units=units), pc.Scene(*dust(), units=units)
+    repelled = pc.Scene(*dust(), pc.CentralForce((0.0, 0.0), -1.0, exponent=1), units=units)
     note(lambda: pc.simulate(swing, 100.0, dt=1.0))
     note(lambda: next(pc.Simulation(swing).frames(1e8, 1e-8)))  # warns of many steps, before it takes any
     note(lambda: pc.simulate(swing, 1e30, fps=1e10))
@@ -402,6 +407,9 @@ def messages(units: pc.units.UnitSystem | None) -> list[str]:
     )
     note(lambda: pc.simulate(pc.Scene(*dust(), pc.Gravity(lambda t: (math.nan if t else 0, 0)), units=units), 1.0))
     note(lambda: pc.simulate(swing, 0.1, accuracy=1e-18))
+    note(lambda: pc.simulate(free, 0.1, events=[pc.Event(lambda state: math.nan if state.time > 0.05 else 1.0)]))
+    note(lambda: list(pc.Simulation(free).frames(0.1, events=[pc.Event(lambda state: [[1.0]])])))
+    note(lambda: pc.lyapunov(repelled, 60.0, interval=20.0))
     return found
 
 
@@ -422,6 +430,10 @@ def findings(units: pc.units.UnitSystem | None) -> dict[str, str]:
     front = pc.ReactionDiffusion(grid, pc.Reaction(("n",), lambda n: (900.0 * n * (1.0 - n),)), {"n": 1.0}, {"n": 0.5})
     kicks = np.random.default_rng(1).normal(size=(36, 2))
     net = pc.cloth((6, 6), 0.05, 200.0, mass=0.004, velocities=kicks, pinned="top")
+    film = pc.Fluid.block((0.0, 0.0), (1.0, 0.2), 0.1, density=1000.0, viscosity=1e-3)
+    pull, ring = pc.Gravity(lambda time: (0.0, -1.0)), pc.CentralForce((0.0, 0.0), 1.0, exponent=1)
+    passing = pc.Event.crossing(0, "x", 0.26)
+    pair = pc.Particles([[-0.5, 0.0], [0.5, 0.0]], [[0.0, -0.5], [0.0, 0.5]])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         broken = pc.simulate(swing, 10.0, dt=0.139)
@@ -439,6 +451,12 @@ def findings(units: pc.units.UnitSystem | None) -> dict[str, str]:
             "adaptive": pc.Simulation(swing, "DormandPrince5", dt=pc.AdaptiveStep(tolerance=1e-6)).plan,
             "forecast": forecast(pc.Simulation(swing), 1.0),
             "limit": pc.stability_limit(swing, "PEFRL", measured=True),
+            "events": (watched := pc.simulate(pc.Scene(*dust(), units=units), 1.0, events=[passing])).events,
+            "occurrences": watched.events[0],
+            "exponents": pc.lyapunov(pc.Scene(*dust(), ring, units=units), 1.0, interval=0.1),
+            "thin": pc.Simulation(pc.Scene(film, pc.Gravity((0.0, -1.0)), pc.Floor(), units=units)).plan,
+            "functions of time": pc.Simulation(pc.Scene(*dust(), pull, units=units), dt=0.01).plan,
+            "encounter": pc.Simulation(pc.Scene(pair, pc.Gravitation(1.0), units=units)).plan,
         }
     return {name: str(each) for name, each in found.items()}
 
