@@ -327,7 +327,8 @@ class Simulation:
             SceneError: a shape does not fit, or a value is not finite.
         """
         given = {"positions": positions, "velocities": velocities}
-        self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
+        with self._scene.units.worded():
+            self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
 
     def _set_body(self, body: BodyKey, values: Mapping[str, ArrayLike]) -> None:
         """Replace positions or velocities of a body."""
@@ -343,14 +344,14 @@ class Simulation:
             if name not in system.shapes() or not states[name]:
                 known = ", ".join(each for each in system.shapes() if states[each])
                 raise SceneError(f"{path}.set.{name}: must be one of {known}")
-        self._write(
-            {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
-        )
+        with self._scene.units.worded():
+            self._write(
+                {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
+            )
 
     def _write(self, fields: dict[str, FloatArray]) -> None:
         """Replace fields of the world."""
-        with self._scene.units.worded():
-            self._world.write(fields)
+        self._world.write(fields)
         if self._watch is not None:
             self._watch.restart()
 
