@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from physcore import memory
 from physcore.errors import SceneError
 from physcore.spelling import did_you_mean
+from physcore.units.systems import Default
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
@@ -342,7 +343,7 @@ def _real(value: object, path: str) -> float:
             raise TypeError  # float() would read bytes as text.
         if np.ndim(value) != 0:  # type: ignore[arg-type]
             raise TypeError
-        return float(value)  # type: ignore[arg-type]
+        return value if isinstance(value, Default) else float(value)  # type: ignore[arg-type]
     except OverflowError:
         raise SceneError(f"{path}: must be at most {sys.float_info.max:.2g} in size, got {shown(value)}") from None
     except Exception:  # An object of the user's may raise anything.

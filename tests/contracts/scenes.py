@@ -549,6 +549,13 @@ def trio() -> pc.Scene:
     return pc.Scene(pc.Particles([x, -x, 0.0 * x], [0.5 * v, 0.5 * v, -v]), pc.Gravitation(1.0))
 
 
+def years() -> pc.Scene:
+    """A sun and its planets in astronomical units and days, with the default G."""
+    units = pc.units.system(length=pc.units.AU, time=pc.units.day, mass=pc.units.solar_mass)
+    places, speeds = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.5]], [[0.0, 0.0], [0.0, 0.0172], [-0.014, 0.0]]
+    return pc.Scene(pc.Particles(places, speeds, mass=[1.0, 3e-6, 3e-7]), pc.Gravitation(), units=units)
+
+
 def harmonic() -> pc.CustomForce:
     """A well written in Python, in operations that are rounded alike everywhere."""
     return pc.CustomForce(lambda time, x, v: -3.0 * x, potential=lambda x: 1.5 * float((x * x).sum()))
@@ -699,6 +706,7 @@ SCENES: dict[str, Case] = {
     ),
     "plasma by a tree 2D": Case(lambda: plasma(200, 2, opening_angle=0.8), 0.01),
     "trio": Case(trio, 0.01, {"integrator": pc.BlanesMoan4()}),
+    "years in days": Case(years, 1.0),
     "trio adaptive": Case(trio, 0.01, {"dt": pc.AdaptiveStep()}),
     "trio by its coefficients": Case(trio, 0.1, {"dt": pc.AutoStep(), **RADAU}),
     "cluster GaussRadau15": Case(lambda: cluster(40), 0.05, RADAU),

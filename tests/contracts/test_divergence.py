@@ -33,6 +33,7 @@ BOUNDED = {
     "swarm GaussRadau15": "likewise",
     "cluster": "is limited by accuracy, at a hundredth of a period",
     **dict.fromkeys(("cluster f32", "plasma 2D", "plasma f32 RungeKutta4", "trio", "cluster GaussRadau15"), "likewise"),
+    "years in days": "likewise",
     **dict.fromkeys(("cluster by a tree", "cluster by a tree f32", "plasma by a tree 2D"), "likewise"),
     **dict.fromkeys(("selected", "selected f32 RungeKutta4"), "likewise"),
     "grains": "bounce off each other, and lose more than they gain",

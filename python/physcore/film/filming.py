@@ -16,6 +16,8 @@ from physcore.numerics.choices import Options
 
 # The drawing modules are imported on use: their import takes as long as that of the rest of physcore.
 if TYPE_CHECKING:
+    from datetime import date
+
     from physcore.film.camera.corotating import Corotating
     from physcore.film.camera.track import Camera, Follow
     from physcore.film.colors.themes import Color, Theme, ThemeName
@@ -57,6 +59,7 @@ def film(
     scale_bar: bool | LengthUnit = False,
     inset: Inset | None = None,
     time_unit: str | None = None,
+    start: str | date | None = None,
     speed: float | None = None,
     hold: float = 0.0,
     loop: Loop | None = None,
@@ -118,10 +121,14 @@ def film(
         scale_bar: whether to draw a scale bar at the lower left of each panel; or its unit: "nm", "cm", "m", "km",
             "AU", "ly", "kpc" or another. In 3D it is valid at the target of the camera.
         inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
-        time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: a unit that suits the duration. If the film does
-            not play in real time, the label "time" gives the pace: "1 s = 90 d".
-        speed: seconds of the simulation per second of the film. None: 1, or the nearest speed at which the format shows
-            all frames. A warning tells if a GIF plays slower because it has more than 50 frames per second.
+        time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: the unit of the scene, or in the SI one that suits
+            the duration. If the film does not play in real time, the label "time" gives the pace: "1 s = 90 d".
+        start: the date at the time 0: a text such as "2026-01-01" or "2026-01-01 12:00", a datetime.date or a
+            datetime.datetime. The label "time" then shows dates, with the time of day if frames are less than a day
+            apart.
+        speed: seconds of the simulation, or units of time of its scene, per second of the film. None: 1, or the nearest
+            speed at which the format shows all frames. In real time, a warning tells if a GIF plays slower because it
+            has more than 50 frames per second.
         hold: how long the last frame stays before the film restarts, or before it reverses [s]. A PNG is not affected.
         loop: the transition from the end to the start. "bounce" plays the film backward, "crossfade" blends the last
             half second into the first; None: no transition. A periodic motion needs neither: `recording.period`.
@@ -150,6 +157,7 @@ def film(
         SimulationDiverged: the simulation of the scene diverged.
     """
     from physcore.film.labels.clock import check_unit
+    from physcore.film.labels.dates import check_start
     from physcore.film.layout import check_format, check_heading, check_size, line_of
     from physcore.film.metadata import metadata, sidecar_of, write_sidecar
     from physcore.film.renderer import Renderer
@@ -162,21 +170,22 @@ def film(
     if flag(sidecar, "sidecar"):
         require_writable(sidecar_of(target))
     found = sources(recording, duration, fps, numerics)
-    rate = writer.rate(found[0].fps, speed)
+    units = found[0].scene.units
+    rate = writer.rate(found[0].fps, speed, units)
     shown = None if progress is None else flag(progress, "progress")
-    with_bar, unit = flag(color_bar, "color_bar"), check_unit(time_unit)
+    with_bar, unit = flag(color_bar, "color_bar"), check_unit(time_unit, units)
     repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving)
     _check_bytes(quality, max_bytes)
     sides = check_format(format, check_size(size), video=writer.video)
     colors, heading = _colors(theme, background), check_heading(title, titles, subtitle, len(found))
     note = "" if credit is None else line_of(credit, "credit")
-    renderer = Renderer(
-        found, sides, style, camera, colors, heading, shown,
-        labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
-        inset=inset, credit=note, time_unit=unit, rate=rate, samples=SAMPLES[quality],
-    )  # fmt: skip
+    begin = check_start(start, units)
     try:
-        with renderer:
+        with units.worded(), Renderer(
+            found, sides, style, camera, colors, heading, shown,
+            labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
+            inset=inset, credit=note, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
+        ) as renderer:  # fmt: skip
             job = FilmJob(renderer, rate, quality, max_bytes, lambda: metadata(found), shown, repeat)
             written = writer.write(job, target)
     except FileError:
@@ -216,7 +225,7 @@ def gif_bytes(
     from physcore.simulation.sources import sources
 
     found = sources(recording, None, None, {})
-    rate = GifWriter.rate(found[0].fps, speed)
+    rate = GifWriter.rate(found[0].fps, speed, found[0].scene.units)
     _check_bytes("fast", max_bytes)
     with Renderer(found, size, style, None, resolve(theme), None, False, rate=rate) as renderer:
         return GifWriter.content(FilmJob(renderer, rate, "fast", max_bytes, lambda: metadata(found), False))

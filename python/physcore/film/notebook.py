@@ -60,7 +60,8 @@ def _preview(recording: Recording) -> str | None:
     content = gif_bytes(some, size=_size(some), speed=rate / some.fps, max_bytes=BYTES)
     duration, shown = float(recording.times[-1] - recording.times[0]), len(chosen) / rate
     left_out = f"every {stride}th of {count} frames" if stride > 1 else f"{count} frames"
-    pace = "" if abs(some.fps / rate - 1.0) < 0.01 else f", {duration:.4g} s in {shown:.3g} s"
+    unit = recording.units.suffix("s")
+    pace = "" if abs(some.fps / rate - 1.0) < 0.01 else f", {duration:.4g}{unit} in {shown:.3g} s"
     caption = f'{left_out}{pace}; in full: recording.show(), or recording.film("run.gif")'
     return inline_image(content, "gif", repr(recording)) + f"<div><small>{escape(caption)}</small></div>"
 

@@ -23,6 +23,7 @@ class RaisedScene(Scene):
             "boundaries": (),
             "constraints": (),
             "periodic": None,
+            "units": flat.units,
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)

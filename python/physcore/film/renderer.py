@@ -24,6 +24,7 @@ from physcore.film.colors.themes import Color, Theme
 from physcore.film.first_pass import FirstPass, first_pass
 from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
+from physcore.film.labels.dates import Start
 from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
 from physcore.film.labels.drawing import write
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
@@ -73,7 +74,7 @@ class Renderer:
         style, camera: as in `film`.
         theme: the colors.
         heading: the titles above the picture; None: no titles.
-        progress, labels, color_bar, legend, name_tags, scale_bar, inset, credit, time_unit: as in `film`.
+        progress, labels, color_bar, legend, name_tags, scale_bar, inset, credit, time_unit, start: as in `film`.
         rate: frames per second of the film; None: as many as of the simulation.
         samples: samples per pixel along each side in 3D; a pixel is their mean.
 
@@ -99,12 +100,14 @@ class Renderer:
         inset: Inset | None = None,
         credit: str = "",
         time_unit: str | None = None,
+        start: Start | None = None,
         rate: float | None = None,
         samples: int = 1,
     ) -> None:
         self._theme, self._samples, asked = theme, samples, check_size(size)
+        self._units = found[0].scene.units
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
-        diagram, self._bar = check_inset(inset, found), check_scale_bar(scale_bar)
+        diagram, self._bar = check_inset(inset, found), check_scale_bar(scale_bar, self._units)
         self._listed = check_named(legend, "legend", found, systems=True)
         self._tagged = check_named(name_tags, "name_tags", found)
         self._all_listed = isinstance(legend, (bool, np.bool_))
@@ -122,7 +125,7 @@ class Renderer:
             passes = self._look_at_all(track, progress)
             assignment.share_scales(self._painters)
             fps = found[0].fps
-            written = Clock(self._clock, fps, fps if rate is None else rate, time_unit)
+            written = Clock(self._clock, fps, fps if rate is None else rate, time_unit, self._units, start)
             self._footer = self._make_footer(passes, color_bar, written, credit)
             self._passes, self._extents = passes, extents(track, passes, found)
             self._diagrammed, self._moving = diagram is not None, track.moving
@@ -246,8 +249,8 @@ class Renderer:
             for source, seen in zip(self._found, passes, strict=True)
         ]
         painters = list(chain.from_iterable(self._painters))
-        scales: list[Bar] = bars([each.scale for each in painters]) if color_bar else []
-        return Footer(self._labels, clock, facts, scales, credit, self._legend(painters))
+        scales: list[Bar] = bars([each.scale for each in painters], self._units) if color_bar else []
+        return Footer(self._labels, clock, facts, scales, credit, self._legend(painters), self._units)
 
     def _legend(self, painters: Sequence[Painter]) -> list[tuple[str, Color]]:
         """The names of the legend with the colors of their bodies or systems, without duplicates."""
@@ -290,13 +293,13 @@ class Renderer:
             view = PanelView(extent, layout.area(index), self._inset(layout, index))
             free, pixels = layout.area(index), layout.pixels(index)
             tags = NameTags(self._tagged[index], painters, free, layout.text, self._theme)
-            bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme)
+            bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme, self._units)
             panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags, bar))
         return panels
 
     def _add_diagrams(self, passes: Sequence[FirstPass]) -> None:
         """Create the diagram of each panel."""
-        history = History([seen.energies for seen in passes], float(self._clock[-1] - self._clock[0]))
+        history = History([seen.energies for seen in passes], float(self._clock[-1] - self._clock[0]), self._units)
         for number, panel in enumerate(self._panels):
             occupied = [np.empty((0, 2), dtype=np.float32)]
             for index, frame in panel.samples:

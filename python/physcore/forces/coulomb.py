@@ -8,7 +8,8 @@ from typing import ClassVar, Literal
 from physcore.checks import number
 from physcore.forces.tree import force_error, opening_angle
 from physcore.scene.items import Force, On
-from physcore.units import coulomb_constant
+from physcore.units.constants import coulomb_constant
+from physcore.units.systems import Default
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Coulomb(Force):
     the present period.
 
     Args:
-        constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
+        constant: k = 1/(4π ε₀) [N·m²/C²], at least zero; by default the value of CODATA, in the units of the scene.
         softening: softening length [m], at least zero.
         opening_angle: θ, from 0 to 2. 0.0 is the exact sum. "auto" is an angle up to 2 whose error is at most
             `force_error` and near it, or the exact sum if this needs fewer terms.
@@ -57,7 +58,7 @@ class Coulomb(Force):
     feels_charges: ClassVar[bool] = True
     needs_charges: ClassVar[bool] = True
 
-    constant: float = coulomb_constant
+    constant: float = Default(coulomb_constant, "N·m²/C²")
     softening: float = 0.0
     opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)

@@ -8,7 +8,8 @@ from typing import ClassVar, Literal
 from physcore.checks import number
 from physcore.forces.tree import force_error, opening_angle
 from physcore.scene.items import Force, On
-from physcore.units import gravitational_constant
+from physcore.units.constants import gravitational_constant
+from physcore.units.systems import Default
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Gravitation(Force):
     orbital period at the start. AdaptiveStep adapts it to the present period.
 
     Args:
-        constant: G [m³/(kg·s²)], at least zero.
+        constant: G [m³/(kg·s²)], at least zero; by default the value of CODATA, in the units of the scene.
         softening: softening length ε [m], at least zero (Plummer 1911).
         opening_angle: θ, from 0 to 2. 0.0 is the exact sum. "auto" is an angle up to 2 whose error is at most
             `force_error` and near it, or the exact sum if this needs fewer terms.
@@ -57,7 +58,7 @@ class Gravitation(Force):
         446 (1986); W. Dehnen, J. Comput. Phys. 179, 27 (2002).
     """
 
-    constant: float = gravitational_constant
+    constant: float = Default(gravitational_constant, "m³/(kg·s²)")
     softening: float = 0.0
     opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 from physcore.checks import TimedVector, timed
 from physcore.errors import SceneError
@@ -11,8 +12,9 @@ from physcore.scene.bodies import Body
 from physcore.scene.fluid import Fluid
 from physcore.scene.items import Force
 from physcore.scene.selection import Selection
+from physcore.units.systems import Default, UnitSystem
 
-G = 9.81
+G = Default(9.81, "m/s²")
 """Standard acceleration of gravity on Earth [m/s²]: 9.78 at the equator, 9.83 at the poles."""
 
 
@@ -26,8 +28,8 @@ class Gravity(Force):
 
     Args:
         acceleration: g [m/s²], one number for each dimension of the scene; or a function of the time [s] that returns
-            it, called in every evaluation, whose power counts as work. None: 9.81 m/s² downward, against the last axis,
-            y in 2D and z in 3D.
+            it, called in every evaluation, whose power counts as work. None: 9.81 m/s², in the units of the scene,
+            downward, against the last axis, y in 2D and z in 3D.
         on: the body or bodies that the force acts on, or their names; all by default.
 
     Raises:
@@ -51,4 +53,13 @@ class Gravity(Force):
 
     def resolved(self, dimension: int) -> Gravity:
         """The gravity with its acceleration in a scene of `dimension` dimensions."""
-        return self if self.acceleration is not None else replace(self, acceleration=(0.0,) * (dimension - 1) + (-G,))
+        return self if self.acceleration is not None else self._downward(G, dimension)
+
+    def in_units(self, units: UnitSystem, dimension: int, path: str) -> Self:
+        """The gravity with the default acceleration in units of a scene."""
+        given = self.acceleration is not None
+        return self if given else self._downward(G.converted(units, f"{path}.acceleration"), dimension)
+
+    def _downward(self, size: float, dimension: int) -> Self:
+        """Gravity against the last axis."""
+        return replace(self, acceleration=(0.0,) * (dimension - 1) + (-size,))

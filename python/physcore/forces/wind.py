@@ -12,6 +12,7 @@ from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Force
 from physcore.scene.selection import Selection
 from physcore.scene.surfaces import check_areas
+from physcore.units.systems import Default
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Wind(Force):
             returns one velocity: `lambda t: (6.0 + 2.0 * math.sin(3.0 * t), 0.0, 0.0)`. `velocity(time, positions)` has
             the centroids [m] of the faces, shape (F, 3), and returns a velocity for each. A `pc.Flow` is such a
             function.
-        density: density of the air [kg/m³], at least zero; by default 1.225, the value at sea level.
+        density: density of the air [kg/m³], at least zero; by default 1.225 kg/m³, the value at sea level, in the units
+            of the scene.
         normal: coefficient of the force normal to a face, at least zero; 1.17 is the value of a square plate.
         tangential: coefficient of skin friction, at least zero; 0.01 for both sides at Reynolds numbers near 10⁵.
         on: the SpringNetwork with faces in 3D that the force acts on, or several; by default all that have faces. Of
@@ -49,7 +51,7 @@ class Wind(Force):
     """
 
     velocity: PlacedVector
-    density: float = 1.225
+    density: float = Default(1.225, "kg/m³")
     normal: float = 1.17
     tangential: float = 0.01
     by_place: bool = field(init=False, repr=False, compare=False)

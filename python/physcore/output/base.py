@@ -19,6 +19,7 @@ from physcore.scene.periodic import Periodic
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source
 from physcore.storage.formats import Format
+from physcore.units.systems import UnitSystem
 
 FIELDS = {"densities": "density", "pressures": "pressure"}
 """Names of channels in the singular, for the values of a single particle."""
@@ -92,6 +93,11 @@ class ExportJob:
     def domain(self) -> Periodic | None:
         """The periodic domain."""
         return self._source.scene.periodic
+
+    @property
+    def units(self) -> UnitSystem:
+        """The units of all numbers."""
+        return self._source.scene.units
 
     @cached_property
     def grids(self) -> dict[str, Grid]:

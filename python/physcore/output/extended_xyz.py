@@ -24,7 +24,8 @@ class ExtendedXyzWriter(TrajectoryWriter):
 
     The columns are species (always X), position [m], velocity [m/s], mass [kg], and radius [m] and charge [C] if there
     are any. They are followed by density [kg/m³] and pressure [Pa] of fluids, and the index of the body. The comment
-    line has the time [s] and the energies [J]. Numbers have all their digits.
+    line has the time [s] and the energies [J]. If the scene has other units, the comment names them in "Units". Numbers
+    have all their digits.
     """
 
     suffixes: ClassVar = (".xyz", ".extxyz")
@@ -32,12 +33,15 @@ class ExtendedXyzWriter(TrajectoryWriter):
     def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames."""
         cell = _cell(job.domain)
+        own = "" if job.units.is_si else f' Units="{job.units.named}"'
         with replacing(target) as file:
             for sample in job.samples():
                 columns, names = _columns(job, sample)
                 energy = {name: getattr(sample.energy, name) for name in ("kinetic", "potential", "internal", "total")}
                 values = {"Time": sample.time, **energy}
-                head = f"{cell} Properties={names} " + " ".join(f"{name}={value!r}" for name, value in values.items())
+                head = f"{cell}{own} Properties={names} " + " ".join(
+                    f"{name}={value!r}" for name, value in values.items()
+                )
                 rows = (f"{SPECIES} {' '.join(map(repr, row))}" for row in zip(*columns, strict=True))
                 file.write("\n".join([str(job.particles), head, *rows, ""]).encode())
 

@@ -13,16 +13,18 @@ from physcore.output.base import ExportJob, Sample, TrajectoryWriter
 from physcore.scene.periodic import Periodic
 from physcore.simulation.provenance import version
 from physcore.storage.files import replacing
+from physcore.units.symbols import powers_of
+from physcore.units.systems import UnitSystem
 
 if TYPE_CHECKING:
     import h5py
 
 UNITS = {
-    **{"time": "s", "position": "m", "velocity": "m s-1", "density": "kg m-3", "pressure": "Pa"},
+    **{"time": "s", "position": "m", "velocity": "m/s", "density": "kg/m³", "pressure": "Pa"},
     **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J"},
 }
-"""Units, stored in `parameters/units`. H5MD's units module would store them at each element. But MDAnalysis opens no
-file with a unit of length that it does not know, such as meters.
+"""Units by quantity, stored in `parameters/units`. H5MD's units module would store them at each element. But
+MDAnalysis opens no file with a unit of length that it does not know, such as meters.
 """
 ENERGIES = ("kinetic", "potential", "internal", "total", "dissipated", "work")
 """Parts of the energy budget; each is an observable."""
@@ -105,7 +107,7 @@ def _describe(file: h5py.File, job: ExportJob) -> None:
     head.create_group("author").attrs["name"] = "physcore"
     creator = head.create_group("creator")
     creator.attrs["name"], creator.attrs["version"] = "physcore", version()
-    file.create_group("parameters/units").attrs.update(UNITS)
+    file.create_group("parameters/units").attrs.update(_units(job.units))
     group = file.create_group("particles/all")
     edges, box = _edges(job.domain), group.create_group("box")
     box.attrs["dimension"] = np.int32(3)
@@ -114,6 +116,16 @@ def _describe(file: h5py.File, job: ExportJob) -> None:
         group.create_dataset(name, data=values)
     group.create_dataset("species", data=job.body)
     file.create_group("observables")
+
+
+def _units(units: UnitSystem) -> dict[str, str]:
+    """The units by quantity in H5MD's notation, in which m s-1 is m/s; without those of numbers."""
+    powers = {quantity: powers_of(units.symbol(unit)) for quantity, unit in UNITS.items()}
+    return {
+        quantity: " ".join(f"{symbol}{'' if power == 1 else power}" for symbol, power in factors.items())
+        for quantity, factors in powers.items()
+        if factors
+    }
 
 
 def _edges(domain: Periodic | None) -> FloatArray:

@@ -18,6 +18,7 @@ from physcore.errors import FileError
 from physcore.output.base import ExportJob, Sample, TrajectoryWriter
 from physcore.scene.grid import Grid
 from physcore.storage.files import held, replacing, sweep, temporary_name, unwritable
+from physcore.units.systems import UnitSystem
 
 FRAMES = "frames"
 """Temporary name of the folder of frames, until its content is known."""
@@ -30,7 +31,7 @@ class VtkWriter(TrajectoryWriter):
 
     Points have velocity [m/s], mass [kg], radius [m], charge [C], density [kg/m³], pressure [Pa] and the index of the
     body. Springs are lines with their strain. Each point is a cell too, so that it is visible. Systems on grids are
-    images with the values of each field in the cells.
+    images with the values of each field in the cells. If the scene has other units, a comment of the .pvd names them.
 
     The frames of film.pvd are in a subfolder of film/, which is named by a hash of its content. The .pvd is written
     after all frames, and the frames of an earlier .pvd are removed after that. The .pvd therefore always lists existing
@@ -54,7 +55,7 @@ class VtkWriter(TrajectoryWriter):
                 parts, folder = _write_frames(job, new, frames_folder)
             old = _listed(target)
             with replacing(target) as file:
-                file.write(_collection(f"{frames_folder.name}/{folder}", parts))
+                file.write(_collection(f"{frames_folder.name}/{folder}", parts, job.units))
             if old not in (None, folder):
                 shutil.rmtree(frames_folder / str(old), ignore_errors=True)
         except OSError as error:
@@ -101,16 +102,17 @@ def _listed(target: Path) -> str | None:
     return found[1] if found else None
 
 
-def _collection(folder: str, parts: list[tuple[float, int, str, str]]) -> bytes:
-    """The .pvd file: the list of frames."""
-    from xml.sax.saxutils import quoteattr
+def _collection(folder: str, parts: list[tuple[float, int, str, str]], units: UnitSystem) -> bytes:
+    """The .pvd file: the list of frames, with a comment on units that are not of the SI."""
+    from xml.sax.saxutils import escape, quoteattr
 
     rows = [
         f'    <DataSet timestep="{time!r}" part="{number}" name={quoteattr(name)} file={quoteattr(path)}/>'
         for time, number, name, path in ((*part[:3], f"{folder}/{part[3]}") for part in parts)
     ]
     head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n  <Collection>'
-    return "\n".join([head, *rows, "  </Collection>", "</VTKFile>", ""]).encode()
+    own = [] if units.is_si else [f"    <!-- units: {escape(units.named).replace('--', '- -')} -->"]
+    return "\n".join([head, *own, *rows, "  </Collection>", "</VTKFile>", ""]).encode()
 
 
 class _Appended:

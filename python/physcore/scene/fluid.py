@@ -15,6 +15,7 @@ from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.overlaps import closer_than
 from physcore.scene.shapes import block
+from physcore.units.systems import Default
 
 FINEST = 1e-50
 """The least spacing [m]: the slopes of kernels go with its inverse up to the fifth power, and are still numbers."""
@@ -56,8 +57,9 @@ class Fluid(Body):
     Args:
         positions: [m], shape (N, D) with D = 2 or 3; `block`, `ball` and `cylinder` make them.
         spacing: the distance between neighboring particles at rest [m], above zero.
-        density: ρ₀, at rest [kg/m³], above zero.
-        viscosity: the dynamic viscosity μ [Pa·s], at least zero; 1e-3 is water.
+        density: ρ₀, at rest [kg/m³], above zero; to be given in a scene with other units.
+        viscosity: the dynamic viscosity μ [Pa·s], at least zero; 1e-3 is water. To be given in a scene with other
+            units.
         velocities: [m/s], broadcast to (N, D).
         name: a name by which results can be asked for.
         obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
@@ -87,8 +89,8 @@ class Fluid(Body):
         self,
         positions: ArrayLike,
         spacing: float,
-        density: float = 1000.0,
-        viscosity: float = 1e-3,
+        density: float = Default(1000.0, "kg/m³"),
+        viscosity: float = Default(1e-3, "Pa·s"),
         velocities: ArrayLike = 0.0,
         name: str | None = None,
         obstacles: bool = True,

@@ -15,6 +15,7 @@ from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.selection import Selection, is_selection
 from physcore.spelling import did_you_mean
+from physcore.units.systems import Default, UnitSystem
 
 Target: TypeAlias = Body | str | Selection
 """A body, its name, or some particles of a body."""
@@ -104,6 +105,19 @@ class SceneItem:
         """The form of the item in a scene of `dimension` dimensions, which the engine simulates and films draw."""
         del dimension
         return self
+
+    def in_units(self, units: UnitSystem, dimension: int, path: str) -> Self:
+        """The item with the defaults that it was left at in units of a scene.
+
+        Raises:
+            SceneError: a default has a dimension, and the scene is without units.
+        """
+        del dimension
+        left = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        converted = {
+            name: value.converted(units, f"{path}.{name}") for name, value in left.items() if isinstance(value, Default)
+        }
+        return replace(self, **converted) if converted else self
 
 
 def _is_vector(value: tuple[object, ...]) -> bool:

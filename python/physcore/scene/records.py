@@ -11,6 +11,7 @@ import numpy as np
 
 from physcore.checks import BoolArray
 from physcore.storage.archive import Tree
+from physcore.units.systems import Default
 
 Named: TypeAlias = Mapping[str, "list[Any] | None"]
 """Indices of the bodies that fields name; [index, particles] where a field names some particles; None: all."""
@@ -111,6 +112,8 @@ def pack(value: Any) -> Tree:
         return {name: pack(each) for name, each in value.items()}
     if isinstance(value, tuple):
         return list(map(pack, value)) if any(isinstance(each, Record) for each in value) else value
+    if isinstance(value, Default):
+        return float(value)
     return Record.of(value).packed() if _is_item(value) else value
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -22,6 +22,7 @@ from physcore.scene.records import Named, Record, pack
 from physcore.scene.selection import Selection
 from physcore.spelling import UnknownKey, did_you_mean
 from physcore.storage.archive import Tree, digest
+from physcore.units.systems import SI, Default, UnitSystem
 
 BodyKey = Body | int | str
 """Key of a body: the object, its index in the scene, or its name."""
@@ -42,10 +43,15 @@ class Scene:
         items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, systems, probes and at most
             one
             Periodic domain, in any order. Results have the particles in the order of the bodies.
+        units: the units in which all numbers of the scene are, times and time steps of its runs included; None: the SI.
+            `pc.units.system` makes such units, and `pc.units.dimensionless` is for models without any. They change no
+            bit of a result. Labels, tables, messages and files have them. Defaults with a dimension, such as G, are
+            converted; those of a Fluid have to be given.
 
     Raises:
         SceneError: there is neither a body nor a system, the dimensions differ, a body or a name occurs twice, a force
-            acts on a body that is not in the scene or has nothing to act on, or fluids overlap.
+            acts on a body that is not in the scene or has nothing to act on, fluids overlap, or a default has no value
+            in `units`.
     """
 
     bodies: tuple[Body, ...]
@@ -56,8 +62,20 @@ class Scene:
     probes: tuple[Probe, ...]
     periodic: Periodic | None
     """Periodic domain, or None."""
+    units: UnitSystem
+    """Units of all numbers."""
 
-    def __init__(self, *items: Body | Force | Boundary | Constraint | System | Probe | Periodic) -> None:
+    def __init__(
+        self, *items: Body | Force | Boundary | Constraint | System | Probe | Periodic, units: UnitSystem | None = None
+    ) -> None:
+        if not isinstance(units, (UnitSystem, type(None))):
+            raise SceneError(f"units: must be a system of units, as of pc.units.system(…), got {shown(units)}")
+        object.__setattr__(self, "units", units or SI)
+        with self.units.worded():
+            self._set(items)
+
+    def _set(self, items: Sequence[object]) -> None:
+        """Sort the items, and check them."""
         for position, item in enumerate(items):
             if not isinstance(item, (Body, Force, Boundary, Constraint, System, Probe, Periodic)):
                 raise SceneError(
@@ -73,6 +91,8 @@ class Scene:
             known = (item.among(self.bodies, f"{field}[{place}]") for place, item in enumerate(getattr(self, field)))
             object.__setattr__(self, field, tuple(known))
         self._set_domain([item for item in items if isinstance(item, Periodic)])
+        if not self.units.is_si:
+            self._convert_defaults()
         self._check_fluids()
         self._check_items("forces", self.forces)
         self._check_items("boundaries", self.boundaries)
@@ -197,6 +217,7 @@ class Scene:
             "systems": self._packed_items("systems", self.systems),
             "probes": self._packed_items("probes", self.probes),
             "periodic": pack(self.periodic),
+            **({} if self.units.is_si else {"units": asdict(self.units)}),
         }
 
     def _packed_items(self, path: str, items: Sequence[SceneItem]) -> list[Tree]:
@@ -226,7 +247,31 @@ class Scene:
                 *domain,
             )
         ]
-        return f"Scene({', '.join(parts)})"
+        own = [] if self.units.is_si else [f"units={self.units!r}"]
+        return f"Scene({', '.join([*parts, *own])})"
+
+    def _convert_defaults(self) -> None:
+        """Convert defaults that items were left at to the scene's units. Bodies and systems are keys to results, and
+        are not replaced.
+
+        Raises:
+            SceneError: a default cannot be converted; with its value in the scene's units.
+        """
+        for section in ("forces", "boundaries", "constraints"):
+            items = (
+                item.in_units(self.units, self.dimension, f"{section}[{place}]")
+                for place, item in enumerate(getattr(self, section))
+            )
+            object.__setattr__(self, section, tuple(items))
+        for section, kept in (("bodies", self.bodies), ("systems", self.systems)):
+            for place, item in enumerate(kept):
+                for name, value in vars(item).items():
+                    if isinstance(value, Default):
+                        path = f"{self.path(place) if section == 'bodies' else f'systems[{place}]'}.{name}"
+                        own, unit = value.converted(self.units, path), self.units.suffix(value.unit)
+                        raise SceneError(
+                            f"{path}: must be given in the units of this scene; the default is {name}={own:.6g}{unit}"
+                        )
 
     def _check_bodies(self) -> None:
         """Check that there is at least one body or system, that each occurs once, and that dimensions and names are

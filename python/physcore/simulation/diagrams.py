@@ -8,6 +8,7 @@ import numpy as np
 
 from physcore.checks import FloatArray, shown
 from physcore.errors import PhyscoreError, SceneError
+from physcore.units.systems import UnitSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +36,9 @@ def canvas(axes: Axes | None) -> Axes:
     return axes
 
 
-def over_time(times: FloatArray, values: FloatArray, names: str, label: str, axes: Axes | None) -> Axes:
+def over_time(
+    times: FloatArray, values: FloatArray, names: str, label: str, axes: Axes | None, units: UnitSystem
+) -> Axes:
     """Plot the components of a quantity over time: the mean of each, and a band from its smallest to its largest value.
 
     Args:
@@ -44,6 +47,7 @@ def over_time(times: FloatArray, values: FloatArray, names: str, label: str, axe
         names: one letter for each component.
         label: the quantity, with its unit.
         axes: the axes to draw into; a new figure by default.
+        units: the units of the scene.
     """
     axes = canvas(axes)
     if values.shape[1]:
@@ -51,7 +55,7 @@ def over_time(times: FloatArray, values: FloatArray, names: str, label: str, axe
             (line,) = axes.plot(times, part.mean(axis=1), label=name)
             if part.shape[1] > 1:
                 axes.fill_between(times, part.min(axis=1), part.max(axis=1), color=line.get_color(), alpha=BAND, lw=0)
-    axes.set(xlabel="time [s]", ylabel=label)
+    axes.set(xlabel=units.label("time", "s"), ylabel=label)
     if len(names) > 1:
         axes.legend(frameon=False)
     return axes

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Generic, TypeVar
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.markup import Printed, html_table
 from physcore.simulation.diagrams import canvas
+from physcore.units.systems import SI, UnitSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +37,7 @@ def verdict(drift: float) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Budget(Generic[T]):
-    """Energy budget; all values in joules."""
+    """Energy budget, in joules or the scene's unit of energy."""
 
     kinetic: T
     """Kinetic energy of all particles that are not fixed."""
@@ -60,6 +61,8 @@ class Budget(Generic[T]):
     """Work done since the start by wind, custom forces, moving fixed particles, shifting and `Simulation.set`, each
     integrated separately; exactly 0 if there is none of them.
     """
+    units: UnitSystem = field(default=SI, kw_only=True)
+    """Units of the scene."""
 
     @property
     def potential(self) -> T:
@@ -76,6 +79,11 @@ class Budget(Generic[T]):
     def balance(self) -> T:
         """Energy balance, total + dissipated − work: constant, up to the integrator's error."""
         return self.total + self.dissipated - self.work
+
+    @property
+    def _corner(self) -> str:
+        """The text in the corner of the table."""
+        return self.units.label("energy", "J")
 
     def _rows(self) -> dict[str, T]:
         """The rows of the table, from top to bottom."""
@@ -94,7 +102,7 @@ class Budget(Generic[T]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Energy(Printed, Budget[float]):
-    """Energy budget at one time, in joules.
+    """Energy budget at one time, in joules or the scene's unit of energy.
 
         energy = pc.Simulation(scene).energy()  # an Energy
         print(energy)  # a table
@@ -107,17 +115,17 @@ class Energy(Printed, Budget[float]):
     """Time of the budget [s]."""
 
     def __str__(self) -> str:
-        return _table([f"at {self.time:.4g} s"], {name: [value] for name, value in self._rows().items()})
+        return _table([_when(self)], {name: [value] for name, value in self._rows().items()}, self._corner)
 
     def _repr_html_(self) -> str:
         """The table as HTML, for notebooks."""
         rows = {name: [f"{value:.6g}"] for name, value in self._rows().items()}
-        return html_table(["energy [J]", f"at {self.time:.4g} s"], rows)
+        return html_table([self._corner, _when(self)], rows)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class EnergySeries(Printed, Budget[FloatArray]):
-    """Energy budget over time, in joules; every array has the shape (F,).
+    """Energy budget over time, in joules or the scene's unit of energy; every array has the shape (F,).
 
         energy = recording.energy  # an EnergySeries
         print(energy)  # a table of its start and its end
@@ -144,25 +152,29 @@ class EnergySeries(Printed, Budget[FloatArray]):
         ends = {name: [values[0], values[-1]] for name, values in self._rows().items()}
         largest = float(np.abs(self.drift).max())
         drift = f"  drift: at most {largest:.1e} of the energy in motion: {verdict(largest)}"
-        return f"{_table(['start', 'end'], ends)}\n{drift}"
+        return f"{_table(['start', 'end'], ends, self._corner)}\n{drift}"
 
     def _repr_html_(self) -> str:
         """The table as HTML, for notebooks."""
         rows = {name: [f"{value:.6g}" for value in (values[0], values[-1])] for name, values in self._rows().items()}
         largest = float(np.abs(self.drift).max())
         rows["drift"] = ["", f"at most {largest:.1e}: {verdict(largest)}"]
-        return html_table(["energy [J]", "start", "end"], rows)
+        return html_table([self._corner, "start", "end"], rows)
 
     def at(self, index: int) -> Energy:
         """The budget of one frame."""
-        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        parts = {
-            name: {term: float(series[index]) for term, series in value.items()}
-            for name, value in values.items()
-            if isinstance(value, Mapping)
+        values: dict[str, Any] = {
+            name: {term: float(each[index]) for term, each in series.items()}
+            if isinstance(series, Mapping)
+            else float(series[index])
+            for name, series in self.series.items()
         }
-        whole = {name: float(value[index]) for name, value in values.items() if name not in parts and name != "times"}
-        return Energy(**whole, **parts, time=float(self.times[index]))  # type: ignore[arg-type]
+        return Energy(time=values.pop("times"), units=self.units, **values)
+
+    @property
+    def series(self) -> dict[str, FloatArray | Mapping[str, FloatArray]]:
+        """All series by name."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name != "units"}
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Plot the budget over time with Matplotlib (`pip install "physcore[plot]"`).
@@ -181,7 +193,7 @@ class EnergySeries(Printed, Budget[FloatArray]):
             if np.any(values):
                 axes.plot(self.times, values, "-" if label == "internal" else "--", label=label)
         axes.plot(self.times, self.balance, color="black", label="balance = total + dissipated − work")
-        axes.set(xlabel="time [s]", ylabel="energy [J]")
+        axes.set(xlabel=self.units.label("time", "s"), ylabel=self._corner)
         axes.legend(frameon=False)
         return axes
 
@@ -191,13 +203,15 @@ class Stock(Generic[T]):
     """Budget of a conserved quantity other than energy, such as the amount of a species or a probability."""
 
     unit: str
-    """Unit of all values."""
+    """Unit of all values; empty without units."""
     total: T
     """Present amount."""
     removed_by: Mapping[str, T]
     """Amount removed since the start, by cause: `removed_by["edges"]`."""
     supplied_by: Mapping[str, T]
     """Amount supplied since the start, by cause."""
+    units: UnitSystem = field(default=SI, kw_only=True)
+    """Units of the scene."""
 
     @property
     def removed(self) -> T:
@@ -213,6 +227,11 @@ class Stock(Generic[T]):
     def balance(self) -> T:
         """Balance, total + removed − supplied: constant, up to the method's error."""
         return self.total + self.removed - self.supplied
+
+    @property
+    def _corner(self) -> str:
+        """The text in the corner of the table."""
+        return f"amount [{self.unit}]" if self.unit else "amount"
 
     def _rows(self) -> dict[str, T]:
         """The rows of the table, from top to bottom."""
@@ -237,7 +256,7 @@ class Amount(Printed, Stock[float]):
 
     def __str__(self) -> str:
         rows = {name: [value] for name, value in self._rows().items()}
-        return _table([f"at {self.time:.4g} s"], rows, f"amount [{self.unit}]")
+        return _table([_when(self)], rows, self._corner)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -257,7 +276,7 @@ class AmountSeries(Printed, Stock[FloatArray]):
     def __str__(self) -> str:
         rows = {name: [values[0], values[-1]] for name, values in self._rows().items()}
         drift = f"  drift: at most {np.abs(self.drift).max():.1e} of the largest total"
-        return f"{_table(['start', 'end'], rows, f'amount [{self.unit}]')}\n{drift}"
+        return f"{_table(['start', 'end'], rows, self._corner)}\n{drift}"
 
     @property
     def drift(self) -> FloatArray:
@@ -280,6 +299,7 @@ class AmountSeries(Printed, Stock[FloatArray]):
             removed_by=by("removed_by"),
             supplied_by=by("supplied_by"),
             times=np.array([each.time for each in moments]),
+            units=first.units,
         )
 
 
@@ -311,7 +331,12 @@ class Drift:
         return float(change / scale if scale > 0 else change)
 
 
-def _table(heads: Sequence[str], rows: Mapping[str, Sequence[float]], corner: str = "energy [J]") -> str:
+def _when(moment: Energy | Amount) -> str:
+    """The head of a column of values at one time."""
+    return f"at {moment.time:.4g}{moment.units.suffix('s')}"
+
+
+def _table(heads: Sequence[str], rows: Mapping[str, Sequence[float]], corner: str) -> str:
     """Numbers in columns, as text."""
     width = max(map(len, [*rows, corner]))
     lines = [f"  {corner:<{width}}" + "".join(f"  {head:>12}" for head in heads)]

@@ -47,9 +47,10 @@ def build(scene: Scene, numerics: Numerics) -> World:
 
 
 def named(message: str, scene: Scene) -> str:
-    """A message of the engine with the names of bodies, which it does not know, and of their methods."""
+    """A message of the engine with what it does not know: names of bodies, their methods, and the scene's units."""
     message = re.sub(r"\bbodies\[\d+\]\.method\b", "fluids", message)
-    return re.sub(r"\bbodies\[(\d+)\]", lambda found: scene.path(int(found[1])), message)
+    message = re.sub(r"\bbodies\[(\d+)\]", lambda found: scene.path(int(found[1])), message)
+    return scene.units.reworded(message)
 
 
 def describe(scene: Scene, numerics: Numerics) -> dict[str, object]:
@@ -75,7 +76,8 @@ def fields(world: World, scene: Scene) -> list[FieldInfo]:
         else [_nothing("positions", "m", "velocities", scene), _nothing("velocities", "m/s", None, scene)]
     )
     return none + [
-        FieldInfo(name, unit, tuple(shape), rate, state) for name, unit, shape, rate, state in world.fields()
+        FieldInfo(name, scene.units.symbol(unit), tuple(shape), rate, state)
+        for name, unit, shape, rate, state in world.fields()
     ]
 
 
@@ -104,7 +106,7 @@ def show(positions: FloatArray, scene: Scene) -> FloatArray:
 
 def _nothing(name: str, unit: str, rate: str | None, scene: Scene) -> FieldInfo:
     """A field of no particles."""
-    return FieldInfo(name, unit, (0, scene.dimension), rate, state=True)
+    return FieldInfo(name, scene.units.symbol(unit), (0, scene.dimension), rate, state=True)
 
 
 def limit(world: World) -> Limit:
@@ -153,9 +155,10 @@ def plan(world: World, scene: Scene, bound: Limit, dt: float) -> Plan:
         memory=facts["memory"],
         threads=facts["threads"],
         simd=facts["simd"],
-        layout=first["layout"],
+        layout=scene.units.reworded(first["layout"]),
         left_out=tuple(first["left_out"]),
         notes=tuple(named(note, scene) for note in notes),
+        units=scene.units,
     )
 
 

@@ -18,15 +18,13 @@ from physcore.simulation.state import Frame
 from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
 from physcore.simulation.watch import Watch, stopped
 from physcore.simulation.within import between
+from physcore.units.systems import UnitSystem
 
 
-def energy(world: World) -> Energy:
-    """The energy budget of a world at its present step; warn if it is not finite."""
-    return audit(world)[0]
-
-
-def audit(world: World) -> tuple[Energy, dict[str, Amount]]:
-    """The energy budget, and the budgets of other conserved quantities by name."""
+def audit(world: World, units: UnitSystem) -> tuple[Energy, dict[str, Amount]]:
+    """The energy budget at the present step, and those of other conserved quantities by name; warn if the energy is not
+    finite.
+    """
     rows, others = world.budgets()
 
     def of(kind: str) -> dict[str, float]:
@@ -41,53 +39,54 @@ def audit(world: World) -> tuple[Energy, dict[str, Amount]]:
         dissipated_by=dissipated_by,
         work=sum(of("work").values(), start=0.0),
         time=world.time,
+        units=units,
     )
-    _warn_if_beyond("energy", budget.balance, world)
+    _warn_if_beyond("energy", budget.balance, world, units)
     return budget, {
-        name: Amount(unit, stored, dict(removed), dict(supplied), world.time)
+        name: Amount(units.symbol(unit), stored, dict(removed), dict(supplied), world.time, units=units)
         for name, unit, stored, removed, supplied in others
     }
 
 
-def momentum(world: World) -> FloatArray:
+def momentum(world: World, units: UnitSystem) -> FloatArray:
     """Total momentum at the present step; warn if it is not finite."""
     total = world.momentum()
-    _warn_if_beyond("momentum", float(total.sum()), world)
+    _warn_if_beyond("momentum", float(total.sum()), world, units)
     return total
 
 
-def angular_momentum(world: World) -> FloatArray:
+def angular_momentum(world: World, units: UnitSystem) -> FloatArray:
     """Total angular momentum at the present step; warn if it is not finite."""
     total = world.angular_momentum()
-    _warn_if_beyond("angular momentum", float(total.sum()), world)
+    _warn_if_beyond("angular momentum", float(total.sum()), world, units)
     return total
 
 
-def _warn_if_beyond(quantity: str, value: float, world: World) -> None:
+def _warn_if_beyond(quantity: str, value: float, world: World, units: UnitSystem) -> None:
     """Warn if a quantity is not finite, which is possible even for finite positions and velocities."""
     if math.isfinite(value):
         return
     warn(
-        f"the {quantity} at t = {world.time:.6g} s is beyond the range of numbers ({value}): it has diverged, or "
-        'particles coincide; take a smaller dt, and the default on_divergence="raise"',
+        f"the {quantity} at t = {world.time:.6g}{units.suffix('s')} is beyond the range of numbers ({value}): it has "
+        'diverged, or particles coincide; take a smaller dt, and the default on_divergence="raise"',
         StabilityWarning,
     )
 
 
 def frame(world: World, scene: Scene) -> Frame:
     """The present step as a frame, with positions not wrapped into the periodic domain."""
-    budget, budgets = audit(world)
+    budget, budgets = audit(world, scene.units)
     return Frame(
         **vars(engine.snapshot(world, scene)),
         dt=world.dt,
         energy=budget,
-        momentum=momentum(world),
-        angular_momentum=angular_momentum(world),
+        momentum=momentum(world, scene.units),
+        angular_momentum=angular_momentum(world, scene.units),
         budgets=budgets,
     )
 
 
-def frame_count(duration: float, fps: float) -> int:
+def frame_count(duration: float, fps: float, units: UnitSystem) -> int:
     """The number of frames of a duration [s], including the first and the last one.
 
     Raises:
@@ -95,7 +94,8 @@ def frame_count(duration: float, fps: float) -> int:
     """
     intervals = duration * fps + 1e-6
     if intervals > MOST:
-        raise SceneError(f"duration: {duration:g} s at {fps:g} frames per second are more frames than can be counted")
+        length, rate = f"{duration:g}{units.suffix('s')}", f"{fps:g} frames per {units.per}"
+        raise SceneError(f"duration: {length} at {rate} are more frames than can be counted")
     return math.floor(intervals) + 1
 
 
@@ -112,8 +112,16 @@ def frames(
     Raises:
         PhyscoreError: the world was advanced by other code between two frames.
     """
+    with scene.units.worded():
+        yield from _frames(world, scene, stepper, duration, fps, watch)
+
+
+def _frames(
+    world: World, scene: Scene, stepper: Stepper, duration: float, fps: float, watch: Watch | None
+) -> Iterator[Frame]:
+    """The frames, with errors as of the engine."""
     start = world.time
-    count = frame_count(duration, fps)
+    count = frame_count(duration, fps, scene.units)
     if stepper.fixed is not None:
         steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Raises if there are too many to count.
     stepper.warn_if_long(duration)

@@ -62,7 +62,8 @@ def _untouched(recording: Recording) -> Iterator[str]:
             nearest = min(nearest, float(room.min(initial=np.inf)))
         if 0.0 < nearest < np.inf:
             kind = type(boundary).__name__
-            yield f"boundaries[{place}]: nothing touched this {kind}, the nearest was {nearest:.2g} m away"
+            room = f"{nearest:.2g}{scene.units.suffix('m')}"
+            yield f"boundaries[{place}]: nothing touched this {kind}, the nearest was {room} away"
 
 
 def of_scene(scene: Scene, numerics: Numerics) -> list[str]:

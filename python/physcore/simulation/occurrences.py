@@ -15,12 +15,13 @@ from physcore.simulation.event import Event
 from physcore.simulation.trajectory import Trajectory, channel_rules
 from physcore.storage.archive import Tree
 from physcore.storage.schema import Sizes, record, several, text
+from physcore.units.systems import SI
 
 ROWS = 10
 """Number of occurrences that a table shows."""
 
-HEADS = ("time [s]", "index", "since the one before [s]")
-"""Heads of the table of an event."""
+TIME = 16
+"""Least width of a column of times."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,7 +33,7 @@ class Occurrences(Trajectory):
         found.times, found.indices  # (n,) each: when, and which particle
         found["cloth"].velocities  # (n, N, D)
 
-    The fields are those of the recording, each with n states in place of its frames.
+    The fields are those of the recording, each with n states in place of its frames. Tables have the scene's units.
     """
 
     indices: IntArray
@@ -42,6 +43,9 @@ class Occurrences(Trajectory):
     name: str
     """Name of the event."""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "units", self.scene.units)
+
     def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # the part of an item
         return self._part(self.scene, item)
 
@@ -49,14 +53,15 @@ class Occurrences(Trajectory):
         """The table, as at a prompt."""
         if not len(self):
             return f"{self.name}: none"
-        lines = [f"{time:>16}{index:>8}{since:>26}".rstrip() for time, index, since in self._rows()]
-        title = f"{self.name}: {len(self)}"
-        return "\n".join([title, "{:>16}{:>8}{:>26}".format(*HEADS), *lines, *self._rest()])
+        heads = self._heads
+        first, last = _width(heads[0]), _width(heads[2])
+        lines = [f"{time:>{first}}{index:>8}{since:>{last}}".rstrip() for time, index, since in (heads, *self._rows())]
+        return "\n".join([f"{self.name}: {len(self)}", *lines, *self._rest()])
 
     def _repr_html_(self) -> str:
         """The table as HTML, for notebooks."""
         rows = {str(number): cells for number, cells in enumerate(self._rows())}
-        return html_table(["", *HEADS], rows, caption=", ".join([f"{self.name}: {len(self)}", *self._rest()]))
+        return html_table(["", *self._heads], rows, caption=", ".join([f"{self.name}: {len(self)}", *self._rest()]))
 
     def content(self) -> dict[str, Tree]:
         """The occurrences as plain values, for a file."""
@@ -65,6 +70,11 @@ class Occurrences(Trajectory):
     def end(self, index: int) -> str:
         """The time of the first or of the last occurrence, as text."""
         return f"{self.times[index]:.9g}" if len(self) else ""
+
+    @property
+    def _heads(self) -> tuple[str, str, str]:
+        """The heads of the table."""
+        return self.units.label("time", "s"), "index", self.units.label("since the one before", "s")
 
     def _rows(self) -> list[tuple[str, str, str]]:
         """The cells of the first occurrences."""
@@ -144,17 +154,30 @@ class Events:
         if not rows:
             return "no events"
         width = max(len("event"), *(len(name) for name, *_ in rows))
-        heads = ("event", "number", "first [s]", "last [s]")
+        heads = self._heads
+        column = max(map(_width, heads[2:]))
         lines = [
-            f"{name:<{width}}{count:>8}{first:>16}{last:>16}".rstrip() for name, count, first, last in (heads, *rows)
+            f"{name:<{width}}{count:>8}{first:>{column}}{last:>{column}}".rstrip()
+            for name, count, first, last in (heads, *rows)
         ]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         """The table as HTML, for notebooks."""
         rows = {f"{index}: {name}": cells for index, (name, *cells) in enumerate(self._rows())}
-        return html_table(["event", "number", "first [s]", "last [s]"], rows)
+        return html_table(self._heads, rows)
+
+    @property
+    def _heads(self) -> tuple[str, str, str, str]:
+        """The heads of the table."""
+        units = self.found[0].units if self.found else SI
+        return "event", "number", units.label("first", "s"), units.label("last", "s")
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """The name of each event, the number of occurrences, and the times of the first and the last one."""
         return [(each.name, str(len(each)), each.end(0), each.end(-1)) for each in self.found]
+
+
+def _width(head: str) -> int:
+    """The width of a column of times below a head."""
+    return max(TIME, len(head) + 2)

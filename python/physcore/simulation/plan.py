@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from physcore.markup import Printed, html_table
 from physcore.numerics.choices import LimitKind
+from physcore.units.systems import SI, UnitSystem
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,6 +63,8 @@ class Plan(Printed):
     """
     substeps: int = 0
     """Number of steps that failed and were repeated in parts."""
+    units: UnitSystem = SI
+    """Units of the scene."""
 
     @property
     def margin(self) -> float:
@@ -76,7 +79,7 @@ class Plan(Printed):
             "precision": self.precision,
             "integrator": f"{self.integrator}, force evaluations per step: {self.evaluations}",
             "order": f"{self.order} in this scene",
-            "dt": f"{self.dt:.6g} s, {self._limit()}",
+            "dt": f"{self.dt:.6g}{self.units.suffix('s')}, {self._limit()}",
             "tree": f"rms error {self.force_error:.2g} of the accelerations" if self.force_error else "",
             "memory": _bytes(self.memory),
             "threads": f"{self.threads}, {self.simd}",
@@ -101,7 +104,8 @@ class Plan(Printed):
             return "nothing limits it"
         if self.dt_limit == 0.0:
             return f"no step is certain to be stable ({self.limit_term})"
-        return f"{self.margin:.0%} of the {self.limit_kind} limit {self.dt_limit:.6g} s ({self.limit_term})"
+        limit = f"{self.dt_limit:.6g}{self.units.suffix('s')}"
+        return f"{self.margin:.0%} of the {self.limit_kind} limit {limit} ({self.limit_term})"
 
 
 def _bytes(size: int) -> str:

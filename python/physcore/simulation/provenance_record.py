@@ -19,6 +19,7 @@ ProvenanceRecord = dict[str, Tree]
 
     physcore        the version of physcore
     scene           `Scene.hash()`; None with a CustomForce, whose code has no hash
+    units           units of the scene with their values [SI]; not there with the SI
     numerics        integrator, dt, precision, max_energy_growth, on_divergence, with their parameters
     segments        the history of steps: start [s], steps, dt [s] (for adaptive steps the smallest and the largest)
     substeps        steps that failed and were repeated in parts
@@ -52,6 +53,7 @@ def record_of(scene: Scene, plan: Plan | None, provenance: Provenance | None, **
     return {
         "physcore": None if provenance is None else provenance.version,
         "scene": _scene_hash(scene),
+        **({} if scene.units.is_si else {"units": asdict(scene.units)}),
         "numerics": {name: value for name, value in numerics.items() if name != "threads"} or None,
         "segments": None if segments is None else [asdict(segment) for segment in segments],
         "substeps": None if plan is None else plan.substeps,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -101,6 +101,9 @@ class Recording(Trajectory):
     film: ClassVar[Callable[..., Any]]
     """Draw a film: `recording.film("run.gif", …)` is `physcore.film(recording, "run.gif", …)`."""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "units", self.scene.units)
+
     def to_dataframe(self) -> DataFrame:
         """Convert to a pandas data frame, as in `Trajectory`; at each time, the bodies follow one another."""
         names = [(index if body.name is None else body.name, len(body)) for index, body in enumerate(self.scene.bodies)]
@@ -130,15 +133,15 @@ class Recording(Trajectory):
             return super().plot(name, axes)
         values: FloatArray = getattr(self, name)
         components = "xyz"[-values.shape[1] :] if name == "angular_momentum" else "xyz"[: values.shape[1]]
-        label = f"{name.replace('_', ' ')} [{TOTALS[name]}]"
-        return over_time(self.energy.times, values[:, np.newaxis], components, label, axes)
+        label = self.units.label(name.replace("_", " "), TOTALS[name])
+        return over_time(self.energy.times, values[:, np.newaxis], components, label, axes, self.units)
 
     def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # the part of an item
         return self._part(self.scene, item)
 
     def __repr__(self) -> str:
         return (
-            f"Recording({len(self)} frames at {self.fps:g} per second, {contents(self.scene)} "
+            f"Recording({len(self)} frames at {self.fps:g} per {self.units.per}, {contents(self.scene)} "
             f"in {self.scene.dimension}D, energy drift {np.abs(self.energy.drift).max():.1e})"
         )
 
@@ -175,18 +178,17 @@ class Recording(Trajectory):
         Raises:
             FileError: the file cannot be written, or the scene has a CustomForce.
         """
-        series = {entry.name: getattr(self.energy, entry.name) for entry in fields(self.energy)}
         content: dict[str, archive.Tree] = {
             "times": self.times,
             **self.channels,
             "channels": list(self.channels),
-            "energy": series,
-            "budgets": {name: vars(budget) for name, budget in self.budgets.items()},
+            "energy": self.energy.series,
+            "budgets": {name: _without_units(vars(budget)) for name, budget in self.budgets.items()},
             "momentum": self.momentum,
             "angular_momentum": self.angular_momentum,
             "fps": self.fps,
             "scene": self.scene.packed(),
-            "plan": asdict(self.plan),
+            "plan": _without_units(asdict(self.plan)),
             "provenance": self.provenance.content(),
             "events": [occurrences.content() for occurrences in self.events],
         }
@@ -220,7 +222,7 @@ class Recording(Trajectory):
             energy=record(**amounts, **terms),
             momentum=sizes.array("F", "D", finite=finite),
             angular_momentum=sizes.array("F", "A", finite=finite),
-            plan=of(Plan),
+            plan=of(Plan, units=None),
             budgets=table(budget),
             provenance=anything,
             events=lambda value, path: Events.from_content(value, path, scene, sizes),
@@ -229,7 +231,7 @@ class Recording(Trajectory):
         checked = shape(content, "")
         if not (np.diff(checked["times"]) > 0.0).all():
             raise FileError("times: must be ascending")
-        energy = EnergySeries(**checked["energy"])
+        energy = EnergySeries(**checked["energy"], units=scene.units)
         with np.errstate(over="ignore", invalid="ignore"):
             if finite and not np.isfinite(energy.drift).all():
                 raise FileError("energy: must have a drift of the balance that is finite")
@@ -241,8 +243,8 @@ class Recording(Trajectory):
             angular_momentum=checked["angular_momentum"],
             fps=checked["fps"],
             scene=scene,
-            plan=Plan(**checked["plan"]),
-            budgets={name: AmountSeries(**each) for name, each in checked["budgets"].items()},
+            plan=Plan(**checked["plan"], units=scene.units),
+            budgets={name: AmountSeries(**each, units=scene.units) for name, each in checked["budgets"].items()},
             provenance=provenance,
             events=checked["events"],
         )
@@ -294,10 +296,15 @@ def collect(
     by_term, dissipated_by, budget, data = (
         {name: values[:taken] for name, values in series.items()} for series in (by_term, dissipated_by, budget, data)
     )
-    energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget)
+    energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget, units=scene.units)
     plan, provenance = end()
     totals = momentum[:taken], angular_momentum[:taken]
     return Recording(times[:taken], data, energy, *totals, fps, scene, plan, budgets, provenance)
+
+
+def _without_units(content: Mapping[str, archive.Tree]) -> dict[str, archive.Tree]:
+    """A part of a file without the units, which are those of the scene."""
+    return {name: value for name, value in content.items() if name != "units"}
 
 
 def refuse_if_too_large(frames: int, scene: Scene, needed: int, hint: str) -> None:

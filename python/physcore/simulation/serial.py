@@ -25,8 +25,9 @@ from physcore.scene.records import kind_of, pack, parameters
 from physcore.scene.scene import Scene
 from physcore.scene.selection import Selection
 from physcore.storage.archive import Tree
-from physcore.storage.schema import Rule, anything, either, maybe, record, several, table, text, whole, word
+from physcore.storage.schema import Rule, anything, either, maybe, of, real, record, several, table, text, whole, word
 from physcore.systems import SYSTEMS
+from physcore.units.systems import Unit, UnitSystem
 
 _BODIES = (Particles, SpringNetwork, Fluid)
 _RULES = (*INTEGRATORS, *FLUID_METHODS, AutoStep, AdaptiveStep)
@@ -41,7 +42,9 @@ _KINDS: dict[str, type[Any]] = {
     kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, Probe, *_RULES)
 }
 
+_UNIT = of(Unit, value=maybe(real()))
 _SCENE = record(
+    {"units": record(length=_UNIT, time=_UNIT, mass=_UNIT, charge=_UNIT)},
     bodies=several(anything),
     forces=several(anything),
     boundaries=several(anything),
@@ -71,7 +74,9 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
     domain = content["periodic"]
     items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
     with _named(path):
-        return Scene(*bodies, *acting, *systems, *probes, *items)
+        named = {kind: Unit(**unit) for kind, unit in content.get("units", {}).items()}
+        units = UnitSystem(**named) if named else None
+        return Scene(*bodies, *acting, *systems, *probes, *items, units=units)
 
 
 def pack_numerics(numerics: Numerics) -> Tree:

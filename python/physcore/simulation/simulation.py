@@ -115,9 +115,10 @@ class Simulation:
             on_divergence=on_divergence,
             fluids=fluids,
         )
-        self._build(scene, check(options, scene))
-        check_flows(self._numerics.fluids, scene)
-        self._stepper.begin()
+        with scene.units.worded():
+            self._build(scene, check(options, scene))
+            check_flows(self._numerics.fluids, scene)
+            self._stepper.begin()
 
     def _build(self, scene: Scene, numerics: Numerics) -> None:
         self._scene = scene
@@ -176,7 +177,7 @@ class Simulation:
         """The plan: the stages of one step, and the choices that were made."""
         limit = self._stepper.limit
         plan = engine.plan(self._world, self._scene, limit, self.dt)
-        notes = (*plan.notes, *self._scene_notes, *self._stepper.notes(limit))
+        notes = (*plan.notes, *map(self._scene.units.reworded, (*self._scene_notes, *self._stepper.notes(limit))))
         return replace(plan, substeps=self.substeps, notes=notes)
 
     @cached_property
@@ -222,7 +223,8 @@ class Simulation:
             SimulationDiverged: the state blew up; the simulation stands at the last good step.
             KeyboardInterrupt: Ctrl-C; the simulation stands at a whole step and can go on.
         """
-        self._stepper.step(n)
+        with self._scene.units.worded():
+            self._stepper.step(n)
 
     @property
     def events(self) -> Events:
@@ -246,8 +248,9 @@ class Simulation:
         """
         interval = span(duration, "run.duration", empty=True)
         watch = self._watch_for(events, None)
-        self._stepper.run(interval, watch=watch)
-        self._stepper.settle(watch)
+        with self._scene.units.worded():
+            self._stepper.run(interval, watch=watch)
+            self._stepper.settle(watch)
 
     def frames(self, duration: float, fps: float = FRAMES_PER_SECOND, events: Sequence[Event] = ()) -> Iterator[Frame]:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
@@ -299,7 +302,7 @@ class Simulation:
         shown = None if progress is None else flag(progress, "progress")
         watch = self._watch_for(events, kept)
         frames = self._frames(duration, fps, watch)
-        count = sampling.frame_count(float(duration), float(fps))
+        count = sampling.frame_count(float(duration), float(fps), self._scene.units)
         with Progress(count, "simulating", shown) as bar:
             shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
             recording = collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
@@ -325,7 +328,8 @@ class Simulation:
             SceneError: a shape does not fit, or a value is not finite.
         """
         given = {"positions": positions, "velocities": velocities}
-        self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
+        with self._scene.units.worded():
+            self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
 
     def _set_body(self, body: BodyKey, values: Mapping[str, ArrayLike]) -> None:
         """Replace positions or velocities of a body."""
@@ -341,9 +345,10 @@ class Simulation:
             if name not in system.shapes() or not states[name]:
                 known = ", ".join(each for each in system.shapes() if states[each])
                 raise SceneError(f"{path}.set.{name}: must be one of {known}")
-        self._write(
-            {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
-        )
+        with self._scene.units.worded():
+            self._write(
+                {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
+            )
 
     def _write(self, fields: dict[str, FloatArray]) -> None:
         """Replace fields of the world."""
@@ -362,11 +367,11 @@ class Simulation:
             StabilityWarning: it is not finite: particles coincide, or the run has diverged, which
                 on_divergence="ignore" leaves to you.
         """
-        return sampling.energy(self._world)
+        return sampling.audit(self._world, self._scene.units)[0]
 
     def budgets(self) -> dict[str, Amount]:
         """The budgets of what is conserved beside energy, by name; none where nothing is."""
-        return sampling.audit(self._world)[1]
+        return sampling.audit(self._world, self._scene.units)[1]
 
     def momentum(self) -> FloatArray:
         """Total momentum of all particles that are not fixed [kg·m/s], shape (D,).
@@ -374,7 +379,7 @@ class Simulation:
         Warns:
             StabilityWarning: it is not finite, as for `energy`.
         """
-        return sampling.momentum(self._world)
+        return sampling.momentum(self._world, self._scene.units)
 
     def angular_momentum(self) -> FloatArray:
         """Total angular momentum about the origin [kg·m²/s], shape (D (D − 1)/2,): a number in 2D, three in
@@ -383,7 +388,7 @@ class Simulation:
         Warns:
             StabilityWarning: it is not finite, as for `energy`.
         """
-        return sampling.angular_momentum(self._world)
+        return sampling.angular_momentum(self._world, self._scene.units)
 
     def acceleration(self, points: ArrayLike, on: BodyKey | None = None) -> FloatArray:
         """The acceleration field of the scene at the present time:
@@ -412,7 +417,7 @@ class Simulation:
             body = None if on is None else self._scene.index(on)
         except KeyError as error:
             raise SceneError(f"acceleration.on: {error.args[0]}") from None
-        return self._world.sample("acceleration", self._places(points, "acceleration"), body)
+        return self._sample("acceleration", points, body)
 
     def electric_field(self, points: ArrayLike) -> FloatArray:
         """The electric field at the present time, of every ElectromagneticField and of the charges under Coulomb:
@@ -429,7 +434,7 @@ class Simulation:
             SceneError: a shape does not fit; a point is at a charge without softening, or where a field is not finite;
                 or the function of a field fails.
         """
-        return self._world.sample("electric_field", self._places(points, "electric_field"), None)
+        return self._sample("electric_field", points)
 
     def magnetic_field(self, points: ArrayLike) -> FloatArray:
         """The magnetic field at the present time, of every ElectromagneticField.
@@ -443,7 +448,7 @@ class Simulation:
         Raises:
             SceneError: as for `electric_field`.
         """
-        field: FloatArray = self._world.sample("magnetic_field", self._places(points, "magnetic_field"), None)
+        field = self._sample("magnetic_field", points)
         return field if self._scene.dimension == 3 else field[:, 2]
 
     def electric_potential(self, points: ArrayLike) -> FloatArray:
@@ -459,7 +464,13 @@ class Simulation:
             SceneError: as for `electric_field`; or a field has no potential, as functions and fields that change in
                 time.
         """
-        return self._world.sample("electric_potential", self._places(points, "electric_potential"), None)[:, 0]
+        return self._sample("electric_potential", points)[:, 0]
+
+    def _sample(self, kind: str, points: ArrayLike, body: int | None = None) -> FloatArray:
+        """The values of a field at points."""
+        places = self._places(points, kind)
+        with self._scene.units.worded():
+            return self._world.sample(kind, places, body)
 
     def _places(self, points: ArrayLike, path: str) -> FloatArray:
         """Points (M, D)."""

@@ -160,7 +160,7 @@ class Running:
     @property
     def count(self) -> int:
         """The number of frames."""
-        return frame_count(self.duration, self.fps)
+        return frame_count(self.duration, self.fps, self.scene.units)
 
     @property
     def times(self) -> FloatArray:
@@ -230,6 +230,8 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
         raise SceneError("recording: there must be at least one")
     found = [_source(item, duration, fps, numerics) for item in items]
     rates = sorted({each.fps for each in found})
+    if len({each.scene.units for each in found}) > 1:
+        raise SceneError("recording: panels must have the same units; give their scenes the same units=")
     if len(rates) > 1:
         raise SceneError(f"recording: panels must have the same frames per second, got {rates}")
     return found
@@ -238,7 +240,8 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
 def _source(item: object, duration: float | None, fps: float | None, numerics: Options) -> Source:
     if isinstance(item, Scene):
         if duration is None:
-            raise SceneError("duration: a scene is shown while it is simulated, so say how long: duration=… [s]")
+            asked = item.units.label("duration=…", "s")
+            raise SceneError(f"duration: a scene is shown while it is simulated, so say how long: {asked}")
         rate = FRAMES_PER_SECOND if fps is None else span(fps, "fps")
         running = Running(item, span(duration, "duration", empty=True), rate, numerics)
         memory.require(8.0 * running.count, f"the times of {running.count} frames", "duration", "lower fps")

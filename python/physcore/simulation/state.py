@@ -23,7 +23,7 @@ class FieldInfo:
     name: str
     """Name, such as "positions"; for a system it begins with the path of the system."""
     unit: str
-    """SI unit."""
+    """Unit, in those of the scene."""
     shape: tuple[int, ...]
     """Shape of the array."""
     rate: str | None

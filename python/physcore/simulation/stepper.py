@@ -435,7 +435,7 @@ class Stepper:
             f"a step failed ({error.cause}) and is taken again in parts; take a smaller dt where this happens often"
         )
         if self._substepped == 0:
-            warn(f"at {error.time:.4g} s {message}", StabilityWarning)
+            self._warn(f"at {error.time:.4g} s {message}", StabilityWarning)
         self._substepped += 1
         start = self._world.time
         parts, failed = self._world.substep(dt)
@@ -494,7 +494,7 @@ class Stepper:
         message = long_run(duration, duration / steps, "" if given else self.limit.term, given)
         if message is not None:
             self._long_warned = True
-            warn(message, SceneWarning)
+            self._warn(message, SceneWarning)
 
     def warn_of_drift(self, drift: float) -> None:
         """Warn of a large drift of the energy balance over a whole run; with a given time step, of a very large one.
@@ -535,7 +535,7 @@ class Stepper:
             f"density is off by about Mach squared, {mach * mach:.1%} and more, and one percent is meant; raise "
             "sound_speed in fluids=pc.WeaklyCompressible(…)"
         )
-        warn(message, MachWarning)
+        self._warn(message, MachWarning)
 
     def _largest(self, fps: float) -> float:
         rule = self._numerics.dt
@@ -575,7 +575,7 @@ class Stepper:
         limit = engine.limit(self._world)
         if dt <= limit.stability:
             if limit.kind == "accuracy" and dt > COARSE * limit.accuracy and not self._numerics.integrator.stiff:
-                warn(
+                self._warn(
                     f"dt = {dt:g} s is {dt / limit.accuracy:.2g} times the limit of accuracy in this scene, "
                     f"{limit.accuracy:g} s ({limit.term}): the motion is not resolved",
                     StabilityWarning,
@@ -597,7 +597,11 @@ class Stepper:
                 f"{limit.stability:g} s ({limit.term}): the simulation may blow up; the true limit may be "
                 f"{_how_much_larger(limit)}, `stability_limit(scene, {name}(), measured=True)` finds it"
             )
-        warn(message, StabilityWarning)
+        self._warn(message, StabilityWarning)
+
+    def _warn(self, message: str, category: type[Warning]) -> None:
+        """Warn in the scene's units."""
+        warn(self._scene.units.reworded(message), category)
 
     def capture(self) -> Captured:
         """The state of the stepper, in addition to that of the world: limits, segments and counts."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -25,6 +25,7 @@ from physcore.simulation.diagrams import over_time
 from physcore.simulation.tables import data_frame
 from physcore.spelling import UnknownKey
 from physcore.storage.schema import Rule, Sizes
+from physcore.units.systems import SI, UnitSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,6 +55,8 @@ class Trajectory:
     """Time of each frame [s], shape (F,)."""
     channels: dict[str, FloatArray]
     """Channels by name: vectors have the shape (F, N, D), numbers (F, N)."""
+    units: UnitSystem = field(default=SI, kw_only=True)
+    """Units of all numbers."""
 
     @property
     def positions(self) -> FloatArray:
@@ -121,8 +124,8 @@ class Trajectory:
         name = word(channel, "plot.channel", self.channels)
         values = self.channels[name]
         flat = values if values.ndim == 3 and name in CHANNELS else values.reshape(len(values), -1, 1)
-        unit = f" [{UNITS[name]}]" if name in UNITS else ""
-        return over_time(self.times, flat, "xyz"[: flat.shape[2]], f"{name}{unit}", axes)
+        label = self.units.label(name, UNITS[name]) if name in UNITS else name
+        return over_time(self.times, flat, "xyz"[: flat.shape[2]], label, axes, self.units)
 
     def __len__(self) -> int:
         return len(self.times)
@@ -157,19 +160,20 @@ class Trajectory:
         Raises:
             KeyError: there is no such item.
         """
+        return Trajectory(self.times, self._fields(scene, item), units=self.units)
+
+    def _fields(self, scene: Scene, item: ItemKey) -> dict[str, FloatArray]:
+        """The channels of one item by name."""
         system = scene.system(item)
         if system is not None:
             own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
             shown = next(each for each in scene.systems if scene.system(each) == system).shown
-            return Trajectory(
-                self.times, shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
-            )
+            return shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
         measured = gauge(scene, item)
         if measured is not None:
-            return Trajectory(self.times, {measured[0]: self._channel(measured[1])[:, measured[2]]})
+            return {measured[0]: self._channel(measured[1])[:, measured[2]]}
         body = cast("BodyKey", item)
         mine = body_fields(scene, body)
         own = {name: self.channels[name][:, part] for name, part in mine.items() if name in self.channels}
         pressed = body_gauges(scene, body).items()
-        own |= {name: self.channels[field][:, row] for name, (field, row) in pressed if field in self.channels}
-        return Trajectory(self.times, own)
+        return own | {name: self.channels[field][:, row] for name, (field, row) in pressed if field in self.channels}

@@ -141,14 +141,15 @@ def anything(value: Any, path: str) -> Any:
     return value
 
 
-def of(kind: type, **special: Rule) -> Rule:
+def of(kind: type, **special: Rule | None) -> Rule:
     """The fields of a dataclass or a TypedDict, with rules derived from their types.
 
     Args:
         kind: the class.
-        special: rules for fields of other types.
+        special: rules for fields of other types; None: the field is not in the file.
     """
-    return record(**{name: special.get(name) or _by_type(hint) for name, hint in get_type_hints(kind).items()})
+    rules = {name: special.get(name, _by_type(hint)) for name, hint in get_type_hints(kind).items()}
+    return record(**{name: rule for name, rule in rules.items() if rule is not None})
 
 
 def _by_type(hint: Any) -> Rule:

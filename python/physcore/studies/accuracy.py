@@ -21,7 +21,7 @@ from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
-from physcore.studies.state import primary, size, unit
+from physcore.studies.state import primary, size, suffix
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods
 from physcore.studies.tradeoff.refinement import Target
@@ -93,7 +93,7 @@ def simulate(
     )
     kept = check_channels(channels, scene)
     whole, rate = span(duration, "duration", empty=True), span(fps, "fps")
-    if frame_count(whole, rate) < 2:
+    if frame_count(whole, rate, scene.units) < 2:
         raise SceneError("fps: there is no frame but the first; ask for more of them, or for a longer duration")
     given = checked(events, scene)
     selection = _search(scene, target, whole, rate, kept, numerics)
@@ -119,7 +119,7 @@ def _search(
     """
     numerics = check(options, scene)
     given = options.get("integrator", "auto")
-    frames = frame_count(duration, fps)
+    frames = frame_count(duration, fps, scene.units)
     needed = 8 * COPIES * frames * size(scene)
     refuse_if_too_large(frames, scene, needed, "or ask for fewer frames: fps=…")
     intervals = frames - 1
@@ -161,14 +161,14 @@ def _search(
         trial = selection.trial
         _refuse_trees(selection, target)
         return replace(selection, trial=trial if trial.recording is not None else record(trial.choice))
-    asked = [f"within {target.accuracy:g} {unit(scene)}"] * target.compares
+    asked = [f"within {target.accuracy:g}{suffix(scene)}"] * target.compares
     asked += [f"energy drift {target.energy_drift:g}"] * math.isfinite(target.energy_drift)
     reached = "every one diverged"
     error, drift = math.inf, math.inf
     if selection is not None:
         error, drift = selection.error, selection.drift
         name = type(selection.trial.choice.integrator).__name__
-        reached = f"the best was {name}, off by {error:.1e} {unit(scene)} with a drift of {drift:.1e}"
+        reached = f"the best was {name}, off by {error:.1e}{suffix(scene)} with a drift of {drift:.1e}"
     raise AccuracyError(
         f"{'accuracy' if target.compares else 'energy_drift'}: no method gets there ({', '.join(asked)}): "
         f"{reached}; {_advice(options, scene)}",
@@ -195,6 +195,7 @@ def _refuse_trees(selection: Selection, target: Target) -> None:
         *scene.constraints,
         *scene.systems,
         *scene.probes,
+        units=scene.units,
     )
     samples = replace(experiment, scene=finer).completed(trial.choice).samples
     common = min(len(samples), len(trial.samples))
@@ -202,8 +203,8 @@ def _refuse_trees(selection: Selection, target: Target) -> None:
     error = float(experiment.distances(trial.samples[:common], samples[:common]).max()) * 8.0 / 7.0
     if error + selection.error > target.accuracy:
         raise AccuracyError(
-            f"forces[{trees[0]}].opening_angle: the trees alone are off by {error:.1e} {unit(scene)}, and "
-            f"{target.accuracy:g} {unit(scene)} is asked; take a smaller one, or 0 for exact sums",
+            f"forces[{trees[0]}].opening_angle: the trees alone are off by {error:.1e}{suffix(scene)}, and "
+            f"{target.accuracy:g}{suffix(scene)} is asked; take a smaller one, or 0 for exact sums",
             error=error + selection.error,
             energy_drift=selection.drift,
         )
@@ -235,10 +236,11 @@ def _proof(selection: Selection) -> str:
         type(selection.trial.choice.integrator).__name__,
         selection.candidate.experiment.dt(selection.trial.choice),
     )
+    method = f"{name} with dt = {dt:.4g}{selection.candidate.experiment.scene.units.suffix('s')}"
     if not selection.candidate.target.compares:
-        return f"{name} with dt = {dt:.4g} s keeps within an energy drift of {selection.drift:.1e}"
-    measured = unit(selection.candidate.experiment.scene)
+        return f"{method} keeps within an energy drift of {selection.drift:.1e}"
+    measured = suffix(selection.candidate.experiment.scene)
     return (
-        f"{name} with dt = {dt:.4g} s keeps within {selection.error:.1e} {measured} "
+        f"{method} keeps within {selection.error:.1e}{measured} "
         f"(energy drift {selection.drift:.1e}), as runs with other steps prove"
     )

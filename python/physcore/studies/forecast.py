@@ -11,6 +11,7 @@ from physcore.errors import SimulationDiverged
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.stepper import unwarned
 from physcore.studies import clock
+from physcore.units.systems import SI, UnitSystem
 
 TRIAL = 0.05
 """Least duration of the timed steps [s]: some thousand calls of the clock."""
@@ -32,18 +33,21 @@ class Forecast:
     """Time step [s]; the mean, if steps follow the motion."""
     seconds: float
     """Time of all steps at the present load of the machine [s]; 0 if the first steps diverge, or if it is unknown."""
+    units: UnitSystem = SI
+    """Units of the scene."""
 
     def __str__(self) -> str:
         if self.steps is None:
             return "a number of steps that is unknown ahead"
-        return f"{self.steps} steps of {self.dt:.2g} s, about {words(self.seconds)}"
+        return f"{self.steps} steps of {self.dt:.2g}{self.units.suffix('s')}, about {words(self.seconds)}"
 
 
 def forecast(simulation: Simulation, duration: float) -> Forecast:
     """The forecast of a run of a duration [s], with steps of the present size, or as many as a rehearsal finds."""
+    units = simulation.scene.units
     ahead = simulation._stepper.steps_ahead(duration)
     if not ahead:
-        return Forecast(None, simulation.dt, 0.0)
+        return Forecast(None, simulation.dt, 0.0, units)
     steps, dt = math.ceil(ahead), duration / ahead
     trial, count, taken = copy.copy(simulation), 1, 0.0
     with unwarned(), warnings.catch_warnings():
@@ -58,8 +62,8 @@ def forecast(simulation: Simulation, duration: float) -> Forecast:
                 trial.run(count * dt)
                 taken, count = clock.seconds() - begun, 2 * count
         except SimulationDiverged:
-            return Forecast(steps, dt, 0.0)
-    return Forecast(steps, dt, steps * taken / max(trial.steps - before, 1))
+            return Forecast(steps, dt, 0.0, units)
+    return Forecast(steps, dt, steps * taken / max(trial.steps - before, 1), units)
 
 
 def rehearsed(simulation: Simulation, duration: float) -> float:

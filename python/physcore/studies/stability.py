@@ -20,6 +20,7 @@ from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
 from physcore.studies.state import nudge, place
+from physcore.units.systems import SI, UnitSystem
 
 STEPS = 2000
 """Number of steps of a trial. At 0.1 % above the limit, an undamped oscillation grows by a factor of 1.09 per step."""
@@ -54,6 +55,8 @@ class MeasuredLimit(Printed):
     """Theoretical limit, as returned by `stability_limit` without measuring [s]."""
     term: str
     """Term of the scene that determines the limit."""
+    units: UnitSystem = SI
+    """Units of the scene."""
 
     @property
     def margin(self) -> float:
@@ -66,9 +69,10 @@ class MeasuredLimit(Printed):
             return f"{name}: theory promises no stable step ({self.term}), and none was tried"
         if math.isinf(self.theory):
             return f"{name}: nothing limits the time step"
+        second = self.units.suffix("s")
         return (
-            f"{name}: runs hold up to dt = {self.measured:.4g} s, theory promises {self.theory:.4g} s ({self.term}): "
-            f"a margin of {self.margin:+.1%}"
+            f"{name}: runs hold up to dt = {self.measured:.4g}{second}, theory promises {self.theory:.4g}{second} "
+            f"({self.term}): a margin of {self.margin:+.1%}"
         )
 
 
@@ -122,7 +126,7 @@ def stability_limit(
     found = limit.stability
     if 0.0 < found < math.inf:
         found = _bisect(scene, numerics, found)
-    return MeasuredLimit(numerics.integrator, found, limit.stability, limit.term)
+    return MeasuredLimit(numerics.integrator, found, limit.stability, limit.term, scene.units)
 
 
 def _bisect(scene: Scene, numerics: Numerics, theory: float) -> float:

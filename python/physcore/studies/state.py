@@ -25,9 +25,9 @@ def primary(scene: Scene) -> str:
     return f"{scene.system(system)}.{next(iter(system.shapes()))}"
 
 
-def unit(scene: Scene) -> str:
-    """The unit of the compared channel."""
-    return "m" if scene.bodies else next(iter(scene.systems[0].units.values()), "1")
+def suffix(scene: Scene) -> str:
+    """The unit of the compared channel as it follows a number."""
+    return scene.units.suffix("m" if scene.bodies else next(iter(scene.systems[0].units.values()), "1"))
 
 
 def size(scene: Scene) -> int:

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from physcore.checks import FloatArray, word
+from physcore.checks import FloatArray, shown, word
+from physcore.errors import SceneError
+from physcore.film.labels.dates import Calendar, Start
 from physcore.film.labels.text import FIGURE_SPACE
-from physcore.units import day, hour, minute, year
+from physcore.units.constants import minute
+from physcore.units.symbols import SYMBOLS
+from physcore.units.systems import SI, UnitSystem
 
-UNITS = {
-    "fs": 1e-15,
-    "ps": 1e-12,
-    "ns": 1e-9,
-    "µs": 1e-6,
-    "ms": 1e-3,
-    "s": 1.0,
-    "min": minute,
-    "h": hour,
-    "d": day,
-    "yr": year,
-    "kyr": 1e3 * year,
-    "Myr": 1e6 * year,
-    "Gyr": 1e9 * year,
-}
+UNITS = SYMBOLS["time"]
 """Units of time by symbol [s]."""
 LEAST = 2.0
 """A unit is chosen if the film lasts at least this many of it."""
@@ -30,50 +21,76 @@ SHORTEST = 0.1
 """Seconds are chosen for films of at least this duration [s]."""
 
 
-def check_unit(unit: object) -> str | None:
+def check_unit(unit: object, units: UnitSystem = SI) -> str | None:
     """The requested unit of time.
 
     Raises:
-        SceneError: there is no such unit.
+        SceneError: there is no such unit, or the scene is without units.
     """
-    return None if unit is None else word(unit, "time_unit", (*UNITS,))
+    if unit is not None and units.is_dimensionless:
+        raise SceneError(f"time_unit: must be None for a scene without units, got {shown(unit)}")
+    return None if unit is None else word(unit, "time_unit", (*_known(units),))
 
 
 class Clock:
     """The time labels of a film.
 
     Args:
-        times: times of the frames [s].
-        fps: frames per second of the simulation, which determine the number of decimals.
+        times: times of the frames, in the unit of the scene.
+        fps: frames per unit of time of the scene, which determine the number of decimals.
         rate: frames per second of the film.
-        unit: a key of UNITS; None: a unit that suits the duration.
+        unit: the symbol of the unit of the labels; None: that of the scene, or in the SI one that suits the duration.
+        units: the units of the scene.
+        start: the date at the time 0; the labels are dates then.
     """
 
-    def __init__(self, times: FloatArray, fps: float, rate: float, unit: str | None) -> None:
+    def __init__(
+        self,
+        times: FloatArray,
+        fps: float,
+        rate: float,
+        unit: str | None,
+        units: UnitSystem = SI,
+        start: Start | None = None,
+    ) -> None:
         self.times = times
-        self.unit = unit or _suitable(float(abs(times[-1] - times[0])))
-        self._seconds, self._pace = UNITS[self.unit], rate / fps
+        self._units, self._chosen, own = units, units.is_si, _known(units)
+        self.unit = unit or (_suitable(float(abs(times[-1] - times[0]))) if self._chosen else units.time.symbol)
+        self._length, self._pace = own[self.unit], rate / fps
+        self._calendar = None if start is None else Calendar(start, times, 1.0 / fps, units)
         # Enough decimals to change with each frame, but at most 2 for minutes and longer units.
-        step = 1.0 / (fps * self._seconds)
-        most = 2 if self._seconds >= minute else 6
-        self._decimals = min(max(2 if self._seconds < minute else 0, math.ceil(-math.log10(step) - 1e-9)), most)
+        step, long = 1.0 / (fps * self._length), self._length * (units.time.value or 1.0) >= minute
+        most = 2 if long else 6
+        self._decimals = min(max(0 if long else 2, math.ceil(-math.log10(step) - 1e-9)), most)
         self._width = max((len(self._number(time)) for time in times[[0, -1]].tolist()), default=0)
 
     def text(self, frame: int) -> str:
-        """The time at a frame as text of constant width."""
-        return f"{self._number(self.times[frame]).rjust(self._width, FIGURE_SPACE)} {self.unit}"
+        """The time at a frame as text of constant width: with its unit, "t = 2.50" without units, or a date."""
+        if self._calendar is not None:
+            return self._calendar.text(self.times[frame])
+        number = self._number(self.times[frame]).rjust(self._width, FIGURE_SPACE)
+        return f"{number} {self.unit}" if self.unit else f"t = {number}"
 
     @property
     def pace(self) -> str:
         """The simulated time per second of the film, such as "1 s = 90 d"; empty in real time."""
-        per_second = self._pace
-        if abs(per_second - 1.0) < 0.01:
+        pace = self._pace
+        if abs(pace * (self._units.time.value or 1.0) - 1.0) < 0.01:
             return ""
-        unit = self.unit if 0.01 <= per_second / UNITS[self.unit] < 1e4 else _suitable(2.0 * per_second)
-        return f"1 s = {float(f'{per_second / UNITS[unit]:.3g}'):g} {unit}"
+        if self._units.is_dimensionless:
+            return f"{float(f'{pace:.3g}'):g} per second"
+        in_own = not self._chosen or 0.01 <= pace / self._length < 1e4
+        unit = self.unit if in_own else _suitable(2.0 * pace)
+        return f"1 s = {float(f'{pace / _known(self._units)[unit]:.3g}'):g} {unit}"
 
     def _number(self, time: float) -> str:
-        return f"{time / self._seconds:.{self._decimals}f}"
+        return f"{time / self._length:.{self._decimals}f}"
+
+
+def _known(units: UnitSystem) -> Mapping[str, float]:
+    """Units of time by symbol, in the unit of a scene; its own is among them."""
+    own = units.time
+    return {**({} if own.value is None else {name: each / own.value for name, each in UNITS.items()}), own.symbol: 1.0}
 
 
 def _suitable(duration: float) -> str:

@@ -17,6 +17,7 @@ from physcore.film.labels.drawing import stroke
 from physcore.film.labels.text import GAP, ends, wrapped
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source
+from physcore.units.systems import SI, UnitSystem
 
 Inset = Literal["energy"]
 WIDTH, HEIGHT = 0.4, 0.36
@@ -52,6 +53,8 @@ class History:
     """The energies of each panel, frame by frame."""
     duration: float
     """Time from the first to the last frame [s]."""
+    units: UnitSystem = SI
+    """Units of the scene."""
 
     @property
     def names(self) -> list[str]:
@@ -93,7 +96,7 @@ class Diagram:
                 f"size: a panel with an inset needs {LEAST[0]} × {LEAST[1]} pixels beside its text, got "
                 f"{right - left:g} × {bottom - top:g}"
             )
-        self._text, self._theme, self._names = text, theme, history.names
+        self._text, self._theme, self._names, self._unit = text, theme, history.names, history.units.suffix("J")
         pad = text // 3
         room = max(text_width(LEAST_LEGEND, text), round(WIDTH * (right - left)) - 2 * pad)
         self._words = self._legend(room, ends(*history.range))
@@ -136,11 +139,13 @@ class Diagram:
 
     def _legend(self, room: int, limits: tuple[str, str]) -> list[list[tuple[str, int | None]]]:
         """The lines of the legend: words, each with the index of its curve."""
-        head = f"{limits[0]} to {limits[1]} J"
-        named = f"energy {head}"
-        legend: list[list[tuple[str, int | None]]] = [
-            [(named if text_width(named, self._text) <= room else head, None)]
-        ]
+        ends = f"{limits[0]} to {limits[1]}"
+        unit = self._unit.strip()
+        # A long unit has a line of its own.
+        forms = ([f"energy {ends}{self._unit}"], [f"{ends}{self._unit}"], [f"energy [{unit}]", ends], [unit, ends])
+        fits = (form for form in forms if text_width(form[0], self._text) <= room)
+        heads = next(fits, forms[-1]) if unit else next(fits, [ends])
+        legend: list[list[tuple[str, int | None]]] = [[(head, None)] for head in heads]
         lines = wrapped(self._names, self._text, room)
         return legend + [[(name, self._names.index(name)) for name in line] for line in lines]
 

@@ -22,6 +22,7 @@ from physcore.film.labels.text import GAP, ends, fitting, wrapped
 from physcore.film.styles.base import Scale
 from physcore.simulation.energy import Drift, Energy
 from physcore.simulation.sources import Source
+from physcore.units.systems import SI, UnitSystem
 
 Label = Literal["time", "dt", "integrator", "energy"]
 LABELS: tuple[Label, ...] = ("time", "dt", "integrator", "energy")
@@ -67,22 +68,24 @@ class Bar:
         return text_width(f"{self.name} {self.low}  ", text) + round(length * text) + text_width(f"  {self.high}", text)
 
     @classmethod
-    def of(cls, scale: Scale) -> Bar:
-        """The color bar of a scale. A dimensionless scale that is symmetric about zero, as of strain, is in percent."""
+    def of(cls, scale: Scale, units: UnitSystem = SI) -> Bar:
+        """The color bar of a scale in units of a scene. A dimensionless scale that is symmetric about zero, as of
+        strain, is in percent.
+        """
         low, high = scale.ends
         percent = not scale.unit and low == -high
-        unit = "%" if percent else scale.unit
+        unit = "%" if percent else units.symbol(scale.unit)
         texts = ends(100.0 * low, 100.0 * high) if percent else ends(low, high)
         return cls(f"{scale.quantity} [{unit}]" if unit else scale.quantity, *texts, scale.table)
 
 
-def bars(scales: Sequence[Scale | None]) -> list[Bar]:
+def bars(scales: Sequence[Scale | None], units: UnitSystem = SI) -> list[Bar]:
     """The color bars of all scales that are not empty, without duplicates."""
     result: dict[tuple[object, ...], Bar] = {}
     for scale in scales:
         if scale is not None and scale.ends[0] != scale.ends[1] and all(map(math.isfinite, scale.ends)):
             key = (scale.quantity, scale.unit, scale.ends, scale.table.tobytes())
-            result.setdefault(key, Bar.of(scale))
+            result.setdefault(key, Bar.of(scale, units))
     return list(result.values())
 
 
@@ -96,6 +99,7 @@ class Footer:
         scales: the color bars.
         credit: a separate line at the bottom; empty: none.
         legend: names with their colors, in separate lines above all others.
+        units: the units of the scene.
     """
 
     def __init__(
@@ -106,7 +110,9 @@ class Footer:
         scales: Sequence[Bar],
         credit: str = "",
         legend: Sequence[tuple[str, Color]] = (),
+        units: UnitSystem = SI,
     ) -> None:
+        self._dt = units.suffix("s")
         self._labels, self._clock, self._facts, self._bars, self._credit = labels, clock, facts, scales, credit
         self._legend = legend
         self._drifts = [Drift() for _ in facts]
@@ -177,7 +183,7 @@ class Footer:
         long = f"energy error {drift}"
         said = {
             "integrator": integrator,
-            "dt": f"dt {dt or 0.0:.3g} s",
+            "dt": f"dt {dt or 0.0:.3g}{self._dt}",
             "energy": long if text_width(long, text) <= room else f"error {drift}",
         }
         return [said[label] or "" for label in self._labels if label != "time"]

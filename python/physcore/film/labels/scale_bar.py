@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from physcore._core import Canvas, text_width
-from physcore.checks import word
+from physcore.checks import shown, word
+from physcore.errors import SceneError
 from physcore.film.camera.view import Area, View
 from physcore.film.colors.themes import Theme
 from physcore.film.labels.drawing import stroke, write
-from physcore.units import AU, light_year, parsec
+from physcore.units.symbols import SYMBOLS
+from physcore.units.systems import SI, UnitSystem
 
-LengthUnit: TypeAlias = Literal["fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly", "pc", "kpc", "Mpc"]
-UNITS: dict[LengthUnit, float] = {
-    "fm": 1e-15,
-    "pm": 1e-12,
-    "nm": 1e-9,
-    "µm": 1e-6,
-    "mm": 1e-3,
-    "cm": 1e-2,
-    "m": 1.0,
-    "km": 1e3,
-    "AU": AU,
-    "ly": light_year,
-    "pc": parsec,
-    "kpc": 1e3 * parsec,
-    "Mpc": 1e6 * parsec,
-}
+LengthUnit: TypeAlias = (
+    Literal["fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly", "pc", "kpc", "Mpc", "R⊕", "R☉"] | str
+)
+"""Symbol of a unit of length: one of these, or that of the scene's unit."""
+UNITS = SYMBOLS["length"]
 """Units of length by symbol [m]."""
-CHOSEN: tuple[LengthUnit, ...] = ("fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly")
+CHOSEN = ("fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly")
 """Units that are chosen automatically."""
 LEAST = 0.01
 """Least length for which AU or ly is chosen, in this unit; for other units it is 1."""
@@ -44,29 +36,35 @@ HEIGHT = 0.8
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def check_scale_bar(given: object) -> LengthUnit | bool:
+def check_scale_bar(given: object, units: UnitSystem = SI) -> LengthUnit | bool:
     """Whether there is a scale bar, or its unit.
 
     Raises:
-        SceneError: the value is neither a bool nor a unit of length.
+        SceneError: the value is neither a bool nor a unit of length, or is a unit and the scene has none.
     """
     if isinstance(given, (bool, np.bool_)):
         return bool(given)
-    return word(given, "scale_bar", (*UNITS,))
+    if units.is_dimensionless:
+        raise SceneError(f"scale_bar: must be True or False for a scene without units, got {shown(given)}")
+    return word(given, "scale_bar", (*_known(units),))
 
 
-def rounded(most: float, unit: LengthUnit | None) -> tuple[float, str]:
-    """The largest length of 1, 2 or 5 times a power of ten that is at most `most` [m], and its text.
+def rounded(most: float, unit: LengthUnit | None, units: UnitSystem = SI) -> tuple[float, str]:
+    """The largest length of 1, 2 or 5 times a power of ten that is at most `most`, and its text.
 
     Args:
-        most: the upper bound, above zero [m].
-        unit: the unit in which the length is such a number; None: a suitable one.
+        most: the upper bound, above zero, in the unit of the scene.
+        unit: the unit in which the length is such a number; None: that of the scene, or in the SI a suitable one.
+        units: the units of the scene.
     """
+    if unit is None and not units.is_si:
+        unit = units.length.symbol
     if unit is None:
         least = {each: LEAST if each in ("AU", "ly") else 1.0 for each in CHOSEN}
         suitable = [each for each in CHOSEN if most >= least[each] * UNITS[each] * (1.0 - 1e-9)]
         unit = suitable[-1] if suitable else CHOSEN[0]
-    ratio = most / UNITS[unit] * (1.0 + 1e-9)
+    own = _known(units)[unit]
+    ratio = most / own * (1.0 + 1e-9)
     exponent = math.floor(math.log10(ratio))
     digit = next(step for step in STEPS if step * 10.0**exponent <= ratio)
     value = digit * 10.0**exponent
@@ -74,7 +72,13 @@ def rounded(most: float, unit: LengthUnit | None) -> tuple[float, str]:
     if exponent > 4 or exponent < -3:
         power = f"10{str(exponent).translate(SUPERSCRIPTS)}"
         number = power if digit == 1.0 else f"{digit:g} · {power}"
-    return value * UNITS[unit], f"{number} {unit}"
+    return value * own, f"{number} {unit}".rstrip()
+
+
+def _known(units: UnitSystem) -> Mapping[str, float]:
+    """Units of length by symbol, in the unit of a scene; its own is among them."""
+    own = units.length
+    return {**({} if own.value is None else {name: each / own.value for name, each in UNITS.items()}), own.symbol: 1.0}
 
 
 class ScaleBar:
@@ -87,16 +91,20 @@ class ScaleBar:
         area: the part of the panel that is free of text.
         text: the height of the text [pixels].
         theme: the colors.
+        units: the units of the scene.
     """
 
-    def __init__(self, unit: LengthUnit | Literal[True], area: Area, text: int, theme: Theme) -> None:
+    def __init__(
+        self, unit: LengthUnit | Literal[True], area: Area, text: int, theme: Theme, units: UnitSystem = SI
+    ) -> None:
+        self._units = units
         self._unit: LengthUnit | None = None if unit is True else unit
         self._area, self._gap, self._height, self._theme = area, text // 2, round(HEIGHT * text), theme
 
     def placed(self, view: View, taken: Area | None = None) -> tuple[Area, float, str]:
         """The rectangle and the length of the line [pixels], and the text."""
         left, _, right, bottom = self._area
-        length, words = rounded(LONGEST * (right - left) / view.scale, self._unit)
+        length, words = rounded(LONGEST * (right - left) / view.scale, self._unit, self._units)
         line = length * view.scale
         width, height = max(line, float(text_width(words, self._height))), 1.5 * self._height
         top = bottom - self._gap - height

@@ -115,6 +115,7 @@ class GridPainter(Painter):
         if self.quantity not in units:
             raise SceneError(f"{path}.quantity: must be one of {', '.join(units)}, got {self.quantity!r}")
         self.unit, self._field = part.system.unit(self.quantity), f"{part.path}.{self.quantity}"
+        self._suffix = source.scene.units.suffix(self.unit)
         if not source.has(self._field):
             raise SceneError(f"{path}.quantity: {self._field} was not recorded; record it: channels=({self._field!r},)")
         self._typical = self.typical()

@@ -151,7 +151,7 @@ class LinePainter(GridPainter):
     @property
     def _words(self) -> str:
         """The quantity, and its value at the end of the scale, as text."""
-        return f"{self.quantity} {ends(0.0, self.top)[1]} {self.unit}" if self.top > 0.0 else self.quantity
+        return f"{self.quantity} {ends(0.0, self.top)[1]}{self._suffix}" if self.top > 0.0 else self.quantity
 
     def _paint_axis(self, canvas: Canvas, left: float, right: float, zero: float, reach: float) -> None:
         """Draw lines at zero and at the ends of the scale, with the value there.

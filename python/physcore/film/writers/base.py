@@ -18,6 +18,7 @@ from physcore.film.writers.loops import Repeat
 from physcore.markup import inline_image
 from physcore.progress import Progress
 from physcore.storage.formats import Format
+from physcore.units.systems import SI, UnitSystem
 
 Quality = Literal["fast", "high"]
 KINDS = {".gif": "gif", ".webp": "webp", ".apng": "apng", ".png": "png"}
@@ -126,20 +127,22 @@ class Writer(Format, ABC):
     """Longest delay of a frame [s]."""
 
     @classmethod
-    def rate(cls, fps: float, speed: float | None) -> float:
-        """Frame rate of a film that shows `fps` frames per simulated second, at a given speed.
+    def rate(cls, fps: float, speed: float | None, units: UnitSystem = SI) -> float:
+        """Frame rate of a film that shows `fps` frames per second, or other unit of time of a scene, at a given speed.
 
-        Without a speed, the film plays in real time. If the format cannot, it plays slower, with a warning.
+        Without a speed, the film plays in real time, or a unit of time in a second. If the format cannot, it plays
+        slower, with a warning in real time.
 
         Raises:
             SceneError: the format does not support the frame rate at this speed.
         """
         if speed is None and fps > cls.fastest * (1.0 + 1e-9):
-            warn(
-                f"{cls.name} shows at most {cls.fastest:g} frames per second, so that this film of {fps:g} plays at "
-                f"{cls.fastest / fps:.2g} of its speed; record {cls.fastest:g} or fewer for real time",
-                SceneWarning,
-            )
+            if units.time.symbol == "s":
+                warn(
+                    f"{cls.name} shows at most {cls.fastest:g} frames per second, so that this film of {fps:g} plays "
+                    f"at {cls.fastest / fps:.2g} of its speed; record {cls.fastest:g} or fewer for real time",
+                    SceneWarning,
+                )
             return cls.fastest
         rate = fps * (1.0 if speed is None else span(speed, "speed"))
         if rate > cls.fastest * (1.0 + 1e-9):

@@ -70,7 +70,7 @@ def check_flows(methods: Mapping[str, FluidMethod], scene: Scene) -> None:
     for index, body in enumerate(scene.bodies):
         if isinstance(body, Fluid):
             path = scene.path(index)
-            methods[path].check(body, f"fluids[{path}]" if several else "fluids")
+            methods[path].check(body, f"fluids[{path}]" if several else "fluids", scene.units)
 
 
 def _path(key: object, scene: Scene, paths: Sequence[str], place: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from physcore.scene.fluid import Fluid
+from physcore.units.systems import UnitSystem
 
 
 @dataclass(frozen=True)
@@ -18,5 +19,7 @@ class FluidMethod:
     To add one: a file here, a line in `FLUID_METHODS`, and its counterpart in Rust.
     """
 
-    def check(self, fluid: Fluid, path: str) -> None:
-        """Look at a fluid that it is to compute, and warn of what was hardly meant; `path` is where it stands."""
+    def check(self, fluid: Fluid, path: str, units: UnitSystem) -> None:
+        """Look at a fluid that it is to compute, and warn of what was hardly meant; `path` is where it stands,
+        `units` are those of the scene.
+        """

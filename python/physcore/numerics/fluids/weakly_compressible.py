@@ -14,6 +14,7 @@ from physcore.errors import MachWarning, SceneError, SceneWarning, warn
 from physcore.numerics.fluids.base import FluidMethod
 from physcore.scene.fluid import Fluid
 from physcore.scene.kernels import KERNELS, Kernel, WendlandC2
+from physcore.units.systems import UnitSystem
 
 COMPRESSED = 0.01
 """The relative change of density that is meant."""
@@ -151,14 +152,14 @@ class WeaklyCompressible(FluidMethod):
                 f"{kind}.shifting: must be 0 with density_from='summation', which keeps particles apart by itself"
             )
 
-    def check(self, fluid: Fluid, path: str) -> None:
+    def check(self, fluid: Fluid, path: str, units: UnitSystem) -> None:
         """As of FluidMethod."""
         if self.sound_speed == "auto" or len(fluid) == 0:
             return
-        fastest = float(lengths(fluid.velocities).max())
+        fastest, speed = float(lengths(fluid.velocities).max()), f"{self.sound_speed:g}{units.suffix('m/s')}"
         if fastest >= self.sound_speed:
             warn(
-                f"{path}.sound_speed: {self.sound_speed:g} m/s are less than the speed of the flow, {fastest:.3g} m/s "
+                f"{path}.sound_speed: {speed} are less than the speed of the flow, {fastest:.3g}{units.suffix('m/s')} "
                 "at the start: such a fluid is a gas; 'auto' is ten times the greatest speed to be expected",
                 MachWarning,
             )
@@ -166,7 +167,7 @@ class WeaklyCompressible(FluidMethod):
         needed = float(np.sqrt(fluid.viscosity / fluid.density * fastest / (COMPRESSED * size)))
         if self.sound_speed < needed:
             warn(
-                f"{path}.sound_speed: {self.sound_speed:g} m/s are too few for this viscosity, whose friction changes "
+                f"{path}.sound_speed: {speed} are too few for this viscosity, whose friction changes "
                 f"the density by more than a percent: take {needed:.3g} or 'auto'",
                 SceneWarning,
             )

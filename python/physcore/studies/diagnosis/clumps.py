@@ -34,8 +34,9 @@ def clumps(case: Case) -> Iterator[Finding]:
         close = ratio > 1.0
         name = case.scene.path(index)
         what = "each is pushed by more neighbors than there is room for" if close else "each has too few neighbors"
+        meter = case.scene.units.suffix("m")
         cause = (
-            f"{name} has spacing={body.spacing:.4g} m, and its particles start {lattice:.4g} m apart: "
+            f"{name} has spacing={body.spacing:.4g}{meter}, and its particles start {lattice:.4g}{meter} apart: "
             f"{ratio:.3g} times, so that {what}"
         )
         cure = f"give it spacing={lattice:.4g}, or fill it with pc.block(lower, upper, {body.spacing:.4g})"

@@ -84,7 +84,8 @@ def _waves(case: Case) -> Iterator[Finding]:
                 f"{case.scene.system(system)} has {share:.0%} of its square in waves of fewer than {2.0 / begin:.2g} "
                 f"cells, {fate}"
             )
-            cure = f"take a spacing of {0.5 * system.grid.spacing:.2g} m or less, or smoother fields"
+            finer = f"{0.5 * system.grid.spacing:.2g}{case.scene.units.suffix('m')}"
+            cure = f"take a spacing of {finer} or less, or smoother fields"
             yield Finding("coarse", cause, cure, share)
 
 

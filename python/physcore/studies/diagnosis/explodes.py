@@ -17,19 +17,16 @@ from physcore.studies.diagnosis.finding import Finding
 def explodes(case: Case) -> Iterator[Finding]:
     """Check the energy balance of a recording, or the time step of a simulation against the limit of stability."""
     plan = case.plan
+    dt = f"dt = {plan.dt:.3g}{plan.units.suffix('s')}"
     if case.recording is None:
         if plan.limit_kind == "stability" and plan.margin > 1.0:
-            cause = f"dt = {plan.dt:.3g} s is {plan.margin:.3g} times the limit of stability ({plan.limit_term})"
+            cause = f"{dt} is {plan.margin:.3g} times the limit of stability ({plan.limit_term})"
             yield Finding("explodes", cause, f'take dt={0.5 * plan.dt_limit:.2g}, or leave dt to "auto"', plan.margin)
         return
     drift = worst_drift(case.recording)
     if abs(drift) <= WRONG_DRIFT or is_loss(case, drift):
         return
-    limit = (
-        f"; dt = {plan.dt:.3g} s is {plan.margin:.0%} of its limit ({plan.limit_term})"
-        if 0.0 < plan.dt_limit < math.inf
-        else ""
-    )
+    limit = f"; {dt} is {plan.margin:.0%} of its limit ({plan.limit_term})" if 0.0 < plan.dt_limit < math.inf else ""
     cause = f"the energy balance is off by {abs(drift):.2g} of the energy in motion{limit}"
     yield Finding("explodes", cause, _cure(case, abs(drift)), abs(drift))
 

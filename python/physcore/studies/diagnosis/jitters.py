@@ -48,7 +48,7 @@ def jitters(case: Case) -> Iterator[Finding]:
         if share > REVERSED and jumps > VISIBLE * extent:
             cause = (
                 f"{share:.0%} of the kinetic energy in {case.scene.path(index)} turns around from one frame to the "
-                f"next, in jumps of {jumps:.2g} m, where it should be at rest"
+                f"next, in jumps of {jumps:.2g}{case.scene.units.suffix('m')}, where it should be at rest"
             )
             yield Finding("jitters", cause, _cure(body), share)
 

@@ -71,7 +71,8 @@ def _of_particles(scene: Scene, worst: Overlap) -> Finding:
     if not acting:
         cause = f"{names} {figure}, and no force keeps them apart"
         return Finding("penetrates", cause, "add pc.SoftSpheres(stiffness, damping) to the scene", worst.depth)
-    cause = f"{names} {figure}: SoftSpheres of {acting[0].stiffness:g} N/m are too soft for what presses them together"
+    stiffness = f"{acting[0].stiffness:g}{scene.units.suffix('N/m')}"
+    cause = f"{names} {figure}: SoftSpheres of {stiffness} are too soft for what presses them together"
     # The energy of a linear contact is ∝ k δ²: a tenth of the overlap needs a hundred times the stiffness.
     enough = acting[0].stiffness * (worst.depth / (0.4 * DEEPEST)) ** 2
     return Finding("penetrates", cause, f"take a stiffness of about {enough:.2g}", worst.depth)
@@ -181,12 +182,12 @@ def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
                 for mesh, center in zip(frames[:, part], centers, strict=True)
             )
             if depth > DEEPEST:
-                width = float(body.rest_length.min())
+                width, meter = float(body.rest_length.min()), scene.units.suffix("m")
                 cause = (
                     f"{name} reaches through {scene.path(index)} by {depth:.2g} of its radius: the mesh, of springs of "
-                    f"{width:.2g} m and more, is coarse beside it"
+                    f"{width:.2g}{meter} and more, is coarse beside it"
                 )
-                cure = f"take a finer mesh, of a spacing of {0.5 * float(radii.min()):.2g} m, or a larger ball"
+                cure = f"take a finer mesh, of a spacing of {0.5 * float(radii.min()):.2g}{meter}, or a larger ball"
                 yield Finding("penetrates", cause, cure, depth)
 
 

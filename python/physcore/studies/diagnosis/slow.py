@@ -25,5 +25,7 @@ def slow(case: Case) -> Iterator[Finding]:
     plan = case.plan
     given = simulation._stepper.fixed is not None
     what = "as it was given" if given else f"because of {plan.limit_term}" if plan.limit_term else "the largest"
-    cause = f"{case.duration:g} s are {steps:.1e} steps of {ahead.dt:.2g} s, {what}, about {words(ahead.seconds)}"
+    second = plan.units.suffix("s")
+    run = f"{case.duration:g}{second} are {steps:.1e} steps of {ahead.dt:.2g}{second}"
+    cause = f"{run}, {what}, about {words(ahead.seconds)}"
     yield Finding("slow", cause, remedy(plan.limit_term, given), float(steps))

@@ -8,6 +8,7 @@ import numpy as np
 
 from physcore.checks import BoolArray, FloatArray
 from physcore.markup import Printed
+from physcore.units.systems import SI, UnitSystem
 
 MOST = 7
 """Largest number of exponents in a table."""
@@ -41,13 +42,17 @@ class Lyapunov(Printed):
     """Whether distances grow or shrink exponentially, shape (K,): false where this is not told from a growth in
     proportion to time.
     """
+    units: UnitSystem = SI
+    """Units of the scene."""
 
     def __str__(self) -> str:
         """A line for each exponent with its error and a remark, and the dimension if it is known."""
-        heading = f"{'exponent [1/s]':>16}  {'error':>8}"
+        exponent = self.units.label("exponent", "1/s")
+        width = max(16, len(exponent) + 2)
+        heading = f"{exponent:>{width}}  {'error':>8}"
         remarks = np.where(self.exponential, "", "  not told from zero")
         rows = [
-            f"{value:16.6g}  {error:8.2g}{remark}"
+            f"{value:{width}.6g}  {error:8.2g}{remark}"
             for value, error, remark in zip(self.exponents, self.errors, remarks, strict=True)
         ]
         shown = [*rows[:MOST], *([f"  … and {len(rows) - MOST} more"] if len(rows) > MOST else [])]

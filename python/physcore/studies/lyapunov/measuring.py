@@ -18,6 +18,7 @@ from physcore.studies.lyapunov.flows import Flow
 from physcore.studies.lyapunov.mechanics import Mechanics
 from physcore.studies.lyapunov.neighbors import Paths
 from physcore.systems.tracers import Tracers
+from physcore.units.systems import SI, UnitSystem
 
 EXPONENTIAL = 1.5
 """Growth above which it is exponential, in units of that of a distance that grows in proportion to time."""
@@ -92,15 +93,16 @@ def lyapunov(
     bar = None if progress is None else flag(progress, "progress")
     choices: Options = {**numerics, "precision": "f64"}
     if isinstance(scene, Scene):
-        return _averaged(Mechanics(scene, number, before, average, step, choices), bar)
+        with scene.units.worded():
+            return _averaged(Mechanics(scene, number, before, average, step, choices), bar, scene.units)
     if not isinstance(scene, Tracers):
         raise SceneError(f"lyapunov.scene: must be a Scene or Tracers, got {shown(scene)}")
     if len(scene) == 0:
         raise SceneError("lyapunov.scene: must be at least one tracer")
-    return _averaged(Flow(scene, before, average, step, choices), bar)
+    return _averaged(Flow(scene, before, average, step, choices), bar, SI)
 
 
-def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
+def _averaged(paths: Paths, progress: bool | None, units: UnitSystem) -> Lyapunov:
     """The mean growth along trajectories, after the transient."""
     warm, counted = paths.intervals
     parts: list[tuple[float, FloatArray]] = []
@@ -122,7 +124,7 @@ def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
     errors = _scatter(each) if len(each) > 1 else _scatter(_rates(start, parts))[order]
     exponents, exponential = each.mean(axis=0), _is_exponential(*map(np.array, zip(*history, strict=True)))[order]
     errors = np.where(exponential, errors, np.fmax(errors, np.abs(exponents)))
-    return Lyapunov(exponents, errors, each, paths.time - start, paths.directions, exponential)
+    return Lyapunov(exponents, errors, each, paths.time - start, paths.directions, exponential, units)
 
 
 def _is_exponential(times: FloatArray, growth: FloatArray) -> BoolArray:

@@ -81,7 +81,12 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
             markersize=4,
             color=colors[variant],
         )
-    axes.set(xscale="log", yscale="log", xlabel="time of a run [s]", ylabel=f"error ({trade.measure}) [m]")
+    axes.set(
+        xscale="log",
+        yscale="log",
+        xlabel="time of a run [s]",
+        ylabel=trade.scene.units.label(f"error ({trade.measure})", "m"),
+    )
     floor = CERTAIN * max(reference.uncertainty for reference in trade.references)
     lowest, highest = axes.get_ylim()
     if floor > lowest:
@@ -174,5 +179,6 @@ def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float
         experiment.threads,
         fluids=experiment.fluids,
     ).record(trade.duration, fps)
-    titles = [f"{row.label}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e} m"]
+    meter = trade.scene.units.suffix("m")
+    titles = [f"{row.label}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e}{meter}"]
     film_recordings([chosen, truth], path, **{"titles": titles, "size": (960, 480), **options})

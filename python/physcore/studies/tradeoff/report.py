@@ -70,8 +70,16 @@ def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
     compared = trade.rows and trade.rows[0].fluids is not None
-    header = ["", "integrator", "dt [s]", "", *(["fluids"] if compared else []), *(["resolution"] if resolved else [])]
-    header += ["seconds", "evaluations", "error [m]", "energy drift", "status"]
+    units = trade.scene.units
+    header = [
+        "",
+        "integrator",
+        units.label("dt", "s"),
+        "",
+        *(["fluids"] if compared else []),
+        *(["resolution"] if resolved else []),
+    ]
+    header += ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
     lines = [header, *(_cells(row, id(row) in front) for row in (trade.rows if rows is None else rows))]
     widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
     left = {0, 1, 3, len(header) - 1}
@@ -84,7 +92,7 @@ def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
     ]
     return "\n".join(
         [
-            f"Error: {KINDS[trade.measure]}; {trade.duration:g} s simulated",
+            f"Error: {KINDS[trade.measure]}; {trade.duration:g}{units.suffix('s')} simulated",
             *text,
             "* on the Pareto front   ~ below ten times the reference's uncertainty   "
             "? the median time is 5 % above the least",
@@ -105,10 +113,12 @@ def html(trade: Measurements) -> str:
     front = set(map(id, trade.front))
     lines = [_cells(row, id(row) in front) for row in trade.rows]
     resolved = ["resolution"] if trade.rows and trade.rows[0].resolution is not None else []
-    heads = ["", "integrator", "dt [s]", "precision", *resolved, "seconds", "evaluations", "error [m]", "energy drift"]
-    top = "".join(f"<th>{escape(head)}</th>" for head in (*heads, "status"))
+    units = trade.scene.units
+    heads = ["", "integrator", units.label("dt", "s"), "precision", *resolved]
+    heads += ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
+    top = "".join(f"<th>{escape(head)}</th>" for head in heads)
     body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in line)}</tr>" for line in lines)
-    caption = f"Error: {KINDS[trade.measure]}; {trade.duration:g} s simulated. * on the Pareto front"
+    caption = f"Error: {KINDS[trade.measure]}; {trade.duration:g}{units.suffix('s')} simulated. * on the Pareto front"
     return f"<table><caption>{escape(caption)}</caption><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
 
 
@@ -141,11 +151,11 @@ def explanation(trade: Measurements) -> str:
 
 
 def _on_chaos(trade: Measurements) -> str:
-    chaos = trade.chaos[-1]
+    chaos, second = trade.chaos[-1], trade.scene.units.suffix("s")
     if not chaos.chaotic:
         return (
-            f"A twin that starts 1e-10 off moves {chaos.growth[-1]:.2g} times as far off within {trade.duration:g} s: "
-            "trajectories can be compared, and are."
+            f"A twin that starts 1e-10 off moves {chaos.growth[-1]:.2g} times as far off within "
+            f"{trade.duration:g}{second}: trajectories can be compared, and are."
         )
     how = (
         "Errors are therefore taken over short windows that start on a reference, and averages over ensembles of "
@@ -154,29 +164,30 @@ def _on_chaos(trade: Measurements) -> str:
         else "Errors are therefore taken until then; observe something that chaos does not touch to compare whole runs."
     )
     return (
-        f"The motion is chaotic: neighbors part by e every {1.0 / chaos.exponent:.3g} s, and after "
-        f"{chaos.horizon:.3g} s no trajectory means anything. {how}"
+        f"The motion is chaotic: neighbors part by e every {1.0 / chaos.exponent:.3g}{second}, and after "
+        f"{chaos.horizon:.3g}{second} no trajectory means anything. {how}"
     )
 
 
 def _on_reference(trade: Measurements) -> str:
     experiment, reference = trade.experiments[-1], trade.references[-1]
     names = labels([*(row.integrator for row in trade.rows), *_integrators(reference)])
-    name = f"{names[reference.choice.integrator]} with dt = {experiment.dt(reference.choice):.3g} s"
+    meter, dt = experiment.scene.units.suffix("m"), experiment.dt(reference.choice)
+    name = f"{names[reference.choice.integrator]} with dt = {dt:.3g}{experiment.scene.units.suffix('s')}"
     if not isinstance(reference, Reference):
         doubt = "" if reference.agrees else ", because a method of another family is that far from them"
-        return f"The reference windows are those of {name}, uncertain by {reference.uncertainty:.1e} m{doubt}."
+        return f"The reference windows are those of {name}, uncertain by {reference.uncertainty:.1e}{meter}{doubt}."
     order = f"observed order {reference.order:.2f}" if math.isfinite(reference.order) else "no order to be seen"
     how = "extrapolated" if reference.extrapolated else "not extrapolated, because its errors do not follow its order"
-    text = f"The reference is {name} ({order}, {how}), uncertain by {reference.uncertainty:.1e} m"
+    text = f"The reference is {name} ({order}, {how}), uncertain by {reference.uncertainty:.1e}{meter}"
     if reference.check is None:
         return f"{text}; no method of another family can compute this scene, so nothing has checked it."
     other = names[reference.check.integrator]
     if reference.agrees:
-        return f"{text}; {other} agrees with it to {reference.disagreement:.1e} m."
+        return f"{text}; {other} agrees with it to {reference.disagreement:.1e}{meter}."
     return (
         f"{text}: that is how far {other} is from it, which is more than their own uncertainties allow. Do not trust "
-        f"errors below {CERTAIN * reference.uncertainty:.1e} m."
+        f"errors below {CERTAIN * reference.uncertainty:.1e}{meter}."
     )
 
 
@@ -198,13 +209,14 @@ def _on_front(trade: Measurements) -> str:
 def _on_divergence(trade: Measurements) -> str:
     blown = [row for row in trade.rows if row.status == "diverged"]
     biased = [row for row in trade.rows if row.status == "biased" and row.bias is not None]
-    parts = []
+    parts, second = [], trade.scene.units.suffix("s")
     if blown:
         least = {_name(row): min(other.dt for other in blown if _name(other) == _name(row)) for row in blown}
-        parts.append("Blew up: " + "; ".join(f"{name} down to dt = {dt:.3g} s" for name, dt in least.items()) + ".")
+        listed = "; ".join(f"{name} down to dt = {dt:.3g}{second}" for name, dt in least.items())
+        parts.append(f"Blew up: {listed}.")
     if biased:
         listed = "; ".join(
-            f"{_name(row)} at dt = {row.dt:.3g} s, whose {row.bias.quantity} is off by {row.bias.relative:+.1%} "
+            f"{_name(row)} at dt = {row.dt:.3g}{second}, whose {row.bias.quantity} is off by {row.bias.relative:+.1%} "
             f"± {row.bias.interval:.1%}"
             for row in biased
             if row.bias is not None
@@ -223,10 +235,11 @@ def _on_precision(trade: Measurements) -> str:
     double = [row for row in trade.rows if row.precision == "f64" and row.status == "ok"]
     if not single or not double:
         return ""
+    meter = trade.scene.units.suffix("m")
     floor, best = min(row.total_error for row in single), min(row.total_error for row in double)
     if floor <= 2.0 * best:
-        return f"Single precision gets as far as double, to {floor:.1e} m."
-    return f"Single precision gets no closer than {floor:.1e} m, double to {best:.1e} m."
+        return f"Single precision gets as far as double, to {floor:.1e}{meter}."
+    return f"Single precision gets no closer than {floor:.1e}{meter}, double to {best:.1e}{meter}."
 
 
 def _on_prediction(trade: Measurements) -> str:
@@ -257,6 +270,7 @@ def document(trade: Measurements) -> dict[str, Any]:
     """All results as plain values."""
     return {
         "duration": trade.duration,
+        **({} if trade.scene.units.is_si else {"units": asdict(trade.scene.units)}),
         "error": KINDS[trade.measure],
         "seed": trade.seed,
         "machine": trade.machine,
@@ -281,7 +295,7 @@ def document(trade: Measurements) -> dict[str, Any]:
         "notes": list(trade.notes),
         "rows": [
             {
-                **{name: _plain(value) for name, value in asdict(row).items()},
+                **{name: _plain(value) for name, value in asdict(row).items() if name != "units"},
                 **_method(row.integrator),
                 "fluids": None if row.fluids is None else differences(row.fluids),
             }

@@ -12,6 +12,7 @@ from physcore.numerics.choices import Options
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
+from physcore.units.systems import SI, UnitSystem
 
 if TYPE_CHECKING:
     from physcore.studies.tradeoff.chaos import Chaos
@@ -80,6 +81,8 @@ class Row(Printed):
     """Prediction of a held-out row."""
     fluids: FluidMethod | None = None
     """Method of fluids, if methods are compared."""
+    units: UnitSystem = SI
+    """Units of the scene."""
 
     @property
     def numerics(self) -> Options:
@@ -112,7 +115,8 @@ class Row(Printed):
         at = at if self.fluids is None else f"{at}, {self.fluids}"
         error = f"{self.total_error:.2g}" if self.status != "diverged" else "—"
         return (
-            f"{self.label}, dt = {self.dt:.4g} s, {self.precision}{at}: error {error} m "
+            f"{self.label}, dt = {self.dt:.4g}{self.units.suffix('s')}, {self.precision}{at}: "
+            f"error {error}{self.units.suffix('m')} "
             f"in {self.seconds:.3g} s, {self.status}"
         )
 
@@ -186,7 +190,8 @@ class Measurements:
             within = [row for row in good if row.total_error <= wanted]
             if not within:
                 closest = min(good, key=lambda row: row.total_error)
-                raise PhyscoreError(f"error: no row is within {wanted:g} m; the closest is {closest}")
+                bound = f"{wanted:g}{self.scene.units.suffix('m')}"
+                raise PhyscoreError(f"error: no row is within {bound}; the closest is {closest}")
             return min(within, key=lambda row: (row.seconds, row.evaluations))
         patience = number(seconds, "seconds", above=0.0)
         quick = [row for row in good if row.seconds <= patience]

@@ -141,6 +141,7 @@ class WorkPrecisionDiagram:
                 discretization_error=discretization_error,
                 bias=measurement.bias,
                 fluids=fluids,
+                units=self.experiment.scene.units,
                 prediction=series.prediction(measurement) if measurement.held_out else None,
             )
             for series in self._series

@@ -1,7 +1,4 @@
-"""Units and physical constants in SI: a length of 5 AU is 5 * pc.units.AU.
-
-    earth = pc.Particles([[pc.units.AU, 0.0]], mass=pc.units.earth_mass)
-    year = pc.units.year  # [s]
+"""Values of units and physical constants in SI.
 
 Sources: E. Tiesinga et al., CODATA recommended values of the fundamental physical constants: 2018, Rev. Mod. Phys. 93,
 025010 (2021), unless another source is given. The constants that define the SI are exact. Resolutions of the IAU: the
@@ -28,6 +25,8 @@ gravitational_constant: Final = 6.67430e-11
 """Gravitational constant G [m³/(kg·s²)]."""
 coulomb_constant: Final = 8.9875517923e9
 """Coulomb constant k = 1/(4π ε₀) [N·m²/C²], with ε₀ = 8.8541878128e-12 F/m."""
+reduced_planck_constant: Final = 1.054571817646156e-34
+"""Reduced Planck constant ħ [J·s], exact to 16 digits."""
 boltzmann_constant: Final = 1.380649e-23
 """Boltzmann constant k_B [J/K], exact."""
 
@@ -62,6 +61,17 @@ proton_mass: Final = 1.67262192369e-27
 atomic_mass: Final = 1.66053906660e-27
 """Atomic mass unit [kg]."""
 
-
-def __dir__() -> list[str]:
-    return [name for name, value in globals().items() if isinstance(value, float)]
+UNITS: Final = {
+    **dict.fromkeys(("minute", "hour", "day", "year"), "s"),
+    **dict.fromkeys(("AU", "light_year", "parsec", "solar_radius", "earth_radius"), "m"),
+    **dict.fromkeys(("solar_mass", "earth_mass", "jupiter_mass"), "kg"),
+    **dict.fromkeys(("electron_mass", "proton_mass", "atomic_mass"), "kg"),
+    **dict.fromkeys(("elementary_charge", "electron_charge"), "C"),
+    "electron_volt": "J",
+    "speed_of_light": "m/s",
+    "gravitational_constant": "m³/(kg·s²)",
+    "coulomb_constant": "N·m²/C²",
+    "reduced_planck_constant": "J·s",
+    "boltzmann_constant": "J/K",
+}
+"""SI unit of each constant."""
