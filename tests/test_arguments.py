@@ -172,6 +172,8 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Grid": (pc.Grid, {"cells": (3, 4), "spacing": 0.5}),
     "Grid.over": (pc.Grid.over, {"lower": (0.0, 0.0), "upper": (1.0, 2.0), "spacing": 0.5}),
     "Absorbing": (pc.Absorbing, {}),
+    "Dirichlet": (pc.Dirichlet, {"value": 1.0}),
+    "Neumann": (pc.Neumann, {"gradient": 1.0}),
     "Wave": (pc.Wave, {"grid": pc.Grid((3, 4), 0.5), "speed": 1.0}),
     "Lorenz": (pc.Lorenz, {}),
     "Rossler": (pc.Rossler, {}),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
+from heavy import HEAVY
 from physcore._core import available_memory
 
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc and the limits of Linux")
@@ -28,7 +29,7 @@ def kilobytes(name):
 
 def leave(megabytes):
     "Limit the address space to what is used and so much more."
-    limit = kilobytes("VmSize") * 1024 + megabytes * 10**6
+    limit = kilobytes("VmSize") * 1024 + int(megabytes * 10**6)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 def refusal(function, *arguments, **more):
@@ -45,7 +46,7 @@ random = np.random.default_rng(1)
 def alone(program: str) -> str:
     """What a program prints in a process of its own, which it must end by itself."""
     threads = {"OPENBLAS_NUM_THREADS": "1", "PHYSCORE_NUM_THREADS": "2"}
-    environment = {**os.environ, **threads, "MALLOC_MMAP_THRESHOLD_": "65536"}
+    environment = {**os.environ, **threads, "MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_ARENA_MAX": "1"}
     done = subprocess.run(
         [sys.executable, "-c", PRELUDE + textwrap.dedent(program)],
         env=environment,
@@ -178,63 +179,47 @@ def test_the_lists_count_in_the_plan():
     assert pc.Simulation(scene).plan.memory > 300 * 299 * 4
 
 
-CHAIN = """(lambda n: pc.SpringNetwork(
-    np.c_[np.arange(n), np.zeros(n)], pairs=np.c_[np.arange(n - 1), np.arange(1, n)], stiffness=np.inf, fixed=[0]
-))"""
-SHEET = "pc.cloth((150, 150), 0.01, 100.0, mass=1e-4, axes=((1, 0, 0), (0, 1, 0)))"
-SHORT = {
-    "tree": ("pc.Scene(pc.Particles(random.random((150_000, 3))), pc.Gravitation(1e-9, softening=0.01))", "dt=1e-3"),
-    "Dormand-Prince": (
-        "pc.Scene(pc.Particles(random.random((200_000, 3))), pc.Gravity((0, 0, -1)))",
-        "integrator='DormandPrince5', dt=1e-3",
-    ),
-    "neighbors": (
-        "pc.Scene(pc.Particles(30 * random.random((80_000, 3)), radius=0.3), pc.SoftSpheres(100.0))",
-        "dt=1e-5",
-    ),
-    "fluid": ("pc.Scene(pc.Fluid(pc.block((0, 0, 0), (1, 1, 0.5), 0.02), 0.02), pc.Gravity(), pc.Floor(0))", ""),
-    "self-contact": (f"(lambda c: pc.Scene(c, pc.SelfContact(c, thickness=0.004)))({SHEET})", "dt=1e-5"),
-    "rods": (f"pc.Scene({CHAIN}(60_000), pc.Gravity((0, -9.81)))", "dt=1e-6"),
-    "rods at a wall": (f"pc.Scene({CHAIN}(25_000), pc.Gravity((0, -9.81)), pc.Floor(-5))", "dt=1e-6"),
-    "projective": (f"pc.Scene({SHEET}, pc.Gravity((0, 0, -9.81)))", "integrator=pc.ProjectiveDynamics(2), dt=1e-3"),
-    "implicit": (f"pc.Scene({SHEET}, pc.Gravity((0, 0, -9.81)))", "integrator='BackwardEuler', dt=1e-3"),
-    "wave": ("pc.Scene(pc.Wave(pc.Grid((50, 50, 50), 0.1), 1.0, edges='absorbing'))", ""),
-    "wave function": (
-        "(lambda g: pc.Scene(pc.Schrodinger(g, pc.wave_packet(g, (30.0, 30.0), (1.0, 0.0), 5.0))))"
-        "(pc.Grid((600, 600), 0.1))",
-        "dt=1e-3",
-    ),
-    "tracers of vortices": (
-        "(lambda v: pc.Scene(v, pc.Tracers(random.random((500_000, 2)), v)))"
-        "(pc.PointVortices(random.random((10, 2)), random.random(10)))",
-        "dt=1e-3",
-    ),
-}
-
-
 @LINUX
-@pytest.mark.parametrize("name", SHORT)
+@pytest.mark.parametrize("name", HEAVY)
 def test_what_does_not_fit_is_refused_at_any_share_of_the_memory_that_it_takes(name):
-    """At 30, 60 and 90 % of the address space that building and two steps take: an error each time, and no abort.
+    """At 30, 60 and 90 % of the address space that building and two steps take: an error, and no abort.
 
-    A share may suffice, because parts of the address space are never touched, or because threads reuse some.
+    Each is tried in a process of its own, before any thread has started.
     """
-    scene, numerics = SHORT[name]
+    scene, numerics = HEAVY[name]
     program = f"""
+    import os
     scene = {scene}
+
     def run():
         pc.Simulation(scene, {numerics}).step(2)
-    before = kilobytes("VmSize")
-    run()
-    peak = kilobytes("VmPeak") - before
-    refused = 0
-    for share in (0.3, 0.6, 0.9):
-        limit = 1024 * (kilobytes("VmSize") + int(share * peak))
-        resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
+
+    def apart(function):
+        reader, writer = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.write(writer, str(function()).encode())
+            os._exit(0)
+        os.close(writer)
+        said = os.read(reader, 100).decode()
+        status = os.waitpid(child, 0)[1]
+        assert status == 0, f"a child ended with {{status}}"
+        return said
+
+    def peak():
+        before = kilobytes("VmSize")
+        run()
+        return kilobytes("VmPeak") - before
+
+    def within(share, whole):
+        leave(share * whole * 1024e-6)
         try:
             run()
         except (pc.PhyscoreError, MemoryError):
-            refused += 1
-    print(refused)
+            return "refused"
+        return "ran"
+
+    whole = int(apart(peak))
+    print([apart(lambda: within(share, whole)) for share in (0.3, 0.6, 0.9)].count("refused"))
     """
     assert int(alone(program)) >= 1

@@ -6,6 +6,9 @@ from typing import Any
 
 import pytest
 
+import physcore as pc
+from physcore.film import notebook
+
 nbclient = pytest.importorskip("nbclient")
 nbformat = pytest.importorskip("nbformat")
 pytest.importorskip("ipykernel")
@@ -46,6 +49,27 @@ def test_results_are_shown_as_html(outputs: list[list[Any]], cell: int, expected
     (result,) = (output for output in outputs[cell] if output.output_type == "execute_result")
     assert expected in result.data["text/html"]
     assert len(result.data["text/html"]) < 2_800_000
+
+
+@pytest.mark.parametrize("cell", [1, 4, 5])
+def test_a_film_is_stored_once(outputs: list[list[Any]], cell: int) -> None:
+    (result,) = (output for output in outputs[cell] if output.output_type == "execute_result")
+    assert str(result.data).count("base64,") == 1
+    assert len(result.data["text/plain"]) < 200
+
+
+def test_a_film_that_is_shown_twice_is_drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = []
+
+    def draw(recording: pc.Recording, **options: object) -> bytes:
+        drawn.append(recording)
+        return b"GIF89a"
+
+    monkeypatch.setattr(notebook, "gif_bytes", draw)
+    one, other = (pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]])), 0.1) for _ in range(2))
+    for recording in (one, one, other):
+        assert recording.show()._repr_html_().count("base64,") == 1
+    assert drawn == [one, other]
 
 
 def test_a_trade_is_a_table(outputs: list[list[Any]]) -> None:

@@ -82,8 +82,9 @@ from physcore.numerics.integrators import (
 from physcore.scene import materials
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.builders import cloth, rope, soft_body
+from physcore.scene.edges import Absorbing, Dirichlet, Neumann
 from physcore.scene.fluid import Fluid
-from physcore.scene.grid import Absorbing, Grid
+from physcore.scene.grid import Grid
 from physcore.scene.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
@@ -163,6 +164,7 @@ __all__ = [
     "CustomForce",
     "Diagnosis",
     "Dihedral",
+    "Dirichlet",
     "DormandPrince5",
     "Drag",
     "ElectromagneticField",
@@ -201,6 +203,7 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "Neumann",
     "Occurrences",
     "Orbit",
     "Part",

@@ -6,6 +6,7 @@ compares, converts or indexes values from a user.
 
 from __future__ import annotations
 
+import inspect
 import math
 import os
 import sys
@@ -28,6 +29,10 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 Vector: TypeAlias = Sequence[float] | NDArray[np.floating] | NDArray[np.integer]
 TimedVector: TypeAlias = Vector | Callable[[float], ArrayLike]
 """A vector, or a function of the time [s] that returns one."""
+PlacedVector: TypeAlias = TimedVector | Callable[[float, FloatArray], ArrayLike]
+"""A vector, a function of the time [s] that returns one, or a function of the time and positions (N, D) [m] that
+returns one for each position, (N, D).
+"""
 T = TypeVar("T")
 Word = TypeVar("Word", bound=str)
 
@@ -218,6 +223,35 @@ def timed(value: object, path: str) -> tuple[float, ...] | Callable[[float], Arr
         return vector(value, path)
     vector(called(value, path, 0.0), f"{path}: its value")
     return value
+
+
+def placed(value: object, path: str) -> tuple[Any, bool]:
+    """A vector, a function of the time, or a function of the time and positions; and whether it is the last.
+
+    A function is one of the time alone if it can be called with one argument.
+
+    Raises:
+        SceneError: the value is none of these, or a function of the time raised an exception.
+    """
+    if not callable(value) or misfit(value, "time") is None:
+        return timed(value, path), False
+    reason = misfit(value, "time", "positions")
+    if reason is not None:
+        raise SceneError(f"{path}: must take (time) or (time, positions), got {reason}")
+    return value.__call__ if hasattr(value, "__dataclass_fields__") else value, True
+
+
+def misfit(function: Callable[..., object], *arguments: str) -> str | None:
+    """A description of a function that cannot be called with some arguments; None if it can, or is not known."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return None  # Some functions that are not written in Python have no signature.
+    try:
+        signature.bind(*arguments)
+    except TypeError as error:
+        return f"a function of {signature} ({error})"
+    return None
 
 
 def regular(value: object, path: str) -> np.ndarray:

@@ -35,6 +35,8 @@ SYNONYMS = {
     "CustomForce": ("force field", "user force", "python force"),
     "Floor": ("ground",),
     "Plane": ("wall", "half space"),
+    "Dirichlet": ("fixed value", "dirichlet bc", "fixed", "face constrain"),
+    "Neumann": ("flux", "neumann bc", "free", "gradient"),
     "Periodic": ("periodic box", "pbc", "domain"),
     "SelfContact": ("self collision", "contact", "cloth collision"),
     "ElectromagneticField": ("magnetic field", "electric field", "lorentz force"),

@@ -225,7 +225,8 @@ def swarm(*items: pc.Force | pc.Boundary, dimension: int = 3, count: int = 700) 
     """Independent particles, in more than one block."""
     rng = _random()
     shape = (count, dimension)
-    return pc.Scene(pc.Particles(rng.uniform(-1.0, 1.0, shape), rng.uniform(-1.0, 1.0, shape), radius=0.01), *items)
+    x, v = rng.uniform(-1.0, 1.0, shape), rng.uniform(-1.0, 1.0, shape)
+    return pc.Scene(pc.Particles(x, v, radius=0.01, name="swarm"), *items)
 
 
 def crowd(*items: pc.Force | pc.Periodic | pc.Boundary, dimension: int = 3, side: int = 6) -> pc.Scene:
@@ -331,6 +332,60 @@ def chart(side: int = 24) -> pc.Scene:
     x, y = plain.grid.coordinates
     kinetics = pc.GrayScott(_rounded(0.02 + 0.15 * x), _rounded(0.05 + 0.1 * y))
     return pc.Scene(pc.ReactionDiffusion(plain.grid, kinetics, plain.diffusion, plain.initial, {"x-": "fixed"}))
+
+
+def heated(side: int = 16, **options: Any) -> pc.Scene:
+    """A reaction in a dish whose sides hold values and let through fluxes, along one side from cell to cell."""
+    grid = pc.Grid((side, side - 5), 0.5)
+    y = grid.coordinates[1][0]
+    edges = {
+        "u": {"x-": pc.Dirichlet(_rounded(1.0 + 0.2 * np.sin(y))), "x+": pc.Neumann(-0.1), "y+": "fixed"},
+        "v": {"y-": pc.Dirichlet(2.0), "x-": pc.Neumann(_rounded(0.1 * np.cos(y)))},
+    }
+    start = {"u": 1.0, "v": 2.0}
+    kinetics = pc.Brusselator(1.0, 2.5)
+    return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"u": 0.5, "v": 2.0}, start, edges, **options))
+
+
+def rod(cells: int = 20) -> pc.Scene:
+    """A reaction in Python in a tube whose ends are driven in time, by operations that are rounded alike everywhere."""
+    ends = {"x-": pc.Dirichlet(lambda t: abs(t % 2.0 - 1.0)), "x+": pc.Neumann(lambda t: 0.1 * t)}
+    decay = pc.Reaction(("n", "waste"), lambda n, waste: (-0.1 * n, 0.1 * n))
+    start = {"n": 0.5, "waste": 0.0}
+    tube = pc.ReactionDiffusion(
+        pc.Grid(cells, 0.5), decay, {"n": 0.5, "waste": 0.1}, start, {"n": ends, "waste": "fixed"}
+    )
+    return pc.Scene(tube)
+
+
+def strata(side: int = 24, **options: Any) -> pc.Scene:
+    """Waves through layers of several densities, with damping, a source and an open side."""
+    grid = pc.Grid((side, side - 7), 0.5)
+    x, y = grid.coordinates
+    end = grid.upper[0]
+    hump = _rounded(0.2 * np.exp(-((x - 0.3 * end) ** 2 + (y - 0.4 * end) ** 2) / (0.05 * end) ** 2))
+    medium = {
+        "density": np.where(x + y < end, 1.0, np.where(y < 0.3 * end, 0.2, 4.0)),
+        "damping": np.where(x > 0.8 * end, 0.4, 0.0),
+        "walls": (np.abs(x - 0.5 * end) < 0.5) & (y < 0.3 * end),
+        "sources": pc.Source((0.61 * end, 0.52 * end), 0.4, 0.7, phase=0.3),
+        "edges": {"x": "fixed", "y": "free"},
+    }
+    return pc.Scene(pc.Wave(grid, np.where(x < 0.6 * end, 1.0, 1.5), hump, **{**medium, **options}))
+
+
+def shaken(side: int = 16, **options: Any) -> pc.Scene:
+    """A membrane whose sides are moved: one in time, one held in a curve, one pulled."""
+    grid = pc.Grid((side, side - 5), 0.5)
+    y = grid.coordinates[1][0]
+    shape = _rounded(np.sin(y))
+    edges = {
+        "x-": pc.Dirichlet(lambda t: 0.2 * abs(t % 2.0 - 1.0)),
+        "x+": pc.Dirichlet(_rounded(0.1 * shape)),
+        "y-": pc.Neumann(0.3),
+        "y+": "free",
+    }
+    return pc.Scene(pc.Wave(grid, 1.0, edges=edges, **options))
 
 
 def clock(cells: int = 120) -> pc.Scene:
@@ -521,11 +576,20 @@ POWER = pc.CentralForce((0.0, 0.0), 1.0, -1.7, 0.1)
 ATOMS = pc.LennardJones(1.0, 0.9)
 BREEZE = pc.Drag(0.1, wind=(1.0, 0.0, 0.5))
 RESISTANCE = pc.Drag(0.0, 0.2)
+BOUNCES = pc.SoftSpheres(50.0, friction=0.3, exponent=1.5, restitution=0.6)
+VORTEX = pc.Drag(0.1, 0.2, wind=lambda time, x: np.stack([-x[:, 1], x[:, 0], 0.3 * x[:, 1]], axis=1) / (1.0 + time) - x)
 
 
-def grains(side: int = 6) -> pc.Scene:
+def selected() -> pc.Scene:
+    """Independent particles of which some are heavy, and some attract each other."""
+    some = _random().permutation(700)
+    heavy, drawn = pc.Gravity((0.0, 0.0, -9.81), on=("swarm", some[:300])), ("swarm", some[200:320])
+    return swarm(heavy, pc.Drag(0.1, on=("swarm", slice(0, 500))), pc.Gravitation(0.01, 0.1, on=drawn, sources=drawn))
+
+
+def grains(side: int = 6, contact: pc.SoftSpheres = GRAINS) -> pc.Scene:
     """Soft spheres between periodic sides, which fall on a floor."""
-    return crowd(GRAINS, DOWN, pc.Periodic((0.0, 0.0, -np.inf), (side, side, np.inf)), pc.Floor(-1.0), side=side)
+    return crowd(contact, DOWN, pc.Periodic((0.0, 0.0, -np.inf), (side, side, np.inf)), pc.Floor(-1.0), side=side)
 
 
 def _large_network() -> pc.Scene:
@@ -620,8 +684,14 @@ SCENES: dict[str, Case] = {
     "swarm on hills": Case(lambda: swarm(DOWN, LAND), 0.01, large=lambda: swarm(DOWN, LAND, count=30_000)),
     "swarm on hills 2D f32": Case(lambda: swarm(pc.Gravity((0.0, -9.81)), PROFILE, dimension=2), 0.01, F32),
     "swarm in Python": Case(lambda: swarm(harmonic()), 0.01),
+    "swarm in a vortex": Case(lambda: swarm(VORTEX), 0.01),
+    "swarm in a vortex BDF2": Case(lambda: swarm(VORTEX, count=100), 0.01, {"integrator": pc.BDF2(1e-12)}),
+    "selected": Case(selected, 0.01),
+    "selected f32 RungeKutta4": Case(selected, 0.01, {**F32, **RK4}),
     "grains": Case(grains, 0.002, large=_large_grains),
     "grains f32": Case(grains, 0.002, F32, large=_large_grains),
+    "grains by restitution": Case(lambda: grains(contact=BOUNCES), 0.002),
+    "grains by restitution f32": Case(lambda: grains(contact=BOUNCES), 0.002, F32),
     "atoms": Case(lambda: crowd(ATOMS), 0.002, {"integrator": pc.PEFRL()}, large=lambda: crowd(ATOMS, side=18)),
     "atoms 2D f32": Case(lambda: crowd(ATOMS, dimension=2), 0.002, F32),
     "cluster": Case(cluster, 0.01, large=lambda: cluster(5000)),
@@ -672,6 +742,11 @@ SCENES: dict[str, Case] = {
         0.005,
         {"dt": pc.AdaptiveStep(tolerance=1e-7), "integrator": pc.DormandPrince5()},
     ),
+    "strata": Case(strata, 0.1),
+    "strata f32 order 4 RungeKutta4": Case(lambda: strata(order=4), 0.05, {**RK4, **F32}),
+    "strata in the open": Case(lambda: strata(edges={"x": "absorbing", "y": "free"}, walls=None), 0.1),
+    "shaken": Case(shaken, 0.1),
+    "shaken RungeKutta4 f32": Case(shaken, 0.1, {**RK4, **F32}),
     "room": Case(room, 0.02, large=lambda: room(90)),
     "dish": Case(dish, 0.5, large=lambda: dish(400)),
     "dish f32 ExplicitEuler": Case(dish, 0.5, {"integrator": pc.ExplicitEuler(), **F32}, large=lambda: dish(900)),
@@ -680,6 +755,10 @@ SCENES: dict[str, Case] = {
     "dish by error": Case(dish, 1.0, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.BogackiShampine3()}),
     "chart": Case(chart, 0.5, large=lambda: chart(400)),
     "chart f32 ExplicitEuler": Case(chart, 0.5, {"integrator": pc.ExplicitEuler(), **F32}),
+    "heated": Case(heated, 0.02, large=lambda: heated(400)),
+    "heated f32 RungeKuttaChebyshev": Case(heated, 0.05, {"integrator": pc.RungeKuttaChebyshev(), **F32}),
+    "rod": Case(rod, 0.1),
+    "rod by error": Case(rod, 0.1, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.DormandPrince5()}),
     "clock": Case(clock, 0.05),
     "heart": Case(heart, 0.05, large=lambda: heart(60)),
     "predators": Case(predators, 0.1),

@@ -35,8 +35,9 @@ BOUNDED = {
     **dict.fromkeys(("cluster f32", "plasma 2D", "plasma f32 RungeKutta4", "trio", "cluster GaussRadau15"), "likewise"),
     "years in days": "likewise",
     **dict.fromkeys(("cluster by a tree", "cluster by a tree f32", "plasma by a tree 2D"), "likewise"),
+    **dict.fromkeys(("selected", "selected f32 RungeKutta4"), "likewise"),
     "grains": "bounce off each other, and lose more than they gain",
-    "grains f32": "likewise",
+    **dict.fromkeys(("grains f32", "grains by restitution", "grains by restitution f32"), "likewise"),
     **dict.fromkeys(("torn", "torn f32 RungeKutta4", "torn XPBD"), "breaks, and what is left is soft"),
     "cloth ProjectiveDynamics f32": "is limited by its drag alone, which its springs bear",
     "packet": "is limited by accuracy, and its steps are unitary",
@@ -49,6 +50,7 @@ BOUNDED = {
     ),
     **dict.fromkeys(("stirred", "whirl", "whirl with cores f32"), "is limited by accuracy"),
     "dish RungeKuttaChebyshev": "is limited by its reaction, whose values stay within bounds",
+    "heated f32 RungeKuttaChebyshev": "likewise",
     **dict.fromkeys(
         (
             "charges",

@@ -18,9 +18,6 @@ from physcore.scene.records import parameters
 FIXED = {name: case for name, case in SCENES.items() if not case.adaptive}
 
 
-SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
-
-
 class Broken(Exception):
     """What a function of the user's raises."""
 
@@ -45,7 +42,7 @@ def timed(dish: pc.ReactionDiffusion, signal: Callable[[float], float]) -> pc.Re
         pc.Reaction((*kinetics.names, "time"), rates),
         {**dish.diffusion, "time": 0.0},
         {**dish.initial, "time": 0.0},
-        {side: word for side, word in zip(SIDES, dish.edges, strict=False) if word != "periodic"},  # type: ignore[misc]
+        {name: dict(zip(dish.grid.sides, dish.conditions(name), strict=True)) for name in kinetics.names},
     )
 
 

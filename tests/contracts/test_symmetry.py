@@ -19,7 +19,7 @@ def is_resting(force: object) -> bool:
     """Whether a force is not the same for who moves along."""
     if isinstance(force, pc.ElectromagneticField):
         return not all(isinstance(field, (float, tuple)) for field in (force.electric, force.magnetic))
-    return isinstance(force, (pc.CentralForce, pc.CustomForce))
+    return isinstance(force, (pc.CentralForce, pc.CustomForce)) or getattr(force, "by_place", False)
 
 
 def rescaled(case: Case, t: Transform) -> Case:

@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 import physcore as pc
 from physcore.scene.bodies import Body
+from physcore.scene.edges import Condition, Valued
 from physcore.scene.grid import GridSystem
 from physcore.scene.items import ActingItem
 from physcore.scene.points import PointSystem
+from physcore.scene.selection import Selection
 from physcore.systems.kinetics import Kinetics
 
 Array = NDArray[np.float64]
@@ -90,7 +92,9 @@ def point(t: Transform, value: Any) -> Any:
 
 
 def wind(t: Transform, value: Any) -> Any:
-    """A velocity; None is zero."""
+    """A velocity; None is zero. A function of time and positions is one of those that it was written for."""
+    if callable(value):
+        return lambda time, x: t.velocities(value(time / t.s, (x / t.m - t.shift) @ t.axes))
     return tuple(t.velocities(np.zeros(t.axes.shape[1]) if value is None else value))
 
 
@@ -150,9 +154,14 @@ def _body(body: Body, t: Transform, order: NDArray[np.int64]) -> Body:
     return type(body)(**_changed(body, values, t))
 
 
-def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingItem:
-    given = {name: item.bodies(name) for name in item.naming}
-    named = {name: None if own is None else tuple(bodies[body] for body in own) for name, own in given.items()}
+def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body], orders: dict[Body, Array]) -> ActingItem:
+    def target(given: Any) -> Any:
+        if isinstance(given, Selection):
+            return bodies[given.body], given.mask[orders[given.body]]
+        return bodies[given]
+
+    given = {name: item.targets(name) for name in item.naming}
+    named = {name: None if own is None else tuple(map(target, own)) for name, own in given.items()}
     on = named["on"]
     if isinstance(item, pc.CustomForce):
         return _custom(item, t, on)
@@ -302,18 +311,41 @@ def _over_cells(t: Transform, values: Any) -> Any:
     return moved
 
 
-def _grid(system: GridSystem, t: Transform) -> tuple[pc.Grid, tuple[str, ...]]:
+def _condition(t: Transform, condition: Condition, axis: int, unit: float) -> Condition:
+    """A condition at the edges of an axis; `unit` is that of the field."""
+    if not isinstance(condition, Valued):
+        return condition
+    unit = unit if isinstance(condition, pc.Dirichlet) else unit / t.m
+
+    def moved(values: Any) -> Any:
+        if np.ndim(values) == 0:
+            return values * unit
+        partner = int(np.abs(t.axes[:, axis]).argmax())
+        return np.squeeze(_over_cells(t, np.expand_dims(values, axis)), partner) * unit
+
+    value = getattr(condition, condition.key)
+    return type(condition)((lambda time: moved(value(time / t.s))) if callable(value) else moved(value))
+
+
+def _grid(system: GridSystem, t: Transform, unit: float = 1.0) -> tuple[pc.Grid, Any]:
     """Its grid and its edges. Along an axis that is new one cell, with free edges, so that nothing depends on it."""
     grid, spacing = system.grid, system.grid.spacing * t.m
     lower, upper = t.corners(grid.origin, grid.upper, grid.spacing / 2.0)
-    edges, periodic = [], []
-    for axis in t.axes:
-        partner = int(np.abs(axis).argmax())
-        pair = list(system.edges[2 * partner : 2 * partner + 2]) if axis.any() else ["free", "free"]
-        edges += pair[::-1] if axis.min() < 0.0 else pair
-        periodic.append(bool(axis.any() and grid.periodic[partner]))
+
+    def edges(given: tuple[Condition, ...]) -> tuple[Condition, ...]:
+        found: list[Condition] = []
+        for axis in t.axes:
+            partner = int(np.abs(axis).argmax())
+            own = [_condition(t, each, partner, unit) for each in given[2 * partner : 2 * partner + 2]]
+            pair = own if axis.any() else ["free", "free"]
+            found += pair[::-1] if axis.min() < 0.0 else pair
+        return tuple(found)
+
+    periodic = [bool(axis.any() and grid.periodic[int(np.abs(axis).argmax())]) for axis in t.axes]
     cells = tuple(round((high - low) / spacing) for low, high in zip(lower, upper, strict=True))
-    return pc.Grid(cells, spacing, lower, tuple(periodic)), tuple(edges)
+    given: Any = system.edges
+    every = {name: edges(each) for name, each in given.items()} if isinstance(given, dict) else edges(given)
+    return pc.Grid(cells, spacing, lower, tuple(periodic)), every
 
 
 def _kinetics(kinetics: Kinetics, t: Transform) -> Kinetics:
@@ -336,13 +368,13 @@ def _reaction_diffusion(dish: pc.ReactionDiffusion, t: Transform) -> pc.Reaction
         _kinetics(dish.reaction, t),
         {name: value * t.unit(2, -1) for name, value in dish.diffusion.items()},
         {name: _over_cells(t, values) for name, values in dish.initial.items()},
-        edges,  # type: ignore[arg-type]
+        edges,
     )
 
 
 def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
     grid = wave.grid
-    other, edges = _grid(wave, t)
+    other, edges = _grid(wave, t, t.m)
     new = len(t.axes) - grid.dimension
 
     def field(values: Any, unit: float) -> Any:
@@ -369,7 +401,7 @@ def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
         field(wave.speed, t.unit(1, -1)),
         field(wave.displacement, t.m),
         field(wave.rate, t.unit(1, -1)),
-        wave.density * t.unit(-grid.dimension, 0, 1),
+        field(wave.density, t.unit(-grid.dimension, 0, 1)),
         field(wave.damping, t.unit(0, -1)),
         edges,
         None if wave.walls is None else _over_cells(t, wave.walls),
@@ -395,7 +427,7 @@ def _schrodinger(packet: pc.Schrodinger, t: Transform) -> pc.Schrodinger:
         packet.mass * t.kg,
         packet.hbar * t.unit(2, -1, 1),
         packet.interaction * t.unit(2 + len(t.axes), -2, 1) * packet.grid.spacing**new,
-        edges,  # type: ignore[arg-type]
+        edges,
     )
 
 
@@ -474,7 +506,8 @@ def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] |
     """The same scene in other coordinates and units, the particles of every body in the given order."""
     orders = orders or [np.arange(len(body)) for body in scene.bodies]
     bodies = {body: _body(body, t, order) for body, order in zip(scene.bodies, orders, strict=True)}
-    items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries, *scene.constraints)]
+    order_of = dict(zip(scene.bodies, orders, strict=True))
+    items = [_item(item, t, bodies, order_of) for item in (*scene.forces, *scene.boundaries, *scene.constraints)]
     domain = scene.periodic
     domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
     found = {system: SYSTEMS[type(system)](system, t) for system in scene.systems if not system.named()}

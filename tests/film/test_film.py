@@ -87,7 +87,9 @@ SCENES = {
     ),
     "strip": pc.Scene(dust(5), net(), pc.Periodic((0.0, -np.inf), (1.0, np.inf))),
     "periodic 3D": pc.Scene(net(3), dust(5, 3), pc.Periodic((0.0, 0.0, -np.inf), (1.0, 1.0, np.inf))),
-    "water": pc.Scene(pc.Fluid(pc.block((0.0, 0.0), (1.0, 0.5), 0.1), 0.1), dust(5), pc.Box((0.0, 0.0), (2.0, 1.0))),
+    "water": pc.Scene(
+        pc.Fluid.block((0.0, 0.0), (1.0, 0.5), 0.1, obstacles=False), dust(5), pc.Box((0.0, 0.0), (2.0, 1.0))
+    ),
     "water 3D": pc.Scene(pc.Fluid(pc.ball((0.0, 0.0, 1.0), 0.3, 0.1), 0.1), pc.Floor()),
     "bowl": pc.Scene(dust(30, 3), pc.Sphere((0.5, 0.5, 0.5), 1.0, inside=True)),
 }

@@ -22,7 +22,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-TARGETS = ("arguments", "scenes", "balance", "files", "functions", "command_line")
+TARGETS = ("arguments", "scenes", "balance", "files", "functions", "command_line", "limits")
 JOB = 5_000
 """The most examples of one worker."""
 START = 20
@@ -98,7 +98,7 @@ def launch(name: str, count: int, seed: int) -> dict[str, Any]:
             os.path.abspath(path) for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if path
         )
         with open(log, "wb") as output:
-            room, environment = Path(folder, "room"), {**os.environ, "PYTHONPATH": paths}
+            room, environment = Path(folder, "room"), {**os.environ, "PYTHONPATH": paths, "MALLOC_ARENA_MAX": "1"}
             process = subprocess.Popen(command, cwd=room, env=environment, stdout=output, stderr=output)
             last, since = b"", time.monotonic()
             while True:

@@ -1,4 +1,4 @@
-"""Fuzzing of the user's functions: forces and potentials that give anything or raise."""
+"""Fuzzing of the user's functions: forces, potentials and wind that give anything or raise."""
 
 from __future__ import annotations
 
@@ -91,7 +91,9 @@ REFUSED = [
 """What is no force on each particle, whatever NumPy could make of it."""
 RESULT = st.one_of(st.sampled_from(RESULTS), st.sampled_from(RESULTS), ATOM)
 WHEN = st.sampled_from(["", "", "-x if time < 2e-3 else "])
-POTENTIAL = st.one_of(st.none(), st.just("0.5 * float((x * x).sum())"), RESULT)
+WIND = "wind"
+"""In place of a potential: the function is the wind of a drag, not a force."""
+POTENTIAL = st.one_of(st.none(), st.just("0.5 * float((x * x).sum())"), RESULT, st.just(WIND))
 INTEGRATOR = st.sampled_from([kind.__name__ for kind in INTEGRATORS if "second order" in kind.solves])
 EXAMPLES = st.tuples(WHEN, RESULT, POTENTIAL, INTEGRATOR, st.sampled_from(["1e-3", "'auto'", "pc.AdaptiveStep()"]))
 
@@ -105,17 +107,20 @@ def check(example: tuple[str, str, str | None, str, str]) -> int:
     when, result, potential, integrator, dt = example
     box: list[Any] = []
     try:
-        function = evaluate(f"lambda time, x, v: {when}{result}", BOX=box)
-        energy = None if potential is None else evaluate(f"lambda x: {potential}", BOX=box)
+        if potential == WIND:
+            source = f"pc.Drag(1.0, 0.5, wind=lambda time, x: {when}{result})"
+        else:
+            second = "" if potential is None else f", lambda x: {potential}"
+            source = f"pc.CustomForce(lambda time, x, v: {when}{result}{second})"
+        force = evaluate(source, BOX=box)
     except SyntaxError:
         return 0
-    second = "" if potential is None else f", lambda x: {potential}"
     script = (
-        f"force = pc.CustomForce(lambda time, x, v: {when}{result}{second})\n"
+        f"force = {source}\n"
         f"    simulation = BOX[0] = pc.Simulation(pc.Scene(PARTICLES, force), pc.{integrator}(), {dt})"
     )
     own = _own(result) + _own(potential or "")
-    scene = pc.Scene(pc.Particles([[0.0, 0.5], [0.4, 0.5]], velocities=[0.1, 0.0]), pc.CustomForce(function, energy))
+    scene = pc.Scene(pc.Particles([[0.0, 0.5], [0.4, 0.5]], velocities=[0.1, 0.0]), force)
     chosen, rule = evaluate(f"pc.{integrator}()"), evaluate(dt)
     simulation = attempt(lambda: pc.Simulation(scene, chosen, rule, threads=1), script, allowed=own)
     if simulation is None:

@@ -91,6 +91,7 @@ def _acting(draw: st.DrawFn, dimension: int) -> str:
             f"pc.ElectromagneticField([{number()}] * {dimension}, {['', '', number(), f'[{number()}] * 3'][dimension]})"
         ),
         lambda: f"pc.SoftSpheres({number()}, {number()}, {draw(st.sampled_from(['0.0', '0.5']))})",
+        lambda: f"pc.SoftSpheres({number()}, restitution={number()}, exponent={draw(st.sampled_from(['1', '1.5']))})",
         lambda: f"pc.Floor(-{number()}, restitution={draw(st.sampled_from(['0.0', '0.5', '1.0']))})",
         lambda: f"pc.Box([-{number()}] * {dimension}, [9e9] * {dimension})",
         lambda: f"pc.Sphere({zero}, 1e9, inside=True)",

@@ -270,6 +270,20 @@ def test_bounds_hold_for_any_order_from_one(actual, order, share):
         assert errors[2] <= found.finer * (1.0 + 1e-12)
 
 
+@pytest.mark.parametrize(("order", "surplus"), [(2, 1), (2, 2), (4, 1), (5, 2)])
+def test_errors_that_fall_faster_than_the_order_are_bounded_by_the_order(order, surplus):
+    """Errors h^(p+s) in three runs: the bound is not that of order one, which is the last difference and more."""
+    steps = [10, 20, 30]
+    errors = [float(number) ** -(order + surplus) for number in steps]
+    differences = [errors[0] - errors[1], errors[1] - errors[2]]
+    found = convergence(steps, differences, order)
+    assert not found.asymptotic
+    assert errors[2] < found.finer
+    assert found.finer <= 2.0001 * differences[0] * (2.0**-order - 3.0**-order) / (1.0 - 2.0**-order) / (
+        1.5**order - 1.0
+    )
+
+
 def test_a_difference_that_is_small_by_chance_is_not_believed():
     """7.6e-3, 3.1e-3 and then 9e-7, as bouncing balls gave: the last one says nothing."""
     found = convergence([8, 16, 32, 64], [7.6e-3, 3.1e-3, 9.2e-7], 2)

@@ -10,6 +10,7 @@ import pytest
 import physcore as pc
 from contracts.scenes import IN_PYTHON
 from physcore.errors import SceneError
+from physcore.integrators import INTEGRATORS
 from physcore.systems.kinetics import KINETICS, PEARSON, Pearson
 
 BUILT_IN = [
@@ -26,13 +27,7 @@ VARYING = [
     pc.Brusselator(1.0, np.linspace(2.0, 3.0, 120).reshape(12, 10)),
     pc.Schnakenberg(np.linspace(0.05, 0.2, 120).reshape(12, 10), 0.9),
 ]
-FIRST_ORDER = [
-    pc.ExplicitEuler(),
-    pc.BogackiShampine3(),
-    pc.RungeKutta4(),
-    pc.DormandPrince5(),
-    pc.RungeKuttaChebyshev(),
-]
+FIRST_ORDER = [kind() for kind in INTEGRATORS if "first order" in kind.solves]
 
 
 def patch(kinetics, cells=(12, 10), edges="free", spacing=0.5):
@@ -191,7 +186,7 @@ def test_spots_of_the_class_lambda_divide():
         ({"diffusion": {"u": 1.0, "v": 1.0, "w": 1.0}}, "ReactionDiffusion.diffusion['w']: is none of the species"),
         ({"initial": {"u": 1.0, "v": np.zeros(3)}}, "ReactionDiffusion.initial['v']: must be a number, a function"),
         ({"initial": {"u": 1.0, "v": np.nan}}, "ReactionDiffusion.initial['v']"),
-        ({"edges": "absorbing"}, "ReactionDiffusion.edges['x-']: must be 'free' or 'fixed'"),
+        ({"edges": "absorbing"}, "ReactionDiffusion.edges['x-']: must be 'free', 'fixed', Dirichlet(…)"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_its_path(change, message):

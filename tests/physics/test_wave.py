@@ -211,7 +211,7 @@ def test_the_limit_is_that_of_the_checkerboard(dimension):
         ({"density": 0.0}, r"Wave\.density: must be > 0"),
         ({"walls": np.zeros((3, 4))}, r"Wave\.walls: must be a mask"),
         ({"walls": np.zeros((4, 3), dtype=bool)}, r"Wave\.walls: must be a mask of the shape \(3, 4\)"),
-        ({"edges": "open"}, r"Wave\.edges\['x-'\]: must be 'fixed', 'free' or 'absorbing', got 'open'"),
+        ({"edges": "open"}, r"Wave\.edges\['x-'\]: must be 'fixed', 'free', 'absorbing', .* got 'open'"),
         ({"edges": {"z": "free"}}, r"Wave\.edges: must name some of 'x', 'y', .* got 'z'"),
         ({"edges": {"x": "periodic"}}, r"Wave\.edges\['x-'\]: .* Grid\(…, periodic=True\)"),
         ({"order": 3}, r"Wave\.order: must be 2 or 4, got 3"),

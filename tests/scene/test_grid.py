@@ -134,3 +134,14 @@ def test_a_wave_is_the_same_after_files_copies_and_pickles(tmp_path):
     assert loaded.systems[0].absorbing == pc.Absorbing(7, 1e-3)
     with pytest.raises(pc.FileError, match=r"systems\[0\]: a Wave cannot be saved, because its function is code"):
         pc.Scene(pc.Wave(wave.grid, 1.0, sources=pc.Source((0.3, 0.4), 1.0, signal=lambda t: 0.0))).hash()
+
+
+def test_systems_on_equal_grids_are_told_apart():
+    """They are keys of results, as bodies are."""
+    grid = pc.Grid(8, 0.1)
+    one, other = (pc.Wave(grid, 1.0, displacement=height) for height in (0.1, 0.2))
+    assert one != other
+    assert len({one, other}) == 2
+    run = pc.Simulation(pc.Scene(one, other), dt=0.01)
+    assert (run[one].displacement == 0.1).all()
+    assert (run[other].displacement == 0.2).all()

@@ -105,11 +105,3 @@ def test_fluid_within_a_body_is_warned_of():
     outside = ~((np.abs(water - (0.4, 0.25)) < (0.1, 0.05)).all(axis=1))
     pc.Scene(pc.Fluid(water[outside], 0.05), raft)
     pc.Scene(pc.Fluid(water, 0.05, obstacles=False), raft)
-
-
-def test_bodies_at_rest_over_a_floor_without_gravity_are_warned_of():
-    with pytest.warns(pc.SceneWarning, match=r"boundaries\[0\]: nothing moves.* this Floor: add pc\.Gravity\(\)"):
-        pc.Scene(pc.Particles([[0.0, 1.0]]), pc.Floor(0.0))
-    pc.Scene(pc.Particles([[0.0, 1.0]]), pc.Floor(0.0), pc.Gravity())
-    pc.Scene(pc.Particles([[0.0, 1.0]], velocities=[[0.0, -1.0]]), pc.Floor(0.0))
-    pc.Scene(pc.rope(3, 1.0, 10.0), pc.Floor(-1.0))

@@ -68,6 +68,7 @@ def test_pair_forces_fill_in_what_follows_from_the_rest():
             "friction": 0.0,
             "tangential_damping": 1.0,
             "exponent": 1.5,
+            "restitution": None,
         },
     }
     told = Record.of(pc.LennardJones(1, 2)).described()

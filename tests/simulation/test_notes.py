@@ -121,3 +121,14 @@ def test_a_given_step_near_a_limit_that_varies_is_noted():
     constant = pc.Scene(pc.rope(5, 1.0, 100.0, pinned="start"))
     spring = pc.Simulation(constant, dt=0.9 * pc.Simulation(constant, integrator="VelocityVerlet").plan.dt_limit)
     assert not any("present state" in note for note in spring.plan.notes)
+
+
+def test_bodies_at_rest_over_a_floor_without_gravity_are_noted():
+    def noted(*items):
+        notes = pc.Simulation(pc.Scene(*items)).plan.notes
+        return any("nothing moves" in note and "this Floor: add" in note for note in notes)
+
+    assert noted(pc.Particles([[0.0, 1.0]]), pc.Floor(0.0))
+    assert not noted(pc.Particles([[0.0, 1.0]]), pc.Floor(0.0), pc.Gravity())
+    assert not noted(pc.Particles([[0.0, 1.0]], velocities=[[0.0, -1.0]]), pc.Floor(0.0))
+    assert not noted(pc.rope(3, 1.0, 10.0), pc.Floor(-1.0))

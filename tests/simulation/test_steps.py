@@ -228,3 +228,17 @@ def test_no_hint_advises_the_integrator_that_is_used(kind):
         largest_step(nowhere, pc.AutoStep(), kind(), 30.0)
     assert f"use {kind.__name__}()" not in str(caught.value)
     assert f"or {kind.__name__}()" not in str(caught.value)
+
+
+def test_a_plan_looks_at_the_limit_once(monkeypatch):
+    """The limit of a network takes as long as some hundred steps."""
+    simulation = pc.Simulation(pc.Scene(pc.rope(5, 1.0, 100.0, pinned="start"), pc.Gravity()), dt=1e-3)
+    looked, limit = [], engine.limit
+
+    def counted(world: object) -> object:
+        looked.append(world)
+        return limit(world)
+
+    monkeypatch.setattr(engine, "limit", counted)
+    assert simulation.plan.notes
+    assert len(looked) == 1

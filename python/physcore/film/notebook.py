@@ -24,6 +24,8 @@ faster than real time.
 """
 _previews: WeakKeyDictionary[Recording, str | None] = WeakKeyDictionary()
 """Cache of the previews, because a notebook requests them repeatedly."""
+_films: WeakKeyDictionary[Recording, str] = WeakKeyDictionary()
+"""Cache of the whole films that were shown."""
 
 
 def html(recording: Recording) -> str | None:
@@ -35,8 +37,11 @@ def html(recording: Recording) -> str | None:
 
 def full_html(recording: Recording) -> str:
     """The whole recording as drawn by `physcore.film`, of any size."""
-    rate = min(max(recording.fps, SLOWEST), 50.0)
-    return inline_image(gif_bytes(recording, speed=rate / recording.fps), "gif", repr(recording))
+    if recording not in _films:
+        rate = min(max(recording.fps, SLOWEST), 50.0)
+        content = gif_bytes(recording, speed=rate / recording.fps)
+        _films[recording] = inline_image(content, "gif", repr(recording))
+    return _films[recording]
 
 
 def _preview(recording: Recording) -> str | None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import FloatArray, shown
+from physcore.checks import FloatArray, misfit, shown
 from physcore.errors import SceneError
 from physcore.scene.items import Force
 
@@ -65,13 +64,6 @@ def _check(function: object, field: str, *arguments: str) -> None:
     """Check that a value is a function of these arguments, as far as its signature is known."""
     if not callable(function):
         raise SceneError(f"CustomForce.{field}: must be a function, got {shown(function)}")
-    try:
-        signature = inspect.signature(function)
-    except (TypeError, ValueError):
-        return  # Some functions that are not written in Python have no signature.
-    try:
-        signature.bind(*arguments)
-    except TypeError as error:
-        raise SceneError(
-            f"CustomForce.{field}: must take ({', '.join(arguments)}), got a function of {signature} ({error})"
-        ) from None
+    reason = misfit(function, *arguments)
+    if reason is not None:
+        raise SceneError(f"CustomForce.{field}: must take ({', '.join(arguments)}), got {reason}")

@@ -1,11 +1,11 @@
-"""Linear and quadratic drag in a uniform wind."""
+"""Linear and quadratic drag in a wind."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
-from physcore.checks import TimedVector, number, timed
+from physcore.checks import PlacedVector, number, placed
 from physcore.scene.items import Force
 
 
@@ -15,6 +15,7 @@ class Drag(Force):
 
         ball = pc.Particles([[0.0, 0.0]], velocities=[[10.0, 0.0]], name="ball")
         scene = pc.Scene(ball, pc.Drag(linear=0.1, wind=(0.0, 1.0), on="ball"))
+        shear = pc.Drag(0.1, wind=lambda t, x: np.column_stack([x[:, 1], 0.0 * x[:, 1]]))
 
     The linear term is Stokes' law for slow motion, the quadratic one Newton's for fast motion. The power in the frame
     of the wind, (b + c |u|) |u|², counts as dissipated. The power of the wind counts as work.
@@ -22,26 +23,33 @@ class Drag(Force):
     Args:
         linear: b [N·s/m], at least zero.
         quadratic: c [N·s²/m²], at least zero.
-        wind: velocity of the medium [m/s], or a function of the time [s] that returns it, called in every evaluation;
-            None: at rest.
+        wind: velocity of the medium [m/s]; None: at rest. Or a function, called in every evaluation. `wind(time)`
+            returns one velocity. `wind(time, positions)` has the positions [m] of the particles that the drag acts on,
+            shape (N, D), and returns a velocity for each, (N, D). A `pc.Flow` is such a function.
         on: the body or bodies that the drag acts on; all except fluids by default.
 
     Raises:
-        SceneError: a coefficient is negative, or a value is not finite.
+        SceneError: a coefficient is negative, a value is not finite, or a function takes other arguments. In a run: a
+            function raised an exception, or returned what is no array of numbers; the message begins with
+            `forces[i].wind`.
 
     Source: L. D. Landau, E. M. Lifshitz, "Fluid Mechanics", §§ 20 and 45.
     """
 
     linear: float = 0.0
     quadratic: float = 0.0
-    wind: TimedVector | None = None
+    wind: PlacedVector | None = None
+    by_place: bool = field(init=False, repr=False, compare=False)
+    """Whether the wind is a function of time and positions."""
 
     spares_fluids: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        wind, by_place = (None, False) if self.wind is None else placed(self.wind, "Drag.wind")
         self._set(
             linear=number(self.linear, "Drag.linear", least=0.0),
             quadratic=number(self.quadratic, "Drag.quadratic", least=0.0),
-            wind=None if self.wind is None else timed(self.wind, "Drag.wind"),
+            wind=wind,
+            by_place=by_place,
         )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, cast
 
-from physcore.checks import TimedVector, number, timed
+from physcore.checks import PlacedVector, number, placed
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Force
@@ -17,7 +17,7 @@ from physcore.units.systems import Default
 
 @dataclass(frozen=True)
 class Wind(Force):
-    """Aerodynamic force of a uniform wind on the faces of cloth: pressure and skin friction.
+    """Aerodynamic force of a wind on the faces of cloth: pressure and skin friction.
 
         flag = pc.cloth((30, 20), 0.02, 60.0, mass=0.0004, axes=((1, 0, 0), (0, 0, 1)), pinned="left")
         scene = pc.Scene(flag, pc.Wind((6.0, 0.0, 0.0), on=flag), pc.Gravity((0.0, 0.0, -9.81)))
@@ -32,10 +32,12 @@ class Wind(Force):
     the air and sheltering are neglected.
 
     Args:
-        velocity: velocity of the air [m/s], shape (3,), or a function of the time [s] that returns it, called in every
-            evaluation: `lambda t: (6.0 + 2.0 * math.sin(3.0 * t), 0.0, 0.0)`.
-        density: density of the air [kg/m³], at least zero; by default 1.225 kg/m³, the value at sea level, in
-            the units of the scene.
+        velocity: velocity of the air [m/s], shape (3,). Or a function, called in every evaluation. `velocity(time)`
+            returns one velocity: `lambda t: (6.0 + 2.0 * math.sin(3.0 * t), 0.0, 0.0)`. `velocity(time, positions)` has
+            the centroids [m] of the faces, shape (F, 3), and returns a velocity for each. A `pc.Flow` is such a
+            function.
+        density: density of the air [kg/m³], at least zero; by default 1.225 kg/m³, the value at sea level, in the units
+            of the scene.
         normal: coefficient of the force normal to a face, at least zero; 1.17 is the value of a square plate.
         tangential: coefficient of skin friction, at least zero; 0.01 for both sides at Reynolds numbers near 10⁵.
         on: the SpringNetwork with faces in 3D that the force acts on, or several; by default all that have faces. Of
@@ -48,17 +50,21 @@ class Wind(Force):
     Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3.
     """
 
-    velocity: TimedVector
+    velocity: PlacedVector
     density: float = Default(1.225, "kg/m³")
     normal: float = 1.17
     tangential: float = 0.01
+    by_place: bool = field(init=False, repr=False, compare=False)
+    """Whether the velocity is a function of time and positions."""
 
     spares_fluids: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        velocity, by_place = placed(self.velocity, "Wind.velocity")
         self._set(
-            velocity=timed(self.velocity, "Wind.velocity"),
+            velocity=velocity,
+            by_place=by_place,
             density=number(self.density, "Wind.density", least=0.0),
             normal=number(self.normal, "Wind.normal", least=0.0),
             tangential=number(self.tangential, "Wind.tangential", least=0.0),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,14 +28,13 @@ from physcore.checks import (
     span,
 )
 from physcore.errors import SceneError
+from physcore.scene.edges import Absorbing, Condition, Valued, condition
 from physcore.scene.items import System
 
 AXES = "xyz"
 """Names of the axes."""
 MOST_CELLS = 2**31
 """Largest number of cells along an axis."""
-WIDEST = 4096
-"""Largest width of an absorbing layer [cells]."""
 
 Field: TypeAlias = ArrayLike | Callable[..., ArrayLike]
 """A field on a grid: a number, an array of its shape, or a function of the coordinate arrays."""
@@ -123,6 +122,11 @@ class Grid:
         return len(self.cells)
 
     @property
+    def sides(self) -> tuple[str, ...]:
+        """The names of the sides, "x-", "x+", and so on."""
+        return tuple(f"{axis}{end}" for axis in AXES[: self.dimension] for end in "-+")
+
+    @property
     def size(self) -> int:
         """The number of cells."""
         return math.prod(self.cells)
@@ -180,21 +184,23 @@ class Grid:
         raise SceneError(f"{path}: must be a mask of the shape {self.cells} of the grid, got the shape {given.shape}")
 
     def edges(
-        self, value: object, path: str, words: Collection[str], default: str
-    ) -> tuple[tuple[str, ...], Absorbing | None]:
-        """The edge conditions, one word for each side in the order x−, x+, y−, y+, z−, z+, and the absorbing layer.
+        self, value: object, path: str, words: Collection[str], default: str, valued: bool = False
+    ) -> tuple[tuple[Condition, ...], Absorbing | None]:
+        """The edge conditions, one for each side in the order x−, x+, y−, y+, z−, z+, and the absorbing layer.
 
         Args:
-            value: one word for all sides, words for all 2·D sides, or a mapping from axes ("x") and sides ("x-", "x+")
-                to words. Sides without a word have the default. An `Absorbing` is used as the word "absorbing".
+            value: one condition for all sides, conditions for all 2·D sides, or a mapping from axes ("x") and sides
+                ("x-", "x+") to conditions. Sides without one have the default. An `Absorbing` is used as the word
+                "absorbing".
             path: path of the argument.
             words: the known words. A periodic axis has the word "periodic", and takes no other.
             default: the default word.
+            valued: whether conditions with values are valid too.
 
         Raises:
             SceneError: there is no such axis or word, a word is given for a periodic axis, or layers differ.
         """
-        sides = [f"{axis}{end}" for axis in AXES[: self.dimension] for end in "-+"]
+        sides = self.sides
         closed = dict(zip(sides, np.repeat(self.periodic, 2).tolist(), strict=True))
         found: dict[str, object] = dict.fromkeys(sides, default)
         if isinstance(value, Mapping):
@@ -217,59 +223,43 @@ class Grid:
             raise SceneError(
                 f"{path}: all absorbing edges must have one kind of layer, got {shown(sorted(layers, key=repr))}"
             )
-        return tuple(_edge(word, side, closed[side], path, words) for side, word in found.items()), next(
-            iter(layers), None
+        around = [self.cells[:axis] + self.cells[axis + 1 :] for axis in np.repeat(range(self.dimension), 2)]
+        conditions = tuple(
+            condition(each, closed[side], f"{path}[{side!r}]", words, cells if valued else None)
+            for (side, each), cells in zip(found.items(), around, strict=True)
         )
-
-
-@dataclass(frozen=True)
-class Absorbing:
-    """Absorbing layer outside of an edge of a grid, in which waves decay. The layer is not included in totals.
-
-        grid = pc.Grid((100, 60), spacing=0.1)
-        pond = pc.Wave(grid, speed=1.0, edges={"x": pc.Absorbing(), "y": "free"})
-
-    The flux across the edge counts as dissipated, or removed, by "edges"; an inward flux counts as negative.
-
-    Args:
-        cells: width of the layer [cells]; "auto": a width that suits the system, stated in the plan.
-        reflection: ratio of the reflected to the incident amplitude at normal incidence, between 0 and 1.
-
-    Raises:
-        SceneError: a value is out of range.
-    """
-
-    cells: int | Literal["auto"] = "auto"
-    reflection: float = 1e-6
-
-    def __post_init__(self) -> None:
-        if not is_word(self.cells, "auto"):
-            object.__setattr__(self, "cells", count(self.cells, "Absorbing.cells", least=1, most=WIDEST))
-        reflection = number(self.reflection, "Absorbing.reflection", above=0.0)
-        if reflection >= 1.0:
-            raise SceneError(f"Absorbing.reflection: must be < 1, got {reflection:g}")
-        object.__setattr__(self, "reflection", reflection)
+        return conditions, next(iter(layers), None)
 
 
 # To add a system on a grid: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GridSystem(System):
-    """Base class of systems of fields on a grid, all of the grid's shape."""
+    """Base class of systems of fields on a grid, all of the grid's shape; equal only to themselves, as bodies are."""
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
 
     grid: Grid
     """The grid."""
-    edges: tuple[str, ...]
+    edges: tuple[Condition, ...]
     """Edge condition of each side, in the order x−, x+, y−, y+, z−, z+."""
+
+    def conditions(self, field: str) -> tuple[Condition, ...]:
+        """The edge conditions of a field, in the order x−, x+, y−, y+, z−, z+."""
+        del field
+        return self.edges
 
     @property
     def shut(self) -> tuple[bool, ...]:
         """Mask of the sides that have a wall, as opposed to absorbing and periodic ones."""
-        return tuple(word not in ("absorbing", "periodic") for word in self.edges)
+        first = next(iter(self.units))
+        return tuple(each not in ("absorbing", "periodic") for each in self.conditions(first))
 
-    def outer(self, values: FloatArray) -> tuple[float, float]:
-        """The values on both outer faces in 1D: zero on a fixed side, otherwise the value of the adjacent cell."""
+    def outer(self, field: str, values: FloatArray) -> tuple[float, float]:
+        """The values of a field on both outer faces in 1D: as prescribed, otherwise the value of the adjacent cell."""
         low, high = (
-            0.0 if word == "fixed" else float(values[at]) for word, at in zip(self.edges, (0, -1), strict=True)
+            0.0 if each == "fixed" else each.outer(nearest, self.grid.spacing) if isinstance(each, Valued) else nearest
+            for each, nearest in zip(self.conditions(field), (float(values[0]), float(values[-1])), strict=True)
         )
         return low, high
 
@@ -309,18 +299,6 @@ def _per_axis(value: object, axes: int, path: str, check: Callable[[object, str]
 
 def _place(value: object, path: str) -> float:
     return number(value, path, least=-LONGEST, most=LONGEST)
-
-
-def _edge(word: object, side: str, periodic: bool, path: str, words: Collection[str]) -> str:
-    """The word of one side."""
-    if periodic:
-        return "periodic"
-    word = "absorbing" if isinstance(word, Absorbing) else word
-    if not isinstance(word, str) or word not in words:
-        hint = "; periodic axes are said by the grid: Grid(…, periodic=True)" if is_word(word, "periodic") else ""
-        *others, last = map(repr, words)
-        raise SceneError(f"{path}[{side!r}]: must be {', '.join(others)} or {last}, got {shown(word)}{hint}")
-    return word
 
 
 def _broadcasts(shape: tuple[int, ...], cells: tuple[int, ...]) -> bool:

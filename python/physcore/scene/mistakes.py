@@ -1,4 +1,4 @@
-"""Warnings of probable mistakes in a scene: charges without a force, fluid within bodies, floors without gravity."""
+"""Warnings of probable mistakes in a scene: charges without a force, and fluid within bodies."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ def warn_of_mistakes(scene: Scene) -> None:
     """Warn of what a scene can hardly mean."""
     _warn_of_charges(scene)
     _warn_of_shared_places(scene)
-    _warn_of_rest(scene)
 
 
 def _warn_of_charges(scene: Scene) -> None:
@@ -60,16 +59,3 @@ def _shared(fluid: Fluid, positions: np.ndarray[tuple[int, ...], np.dtype[np.flo
         mixed = (first < len(fluid)) & (second >= len(fluid))
         pairs.append((first[mixed], second[mixed]))
     return pairs
-
-
-def _warn_of_rest(scene: Scene) -> None:
-    """Warn if bodies at rest lie over boundaries, and no force moves them."""
-    still = scene.bodies and not any(body.velocities.any() for body in scene.bodies)
-    if not still or not scene.boundaries or scene.forces or scene.systems or scene.fluids:
-        return
-    if any(len(getattr(body, "pairs", ())) > 0 for body in scene.bodies):
-        return
-    kind = type(scene.boundaries[0]).__name__
-    warn(
-        f"boundaries[0]: nothing moves, and no force pulls anything toward this {kind}: add pc.Gravity()", SceneWarning
-    )

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from physcore.checks import BoolArray, shown
+from physcore.checks import BoolArray, shown, word
 from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
@@ -140,10 +140,10 @@ class Scene:
             field: "on", or another field of the item that names bodies, such as "sources".
 
         Raises:
-            SceneError: the item is neither.
+            SceneError: the item is neither, or has no such field.
         """
         targets = self.targets(item)  # raises the error
-        named = item.among(self.bodies, "members.item").targets(field)
+        named = item.among(self.bodies, "members.item").targets(word(field, "members.field", item.naming))
         if named is None:
             named = targets if field == "on" else self.bodies
         result = np.zeros(self.particles, dtype=np.bool_)

@@ -68,7 +68,7 @@ def _untouched(recording: Recording) -> Iterator[str]:
 
 def of_scene(scene: Scene, numerics: Numerics) -> list[str]:
     """Notes on what a scene does not resolve, and on unstable equilibrium."""
-    notes = [*_edge_on(scene), *_thin(scene)]
+    notes = [*_edge_on(scene), *_thin(scene), *_at_rest(scene)]
     for system in scene.systems:
         path = str(scene.system(system))
         integrator = numerics.integrators.get(path, numerics.integrator)
@@ -91,6 +91,14 @@ def _thin(scene: Scene) -> Iterator[str]:
                 f"fewer than {ROWS} rows lose more than 5 % of their height in a period; a spacing of "
                 f"{thinnest / ROWS:.2g} m keeps that"
             )
+
+
+def _at_rest(scene: Scene) -> Iterator[str]:
+    """A note on bodies at rest at boundaries, if no force moves them."""
+    moving = any(body.velocities.any() or isinstance(body, (Fluid, SpringNetwork)) for body in scene.bodies)
+    if scene.bodies and scene.boundaries and not (moving or scene.forces):
+        kind = type(scene.boundaries[0]).__name__
+        yield f"boundaries[0]: nothing moves, and no force pulls toward this {kind}: add pc.Gravity()"
 
 
 def _containers(scene: Scene) -> list[Box]:

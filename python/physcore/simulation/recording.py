@@ -159,7 +159,7 @@ class Recording(Trajectory):
         """
         if _whole is None or "positions" not in self.channels:
             raise SceneError("show: needs the channel 'positions'")
-        return Shown(_whole(self))
+        return Shown(_whole(self), repr(self))
 
     @property
     def period(self) -> float | None:
@@ -329,11 +329,15 @@ def _turns(scene: Scene) -> int:
     return scene.dimension * (scene.dimension - 1) // 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Shown:
-    """HTML content to be shown in a notebook."""
+    """HTML content to be shown in a notebook, and words for it. A notebook stores both."""
 
     html: str
+    words: str
+
+    def __repr__(self) -> str:
+        return self.words
 
     def _repr_html_(self) -> str:
         return self.html

@@ -35,6 +35,7 @@ from physcore.scene.records import Record
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
+from physcore.simulation.alternation import alternating
 from physcore.simulation.energy import Amount, Energy
 from physcore.simulation.event import Event, checked
 from physcore.simulation.notes import noted, of_scene
@@ -176,13 +177,13 @@ class Simulation:
         """The plan: the stages of one step, and the choices that were made."""
         limit = self._stepper.limit
         plan = engine.plan(self._world, self._scene, limit, self.dt)
-        notes = (*plan.notes, *map(self._scene.units.reworded, (*self._scene_notes, *self._stepper.notes())))
+        notes = (*plan.notes, *map(self._scene.units.reworded, (*self._scene_notes, *self._stepper.notes(limit))))
         return replace(plan, substeps=self.substeps, notes=notes)
 
     @cached_property
     def _scene_notes(self) -> list[str]:
-        """Notes on the scene, which look at whole fields and call reactions: found once."""
-        return of_scene(self._scene, self._numerics)
+        """Notes on the scene, which look at whole fields, and call reactions and functions of time: found once."""
+        return [*of_scene(self._scene, self._numerics), *alternating(self._scene, self.dt)]
 
     @property
     def provenance(self) -> Provenance:
@@ -402,7 +403,8 @@ class Simulation:
 
         Args:
             points: where [m], shape (M, D). In a periodic domain they are taken as they are given.
-            on: a body, its index or its name: of the forces only those that act on it count; None: all of them.
+            on: a body, its index or its name: of the forces only those that act on it, or on some of its particles,
+                count; None: all of them.
 
         Returns:
             Accelerations [m/s²], shape (M, D).

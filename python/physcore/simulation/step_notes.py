@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from physcore.arithmetic import power
-from physcore.numerics.choices import AdaptiveStep, StepRule
+from physcore.numerics.choices import AdaptiveStep, Limit, StepRule
 from physcore.scene.fluid import Fluid
 from physcore.scene.records import Record
 from physcore.simulation.step_size import StepSize
@@ -20,10 +20,10 @@ NEAR = 0.5
 """Ratio of a given time step to a limit that varies above which the plan has a note; AutoStep() keeps to half."""
 
 
-def notes_on(size: StepSize, dt: float) -> list[str]:
-    """Notes on steps of a size; the present one is `dt` [s]."""
+def notes_on(size: StepSize, dt: float, limit: Limit) -> list[str]:
+    """Notes on steps of a size; the present one is `dt` [s], and its limit is `limit`."""
     if size.adaptive is None:
-        return _momentary(size, dt) + _unresolved(size, dt)
+        return _momentary(size, dt, limit) + _unresolved(size, dt, limit)
     return _following(size, size.adaptive)
 
 
@@ -45,9 +45,9 @@ def _following(size: StepSize, rule: AdaptiveStep) -> list[str]:
     return [f"adaptive steps {by}: {taken}"]
 
 
-def _momentary(size: StepSize, dt: float) -> list[str]:
+def _momentary(size: StepSize, dt: float, limit: Limit) -> list[str]:
     """A note on a given step near a limit that varies with the motion."""
-    limit, flows = size.limit, any(isinstance(body, Fluid) for body in size.scene.bodies)
+    flows = any(isinstance(body, Fluid) for body in size.scene.bodies)
     if isinstance(size.numerics.dt, StepRule) or not size.varies or not (limit.kind == "accuracy" or flows):
         return []
     if not NEAR * limit.dt < dt <= limit.dt:
@@ -58,9 +58,9 @@ def _momentary(size: StepSize, dt: float) -> list[str]:
     ]
 
 
-def _unresolved(size: StepSize, dt: float) -> list[str]:
+def _unresolved(size: StepSize, dt: float, limit: Limit) -> list[str]:
     """A note on the fastest oscillation of bodies, if it is off by more than 1 % after ten periods."""
-    limit, integrator = size.limit, size.numerics.integrator
+    integrator = size.numerics.integrator
     if not size.scene.bodies:
         return []
     if math.isinf(limit.dt) and any(Record.of(force).is_code for force in size.scene.forces):

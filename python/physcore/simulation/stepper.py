@@ -168,9 +168,9 @@ class Stepper:
         self._note(Segment(last.time, stretch.parts, stretch.size))
         self._cut = Cut(self._world.steps, dt)
 
-    def notes(self) -> list[str]:
-        """Notes of the plan about steps."""
-        return notes_on(self._size, self.dt)
+    def notes(self, limit: Limit) -> list[str]:
+        """Notes of the plan about steps, whose present limit is known."""
+        return notes_on(self._size, self.dt, limit)
 
     def _adapt(self, interval: float, fps: float, rule: AdaptiveStep, watch: Watch | None) -> None:
         """Advance by an interval [s] in steps that follow the motion."""

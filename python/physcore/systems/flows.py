@@ -156,7 +156,8 @@ class Flow(VelocityField):
 
     The function is called once per stage of each step, on one thread. Its arguments are the time [s] and the positions
     [m] of all tracers, shape (N, D), which it may modify. It returns their velocities [m/s], of the same shape. The
-    velocity of a tracer must not depend on other tracers.
+    velocity of a tracer must not depend on other tracers. A flow can be called as its function, and be the wind of
+    `Drag` and `Wind`.
 
     Args:
         function: function that returns the velocities.
@@ -171,6 +172,10 @@ class Flow(VelocityField):
     def __post_init__(self) -> None:
         if not callable(self.function):
             raise SceneError(f"Flow.function: must be a function of time and positions, got {shown(self.function)}")
+
+    def __call__(self, time: float, positions: FloatArray) -> ArrayLike:
+        """The velocities [m/s] at a time [s] and positions [m]."""
+        return self.function(time, positions)
 
 
 FLOWS: tuple[type[VelocityField], ...] = (Lorenz, Rossler, Aizawa, Thomas, Halvorsen, Flow)

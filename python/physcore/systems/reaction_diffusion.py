@@ -11,14 +11,16 @@ import numpy as np
 
 from physcore.checks import FloatArray, number, shown, text
 from physcore.errors import SceneError
+from physcore.scene.edges import Condition, Dirichlet, Neumann
 from physcore.scene.grid import Field, Grid, GridSystem
 from physcore.scene.items import Equation
 from physcore.systems.kinetics import KINETICS, Kinetics, Reaction
 from physcore.systems.resolution import SLOW, front_speed
 
 Edge = Literal["free", "fixed"]
-Edges: TypeAlias = Edge | Mapping[str, Edge] | Sequence[str]
-"""Edge conditions: a word for all edges, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
+Side: TypeAlias = Edge | Dirichlet | Neumann
+Edges: TypeAlias = Side | Mapping[str, Side] | Sequence[Condition]
+"""Edge conditions: one for all edges, or a mapping from axes ("x") and sides ("x-", "x+") to conditions."""
 EDGES: tuple[Edge, ...] = ("free", "fixed")
 
 
@@ -39,7 +41,10 @@ class ReactionDiffusion(GridSystem):
 
     The Laplacian uses two neighbors along each axis. The amount of each species, Σ u hᴰ, has a budget. Its `supplied`
     and `removed` are the time integrals of the gains and losses by reactions, cell by cell, and of the flux through
-    fixed edges. They account for the amount up to rounding.
+    edges. They account for the amount up to rounding.
+
+        rod = pc.ReactionDiffusion(pc.Grid(50, 0.02), pc.Reaction(("T",), lambda T: (0 * T,)), {"T": 1e-2}, {"T": 20.0},
+                                   edges={"x-": pc.Dirichlet(100.0), "x+": pc.Neumann(lambda t: -5.0 * t)})
 
     Args:
         grid: a grid in 1D, 2D or 3D.
@@ -47,9 +52,11 @@ class ReactionDiffusion(GridSystem):
         diffusion: diffusivity D ≥ 0 of each species [m²/s], by name.
         initial: initial value of each species, a field: a number, an array of shape `grid.cells` or a function of the
             coordinates of the cell centers.
-        edges: "free": no flux through the outer faces; "fixed": values are zero on them. A word for all edges, or a
-            mapping of axes or sides, `{"x": "fixed", "y-": "free"}`; other sides are free. Periodic axes of the grid
-            have no edges.
+        edges: "free": no flux through the outer faces; "fixed": values are zero on them; `Dirichlet(value)` and
+            `Neumann(gradient)`: others than zero, also as functions of the time. One condition for all edges, or a
+            mapping of axes or sides, `{"x": "fixed", "y-": "free"}`; other sides are free. Or a mapping of species to
+            these, `{"u": pc.Dirichlet(1.0), "v": {"x": "fixed"}}`; other species have free edges. Periodic axes of the
+            grid have no edges.
         name: name of the system, also a key into results.
 
     Raises:
@@ -62,7 +69,7 @@ class ReactionDiffusion(GridSystem):
 
     equation: ClassVar[Equation] = "first order"
     default_integrator: ClassVar[str] = "RungeKutta4"
-    parts: ClassVar[tuple[type, ...]] = (Grid, *KINETICS)
+    parts: ClassVar[tuple[type, ...]] = (Grid, Dirichlet, Neumann, *KINETICS)
 
     reaction: Kinetics
     """Kinetics of the reaction."""
@@ -70,6 +77,8 @@ class ReactionDiffusion(GridSystem):
     """Diffusivity D of each species [m²/s]."""
     initial: Mapping[str, float | FloatArray]
     """Initial value of each species, a number or of shape `grid.cells`."""
+    edges: tuple[Condition, ...] | Mapping[str, tuple[Condition, ...]]  # type: ignore[assignment]
+    """Edge condition of each side, in the order x−, x+, y−, y+, z−, z+; by species, if these differ."""
 
     def __init__(
         self,
@@ -77,7 +86,7 @@ class ReactionDiffusion(GridSystem):
         reaction: Kinetics,
         diffusion: Mapping[str, float],
         initial: Mapping[str, Field],
-        edges: Edges = "free",
+        edges: Edges | Mapping[str, Edges] = "free",
         name: str | None = None,
     ) -> None:
         if not isinstance(grid, Grid):
@@ -87,7 +96,6 @@ class ReactionDiffusion(GridSystem):
             raise SceneError(f"ReactionDiffusion.reaction: must be one of {known}, got {shown(reaction)}")
         rates = _by_species(diffusion, reaction, "ReactionDiffusion.diffusion")
         fields = _by_species(initial, reaction, "ReactionDiffusion.initial")
-        words, _ = grid.edges(edges, "ReactionDiffusion.edges", EDGES, "free")
         self._set(
             grid=grid,
             reaction=reaction.on(grid, "ReactionDiffusion.reaction"),
@@ -99,9 +107,13 @@ class ReactionDiffusion(GridSystem):
                 species: grid.uniform_or_field(value, f"ReactionDiffusion.initial[{species!r}]")  # type: ignore[arg-type]
                 for species, value in fields.items()
             },
-            edges=words,
+            edges=_edges(grid, edges, reaction.names),
             name=None if name is None else text(name, "ReactionDiffusion.name"),
         )
+
+    def conditions(self, field: str) -> tuple[Condition, ...]:
+        """The edge conditions of a species, in the order x−, x+, y−, y+, z−, z+."""
+        return self.edges[field] if isinstance(self.edges, Mapping) else self.edges
 
     @property
     def units(self) -> Mapping[str, str]:
@@ -142,6 +154,24 @@ class ReactionDiffusion(GridSystem):
         label = f"{self.name!r}, " if self.name else ""
         kinetics, cells = type(self.reaction).__name__, " × ".join(map(str, self.grid.cells))
         return f"ReactionDiffusion({label}{kinetics}, {cells} cells)"
+
+
+def _edges(grid: Grid, given: object, names: Sequence[str]) -> tuple[Condition, ...] | dict[str, tuple[Condition, ...]]:
+    """The validated edge conditions: of all species, or by species if these differ.
+
+    A mapping whose keys name both sides and species is one of sides, unless its values are mappings.
+    """
+    path, keys = "ReactionDiffusion.edges", {*grid.sides, *(side[0] for side in grid.sides)}
+    if (
+        not isinstance(given, Mapping)
+        or not set(given) <= set(names)
+        or not (set(given) - keys or any(isinstance(each, Mapping) for each in given.values()))
+    ):
+        return grid.edges(given, path, EDGES, "free", valued=True)[0]
+    each = {
+        name: grid.edges(given.get(name, "free"), f"{path}[{name!r}]", EDGES, "free", valued=True)[0] for name in names
+    }
+    return each if len(set(each.values())) > 1 else each[names[0]]
 
 
 def _by_species(value: object, reaction: Kinetics, path: str) -> dict[str, object]:

@@ -14,7 +14,8 @@ from physcore.arithmetic import arctan2, cos, exp, sin
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, number, regular, require, shown, text
 from physcore.entrance import entrance
 from physcore.errors import SceneError, SceneWarning, warn
-from physcore.scene.grid import Absorbing, Field, Grid, GridSystem
+from physcore.scene.edges import Absorbing, Condition
+from physcore.scene.grid import Field, Grid, GridSystem
 from physcore.scene.items import Equation
 from physcore.systems.resolution import note, wave_number
 from physcore.systems.wave import EDGES, Edges
@@ -132,7 +133,7 @@ class Schrodinger(GridSystem):
     """Reduced Planck constant ħ [J·s]."""
     interaction: float
     """Interaction strength g [J·mᴰ]."""
-    edges: tuple[str, ...]
+    edges: tuple[Condition, ...]
     """Edge condition of each side, "fixed", "free", "absorbing" or "periodic", in the order x−, x+, y−, y+, z−, z+."""
     absorbing: Absorbing
     """The layer of absorbing edges."""

@@ -26,12 +26,14 @@ from physcore.checks import (
     text,
 )
 from physcore.errors import SceneError, SceneWarning, warn
-from physcore.scene.grid import AXES, Absorbing, Field, Grid, GridSystem
+from physcore.scene.edges import Absorbing, Condition, Dirichlet, Neumann
+from physcore.scene.grid import AXES, Field, Grid, GridSystem
 from physcore.systems.resolution import angle, note, wave_number
 
 Edge = Literal["fixed", "free", "absorbing"]
-Edges: TypeAlias = Edge | Absorbing | Mapping[str, Edge | Absorbing] | Sequence[str]
-"""Edge conditions: a word for all edges, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
+Side: TypeAlias = Edge | Absorbing | Dirichlet | Neumann
+Edges: TypeAlias = Side | Mapping[str, Side] | Sequence[Condition]
+"""Edge conditions: one for all edges, or a mapping from axes ("x") and sides ("x-", "x+") to conditions."""
 EDGES: tuple[Edge, ...] = ("fixed", "free", "absorbing")
 ORDERS = (2, 4)
 """Orders of the spatial differences."""
@@ -191,23 +193,32 @@ class Wave(GridSystem):
         recording[pond].displacement  # (F, 200, 120)
 
     Fields are numbers, arrays of shape `grid.cells` or functions of the coordinates of the cell centers. Differences
-    are central. On a face between two cells, c² is their harmonic mean, so that u and ρ c² ∂u/∂n are continuous at
-    jumps of c. The discrete energy is the one whose negative gradient is the force. In 2D it is that of a membrane with
-    the mass per area ρ, in 1D that of a string with the mass per length ρ.
+    are central. On a face between two cells, ρ c² is their harmonic mean, so that u and ρ c² ∂u/∂n are continuous at
+    jumps of ρ and c. The discrete energy is the one whose negative gradient is the force. In 2D it is that of a
+    membrane with the mass per area ρ, in 1D that of a string with the mass per length ρ, both under the tension ρ c².
+
+    The impedance is Z = ρ c. An interface reflects R = (Z₁ − Z₂)/(Z₁ + Z₂) of the amplitude at normal incidence. The
+    pressure p of sound in a medium with the mass density ρ_m obeys p_tt/(ρ_m c²) = ∇·(∇p/ρ_m): that is u = p and ρ =
+    1/(ρ_m c²):
+
+        air_and_water = pc.Grid(200, spacing=0.01)
+        c, mass_density = np.repeat([343.0, 1480.0], 100), np.repeat([1.2, 1000.0], 100)
+        sound = pc.Wave(air_and_water, speed=c, density=1.0 / (mass_density * c**2), edges="absorbing")
 
     Args:
         grid: a grid in 1D, 2D or 3D.
         speed: wave speed c [m/s], a field ≥ 0.
         displacement: initial u [m], a field.
         rate: initial u_t [m/s], a field.
-        density: density ρ [kg/mᴰ], a number above zero; only energies depend on it.
+        density: density ρ [kg/mᴰ], a field > 0. If it is a number, only energies depend on it.
         damping: damping rate γ [1/s], a field ≥ 0.
         edges: "fixed": u is zero on the outer face of the outer cells; "free": no flux through it; "absorbing": waves
-            leave into a layer outside of the grid. A word for all edges, or a mapping of axes or sides,
-            `{"x": "free", "y-": "absorbing"}`; other sides are fixed. Periodic axes of the grid have no edges.
+            leave into a layer outside of the grid; `Dirichlet(value)` and `Neumann(gradient)`: others than zero, also
+            as functions of the time. One condition for all edges, or a mapping of axes or sides, `{"x": "free", "y-":
+            "absorbing"}`; other sides are fixed. Periodic axes of the grid have no edges.
         walls: a mask of excluded cells, with u zero on their faces; or a function that returns one.
         sources: a Source, or several.
-        order: order of the spatial differences, 2 or 4; only 2 with absorbing edges.
+        order: order of the spatial differences, 2 or 4; only 2 with absorbing edges and with values at edges.
         name: name of the system, also a key into results.
         absorbing: the layer of absorbing edges, as an alternative to `Absorbing` in `edges`.
 
@@ -218,7 +229,7 @@ class Wave(GridSystem):
     Numerical Methods for Transient Wave Equations", 2002, chapter 4.
     """
 
-    parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing, Source, Ricker)
+    parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing, Dirichlet, Neumann, Source, Ricker)
 
     speed: float | FloatArray
     """Wave speed c [m/s], a number or of shape `grid.cells`."""
@@ -226,12 +237,14 @@ class Wave(GridSystem):
     """Initial u [m], likewise."""
     rate: float | FloatArray
     """Initial u_t [m/s], likewise."""
-    density: float
-    """Density ρ [kg/mᴰ]."""
+    density: float | FloatArray
+    """Density ρ [kg/mᴰ], a number or of shape `grid.cells`."""
     damping: float | FloatArray
     """Damping rate γ [1/s], a number or of shape `grid.cells`."""
-    edges: tuple[str, ...]
-    """Edge condition of each side, "fixed", "free", "absorbing" or "periodic", in the order x−, x+, y−, y+, z−, z+."""
+    edges: tuple[Condition, ...]
+    """Edge condition of each side, "fixed", "free", "absorbing", "periodic" or one with a value, in the order x−, x+,
+    y−, y+, z−, z+.
+    """
     walls: BoolArray | None
     """Mask of the excluded cells, of shape `grid.cells`; None: none."""
     sources: tuple[Source, ...]
@@ -247,7 +260,7 @@ class Wave(GridSystem):
         speed: Field,
         displacement: Field = 0.0,
         rate: Field = 0.0,
-        density: float = 1.0,
+        density: Field = 1.0,
         damping: Field = 0.0,
         edges: Edges = "fixed",
         walls: Any = None,
@@ -264,20 +277,22 @@ class Wave(GridSystem):
         differences = count(order, "Wave.order")
         if differences not in ORDERS:
             raise SceneError(f"Wave.order: must be 2 or 4, got {differences}")
-        words, layer = grid.edges(edges, "Wave.edges", EDGES, "fixed")
+        words, layer = grid.edges(edges, "Wave.edges", EDGES, "fixed", valued=True)
         if order == 4 and "absorbing" in words:
             raise SceneError("Wave.order: must be 2 beside absorbing edges, got 4")
+        if order == 4 and any(isinstance(each, (Dirichlet, Neumann)) for each in words):
+            raise SceneError("Wave.order: must be 2 beside edges with values, got 4")
         if layer is not None and absorbing is not None and layer != absorbing:
             raise SceneError(f"Wave.absorbing: edges have {layer} already, got {absorbing}")
-        speeds = _at_least_zero(grid, speed, "Wave.speed")
+        speeds = _checked(grid, speed, "Wave.speed")
         solid = None if walls is None else frozen(grid.mask(walls, "Wave.walls"))
         self._set(
             grid=grid,
             speed=speeds,
             displacement=grid.uniform_or_field(displacement, "Wave.displacement"),
             rate=grid.uniform_or_field(rate, "Wave.rate"),
-            density=number(density, "Wave.density", above=0.0),
-            damping=_at_least_zero(grid, damping, "Wave.damping"),
+            density=_checked(grid, density, "Wave.density", above=True),
+            damping=_checked(grid, damping, "Wave.damping"),
             edges=words,
             walls=solid,
             sources=_sources(sources, grid, speeds, solid, differences),
@@ -328,10 +343,11 @@ def _sine(steepness: float, order: int) -> float:
     return math.sqrt(1.5 * (math.sqrt(1.0 + 4.0 / 3.0 * steepness * steepness) - 1.0))
 
 
-def _at_least_zero(grid: Grid, value: Field, path: str) -> float | FloatArray:
-    """A field without negative values."""
+def _checked(grid: Grid, value: Field, path: str, above: bool = False) -> float | FloatArray:
+    """A field without negative values; with `above`, without zeros too."""
     field = grid.uniform_or_field(value, path)
-    require(np.asarray(field) >= 0.0, np.asarray(field), path, "≥ 0")
+    values = np.asarray(field)
+    require(values > 0.0 if above else values >= 0.0, values, path, "> 0" if above else "≥ 0")
     return field
 
 

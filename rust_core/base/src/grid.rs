@@ -5,6 +5,7 @@
 //! in memory order.
 
 mod block;
+mod edge_values;
 mod edges;
 mod laplacian;
 mod padding;
@@ -13,6 +14,7 @@ mod table;
 mod tiles;
 
 pub use block::{Block, COLUMNS};
+pub use edge_values::{EdgeCells, EdgeFace, EdgeValues};
 pub use edges::{Edge, Edges};
 pub use laplacian::{CellCoefficients, Laplacian};
 pub use padding::Padding;

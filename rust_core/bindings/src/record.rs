@@ -77,15 +77,17 @@ impl Reader {
         if let Ok(number) = value.extract() {
             return Ok(Value::Number(number));
         }
-        if let Ok(entries) = value.cast::<PyTuple>()
-            && let Ok(first) = entries.get_item(0)
-        {
-            if first.is_instance_of::<PyString>() {
-                return Ok(Value::Texts(entries.extract()?));
-            }
-            if first.is_instance_of::<PyDict>() {
-                let items = entries.iter().enumerate().map(|(index, entry)| self.item(&entry, format!("{path}[{index}]")));
+        if let Ok(entries) = value.cast::<PyTuple>() {
+            if entries.iter().any(|entry| entry.is_instance_of::<PyDict>()) {
+                // A word among items is the kind of an item without values.
+                let items = entries.iter().enumerate().map(|(index, entry)| match entry.cast::<PyString>() {
+                    Ok(word) => Ok(Item::from(word.extract::<String>()?.as_str())),
+                    Err(_) => self.item(&entry, format!("{path}[{index}]")),
+                });
                 return Ok(Value::Records(items.collect::<PyResult<_>>()?));
+            }
+            if entries.get_item(0).is_ok_and(|first| first.is_instance_of::<PyString>()) {
+                return Ok(Value::Texts(entries.extract()?));
             }
         }
         match value.extract::<Vec<f64>>()?[..] {

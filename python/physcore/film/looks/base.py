@@ -23,6 +23,8 @@ LINES = 0.35
 """Opacity of the lines of the grid on the ground."""
 WALL = 0.3
 """Opacity of the walls of a box."""
+LARGEST = 1e30
+"""Largest radius of a disc [m], within the range of single precision."""
 _Three: TypeAlias = tuple[float, float, float]
 
 
@@ -115,7 +117,8 @@ def disc(
 ) -> None:
     """Queue a disc with a radius [m] and `extra` pixels more."""
     pixels, depth, scale = view.project(center[np.newaxis])
-    canvas.discs(pixels, scale * np.float32(radius) + np.float32(extra), _ink(color, 1), depth, shading)
+    length = np.float32(min(radius, LARGEST))
+    canvas.discs(pixels, scale * length + np.float32(extra), _ink(color, 1), depth, shading)
 
 
 def lines(

@@ -23,6 +23,8 @@ PARTS = 6
 """Subdivisions of each side of a facet. Each part is sorted by depth on its own among the other objects."""
 SHORTEST = 8.0
 """Least length of such a part along a capsule [pixels]."""
+MOST_PARTS = 256
+"""Largest number of parts along a capsule, however far it reaches beyond the view."""
 SAGITTA = 0.25
 """Largest deviation of the outline of a capsule in 3D from a circle [pixels]."""
 FINEST = 12
@@ -104,7 +106,7 @@ class SolidLook(Look):
         first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
         first /= np.linalg.norm(first)
         level = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 2 * quarter + 1)
-        sides = max(1, round(length * scale / max(self.radius * scale / PARTS, SHORTEST)))
+        sides = max(1, round(min(length * scale / max(self.radius * scale / PARTS, SHORTEST), MOST_PARTS)))
         heights = np.concatenate([level[level < 0.0], np.zeros(sides + 1), level[level > 0.0]])
         feet = np.concatenate([np.zeros(quarter), np.linspace(0.0, 1.0, sides + 1), np.ones(quarter)])
         turn = np.linspace(0.0, 2.0 * np.pi, 4 * quarter + 1)

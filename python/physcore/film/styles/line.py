@@ -19,6 +19,7 @@ from physcore.film.looks.base import lines
 from physcore.film.styles.base import Painter, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
 from physcore.scene.bodies import Body
+from physcore.scene.edges import holds_value
 from physcore.scene.grid import GridSystem
 from physcore.scene.items import System
 from physcore.simulation.sources import Source, SourceFrame
@@ -143,7 +144,7 @@ class LinePainter(GridPainter):
         ink = np.tile(np.array([*self._color, 255], dtype=np.uint8), (len(segments), 1))
         canvas.lines(segments, np.full(len(segments), self._style.width, dtype=np.float32), ink)
         for end, place in zip(("x-", "x+"), ((left, y[0]), (right, y[-1])), strict=True):
-            if self._system.edges[end == "x+"] == "fixed":
+            if holds_value(self._system.conditions(self.quantity)[end == "x+"]):
                 radius, white = np.array([1.6 * self._style.width], dtype=np.float32), [[*theme.text, 255]]
                 canvas.discs(np.array([place], dtype=np.float32), radius, np.array(white, dtype=np.uint8))
 
@@ -186,7 +187,7 @@ class LinePainter(GridPainter):
             marks, values = np.repeat(np.arange(count + 1) / count, 2)[1:-1], np.repeat(values, 2)
             return left + (right - left) * marks, values
         marks = (np.arange(count) + 0.5) / count
-        outer = self._system.outer(values)
+        outer = self._system.outer(self.quantity, values)
         marks, values = np.array([0.0, *marks, 1.0]), np.array([outer[0], *values, outer[1]])
         fine = PER_PIXEL * max(1, math.ceil(right - left))
         if fine > count:  # few cells: a smooth curve through them

@@ -271,7 +271,7 @@ class PointsPainter(Painter):
         return float(np.clip(SPACING * math.sqrt(pixels / max(len(self._mass), 1)), least, most))
 
     def _radii(self, scale: PixelArray, view: View, pixels: float) -> PixelArray:
-        perspective = scale / np.float32(view.scale)
+        perspective = scale / max(np.float32(view.scale), np.finfo(np.float32).tiny)
         if isinstance(self._style.size, PerParticle):
             return (perspective * self._style.size.values / 2).astype(np.float32)
         chosen = np.float32(self._chosen(pixels))

@@ -16,6 +16,10 @@ frames has sin²(π/n), which is this value for five frames. Uncorrelated veloci
 """
 VISIBLE = 2e-3
 """Smallest visible jump between frames, relative to the extent of the body: one pixel for an extent of 500 pixels."""
+DAMPED = 0.25
+"""Damping ratio of a spring between two particles in a cure. The ratio of a mode of the mesh is in proportion to its
+frequency. At a fifth of the frequency it is 0.05. An oscillation has then decayed after ten periods.
+"""
 FEWEST_FRAMES = 10
 """Least number of frames for a finding."""
 FEWEST_SPRINGS = 16
@@ -50,14 +54,14 @@ def jitters(case: Case) -> Iterator[Finding]:
 
 
 def _cure(body: SpringNetwork) -> str:
-    """A remedy by more damping: at a damping ratio of 0.05, an oscillation has decayed after ten periods."""
+    """A remedy by more damping."""
     stiff = np.isfinite(body.stiffness) & (body.stiffness > 0.0)
     critical = (
         2.0 * np.sqrt(float(np.median(body.stiffness[stiff])) * float(np.median(body.mass)) / 2.0)
         if stiff.any()
         else 0.0
     )
-    damping = max(0.05 * critical, 2.0 * float(np.median(body.damping)))
+    damping = max(DAMPED * critical, 2.0 * float(np.median(body.damping)))
     if damping > critical > 0.0:
         return "take a smaller stiffness, or bend_stiffness and pc.Dihedral: its springs are damped enough"
     much = f"damping={damping:.2g} or more for its springs"

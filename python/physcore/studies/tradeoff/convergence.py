@@ -57,8 +57,10 @@ def convergence(
     An order that was not measured is assumed to be at least one, over no more than a halving of the step. With a
     difference d, the error of the coarser run is then at most 2d, and that of the finer run at most d. Because d may be
     small by chance, earlier differences are used too, reduced as for order one, if they are larger. For the coarser run
-    they are not used if d has decreased according to the order of the method. Impacts reduce the order to one, with a
-    factor that depends on their position within a step. Then four runs are required, and the bounds are twice as large.
+    they are not used if d has decreased according to the order of the method. If d has decreased faster, by up to two
+    orders, the finer run has at most the error that follows from the difference before and the order of the method.
+    Impacts reduce the order to one, with a factor that depends on their position within a step. Then four runs are
+    required, and the bounds are twice as large.
 
     Args:
         steps: numbers of steps of all runs, two or more.
@@ -68,12 +70,16 @@ def convergence(
     """
     ratio, change = min(steps[-1] / steps[-2], 2.0), differences[-1]
     expected = min(SAFETY_FACTOR * change / (float(power(ratio, certain or order)) - 1.0), change / (ratio - 1.0))
-    measured, asymptotic, regular = math.nan, False, len(steps) < 3
+    measured, asymptotic, regular, faster = math.nan, False, len(steps) < 3, math.inf
     if len(steps) > 2 and min(differences[-2:]) > 0.0:
         shrunk = _log2(differences[-2] / change)
         measured = shrunk / _log2(steps[-2] / steps[-3])
         surplus = shrunk + _log2(_shrinkage(steps[-3:-1], steps[-2:], order))
         asymptotic, regular = abs(surplus) < AGREEMENT, -AGREEMENT < surplus < NEXT + AGREEMENT
+        if regular and certain is None:
+            # What the order of the method alone would have made of the difference before, which is larger.
+            slower = differences[-2] * _shrinkage(steps[-3:-1], steps[-2:], order)
+            faster = SAFETY_FACTOR * max(slower, change) / (float(power(ratio, order)) - 1.0)
     envelope = max(
         earlier * _shrinkage(steps[at : at + 2], steps[-2:], 1)
         for at, earlier in enumerate(differences)
@@ -83,7 +89,8 @@ def convergence(
         envelope *= SAFETY_FACTOR if len(differences) >= MEMORY else math.inf
         asymptotic = regular = False
     coarser = (change if regular else envelope) * ratio / (ratio - 1.0)
-    return Convergence(measured, asymptotic, coarser, expected if asymptotic else envelope / (ratio - 1.0), expected)
+    finer = expected if asymptotic else min(envelope / (ratio - 1.0), faster)
+    return Convergence(measured, asymptotic, coarser, finer, expected)
 
 
 def _shrinkage(before: Sequence[int], after: Sequence[int], order: int) -> float:

@@ -47,6 +47,8 @@ pub struct Combination {
     pub keep: Option<usize>,
     /// Weight b of F in the step's end, with which gains and losses are integrated.
     pub weight: f64,
+    /// Node c: the time of Y is c h after the step's start.
+    pub node: f64,
 }
 
 /// Error estimate of a step: start·y₀ + end·y + h (Σ wⱼ Fⱼ + w f(y)), where y is the step's end.
@@ -108,6 +110,7 @@ impl FirstOrder {
                 slope: weights[index],
                 keep: (!last || !S::ERRORS.is_empty()).then_some(index),
                 weight: S::B[index],
+                node: S::C[index],
             }
         };
         let estimate = || Estimate {
@@ -161,10 +164,15 @@ mod tests {
 
     /// Computes a step of y' = λy by the combinations, with the estimated error.
     fn step(method: &FirstOrder, h: f64, rate: f64) -> (f64, f64, f64) {
-        let stages = method.stages(h, rate.abs());
+        solved(method, h, rate.abs(), |y, _| rate * y)
+    }
+
+    /// Computes a step of y' = f(y, t) from y = 1 at t = 0.
+    fn solved(method: &FirstOrder, h: f64, fastest: f64, f: impl Fn(f64, f64) -> f64) -> (f64, f64, f64) {
+        let stages = method.stages(h, fastest);
         let (mut y, mut before, start, mut kept, mut integral) = (1.0, f64::NAN, 1.0, [0.0; SLOPES], 0.0);
         for stage in &stages {
-            let slope = rate * y;
+            let slope = f(y, stage.node * h);
             let base = match stage.base {
                 Base::Here { .. } => y,
                 Base::Start => start,
@@ -180,7 +188,7 @@ mod tests {
         }
         let error = method.estimate.as_ref().map_or(0.0, |estimate| {
             let sum: f64 = estimate.slopes.iter().zip(&kept).map(|(weight, slope)| weight * slope).sum();
-            estimate.start * start + estimate.end * y + h * (sum + estimate.slope * rate * y)
+            estimate.start * start + estimate.end * y + h * (sum + estimate.slope * f(y, h))
         });
         (y, integral, error)
     }
@@ -200,6 +208,26 @@ mod tests {
                 assert!((order - f64::from(estimate.order)).abs() < 0.2, "{name}: {order}");
             }
             assert!(method.columns() <= 1 + SLOPES);
+        }
+    }
+
+    /// Node test: y' = 1 makes Y the time of the stage, and a rate that grows in time is integrated to the order of the method.
+    #[test]
+    fn every_node_is_the_time_of_its_stage() {
+        for name in NAMES {
+            let method = FirstOrder::named(name).unwrap();
+            for fastest in [1.0, 200.0] {
+                let check = |y: f64, time: f64| {
+                    assert!((y - 1.0 - time).abs() < 1e-14, "{name}: {y} {time}");
+                    1.0
+                };
+                assert!((solved(&method, 0.5, fastest, check).0 - 1.5).abs() < 1e-14, "{name}");
+                let power = method.order.cast_signed() - 1;
+                let error = solved(&method, 0.5, fastest, |_, time| time.powi(power)).0
+                    - 1.0
+                    - 0.5_f64.powi(power + 1) / f64::from(power + 1);
+                assert!(error.abs() < 1e-14, "{name}: {error}");
+            }
         }
     }
 

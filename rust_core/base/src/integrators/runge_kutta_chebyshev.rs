@@ -79,8 +79,15 @@ pub fn stages(count: usize) -> Vec<Combination> {
         dd / (d * d)
     };
     let a = |j: usize| 1.0 - b(j) * polynomials[j][0];
-    let mut stages =
-        vec![Combination { base: Base::Here { keep: true }, slopes: Vec::new(), slope: b(1) * w1, keep: Some(0), weight: 0.0 }];
+    let first = Combination {
+        base: Base::Here { keep: true },
+        slopes: Vec::new(),
+        slope: b(1) * w1,
+        keep: Some(0),
+        weight: 0.0,
+        node: 0.0,
+    };
+    let mut stages = vec![first];
     // Weights of h Fᵢ in the sums Yⱼ − y₀.
     let mut weights = [vec![0.0; count], vec![0.0; count]];
     weights[1][0] = b(1) * w1;
@@ -91,10 +98,11 @@ pub fn stages(count: usize) -> Vec<Combination> {
         let mut next: Vec<f64> = weights[0].iter().zip(&weights[1]).map(|(two, one)| own * one + other * two).collect();
         next[0] += first;
         next[j - 1] += slope;
+        let node = weights[1].iter().sum();
         weights.rotate_left(1);
         weights[1] = next;
         let base = if j == 2 { Base::Own(own) } else { Base::Recurrence(own, other) };
-        stages.push(Combination { base, slopes: vec![first], slope, keep: None, weight: 0.0 });
+        stages.push(Combination { base, slopes: vec![first], slope, keep: None, weight: 0.0, node });
     }
     stages.iter_mut().zip(&weights[1]).for_each(|(stage, &weight)| stage.weight = weight);
     stages

@@ -241,12 +241,16 @@ impl Item {
         }
     }
 
-    /// Reads `count` texts, each one of several words.
+    /// Reads `count` texts, each one of several words. Of items in their place, the kinds are read.
     pub fn words(&self, name: &str, count: usize, known: &[&'static str]) -> Result<Vec<&'static str>> {
         let given = self.values.get(name);
         let expected = || self.wrong(name, &format!("{count} times {}", known.join(" or ")), given);
-        let Some(Value::Texts(texts)) = given else { return Err(expected()) };
-        let found: Option<Vec<_>> = texts.iter().map(|text| known.iter().copied().find(|word| word == text)).collect();
+        let texts: Vec<&String> = match given {
+            Some(Value::Texts(texts)) => texts.iter().collect(),
+            Some(Value::Records(items)) => items.iter().map(|item| &item.kind).collect(),
+            _ => return Err(expected()),
+        };
+        let found: Option<Vec<_>> = texts.into_iter().map(|text| known.iter().copied().find(|word| word == text)).collect();
         found.filter(|found| found.len() == count).ok_or_else(expected)
     }
 

@@ -179,7 +179,9 @@ fn of_atoms() {
 #[test]
 fn of_soft_spheres() {
     for exponent in [1.0, 1.5] {
-        for force in [repulsion(0.2, 1e3, 0.3, exponent), repulsion(0.0, 0.1, 50.0, exponent)] {
+        let mut bouncing = repulsion(0.0, 1e3, 0.3, exponent);
+        bouncing.values.insert("restitution".to_owned(), Value::Number(0.4));
+        for force in [repulsion(0.2, 1e3, 0.3, exponent), repulsion(0.0, 0.1, 50.0, exponent), bouncing] {
             check::<DVec2>(&force, false);
             check::<DVec3>(&force, false);
         }

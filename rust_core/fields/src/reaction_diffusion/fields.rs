@@ -66,12 +66,15 @@ impl<T: Real> ReactionDiffusion<T> {
         let estimate = self.method.estimate.as_ref()?;
         let Ok(given) = self.given(&self.state.field) else { return Some((f64::INFINITY, estimate.order)) };
         let (length, count) = (self.law.grid.row_length(), self.law.species.len());
+        let edges = &self.workspace.edges[self.workspace.edges.len() - self.law.edge_values()..];
         let mut slope = vec![T::ZERO; count * length];
         let mut largest = 0.0_f64;
         for row in 0..self.law.grid.rows() {
             for (species, diffusion) in self.law.diffusion.iter().enumerate() {
                 let window = Window { fields: count, field: species, ..Window::new(&self.state.field, length) };
-                diffusion.apply(window, row, 0..length, &mut slope[species * length..(species + 1) * length]);
+                let out = &mut slope[species * length..(species + 1) * length];
+                diffusion.apply(window, row, 0..length, out);
+                self.law.edges[species].add(row, 0..length, edges, out);
             }
             self.react(row, given.as_deref(), &mut slope);
             let first = row * count * length;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::kinetics::{Kinetics, with_law};
 use super::stage::{self, ComputedRates, GivenRates, SpeciesCells, SpeciesStage, SpeciesSums};
-use crate::grid::{Block, Edge, Grid, Laplacian, Sweep, Window};
+use crate::grid::{Block, Edge, EdgeValues, Grid, Laplacian, Sweep, Window};
 use crate::math::Real;
 
 /// Memory of the diffusion rates computed at a time, which stay in the first-level cache [bytes].
@@ -17,8 +17,10 @@ pub struct SpeciesTally {
     pub gain: f64,
     /// Loss by reactions.
     pub loss: f64,
-    /// Loss through fixed edges.
+    /// Loss through edges.
     pub edges: f64,
+    /// Gain through edges with values.
+    pub supply: f64,
     /// Gain by changes of the field between steps.
     pub set: f64,
 }
@@ -31,6 +33,8 @@ pub struct ReactionDiffusionLaw<T> {
     pub species: Vec<&'static str>,
     /// Operator D ∇² of each species.
     pub diffusion: Vec<Laplacian<T>>,
+    /// Values at the edges, of each species.
+    pub edges: Vec<EdgeValues>,
 }
 
 /// Stages of a batch, as many as one pass over memory takes.
@@ -43,6 +47,8 @@ pub struct SpeciesPass<'a, T> {
     pub last: usize,
     /// State at the start of the batch.
     pub start: &'a [T],
+    /// Values at the edges: at all stages of the batch and at its end, or once if they are constant.
+    pub edges: &'a [f64],
     /// Reaction rates, if they come from a user-defined function.
     pub given: &'a [T],
 }
@@ -53,21 +59,47 @@ impl<T: Real> ReactionDiffusionLaw<T> {
         self.species.len() * self.grid.row_length()
     }
 
-    /// Loss rate of a row of a species through fixed edges: Σ κ u.
-    fn loss(&self, species: usize, row: usize, values: &[T]) -> f64 {
-        let diffusion = &self.diffusion[species];
+    /// Number of values at the edges, of all species.
+    pub fn edge_values(&self) -> usize {
+        self.edges.iter().map(EdgeValues::count).sum()
+    }
+
+    /// Whether values at the edges are user-defined functions of the time.
+    pub fn edges_vary(&self) -> bool {
+        self.edges.iter().any(EdgeValues::vary)
+    }
+
+    /// Values at the edges from a list: those listed at an index, or the only ones if they are constant.
+    pub fn edge_values_at<'a>(&self, list: &'a [f64], index: usize) -> &'a [f64] {
+        let count = self.edge_values();
+        &list[if self.edges_vary() { index * count } else { 0 }..][..count]
+    }
+
+    /// Loss and gain rates of a row of a species through the edges. Where all values are zero the loss is Σ κ u, else flux by
+    /// flux.
+    fn exchange(&self, species: usize, row: usize, values: &[T], edge_values: &[f64]) -> [f64; 2] {
+        let (diffusion, edges) = (&self.diffusion[species], &self.edges[species]);
+        if !edges.is_empty() {
+            let mut rates = [0.0; 2];
+            for face in edges.in_row(row) {
+                let inflow = face.inflow(edge_values, values[face.column].to_f64());
+                rates[usize::from(inflow > 0.0)] += inflow.abs();
+            }
+            return rates;
+        }
         if !diffusion.edges.any(Edge::Fixed) {
-            return 0.0;
+            return [0.0; 2];
         }
         let anchor = diffusion.anchor.row(row);
         let of = |cell: usize| anchor[cell].to_f64() * values[cell].to_f64();
         let beside = self.grid.neighbors(row);
         let last = values.len() - 1;
-        if self.grid.axes().any(|axis| axis < 2 && beside[axis].contains(&None)) {
+        let loss = if self.grid.axes().any(|axis| axis < 2 && beside[axis].contains(&None)) {
             (0..=last).map(of).sum()
         } else {
             of(0) + if last > 0 { of(last) } else { 0.0 }
-        }
+        };
+        [loss, 0.0]
     }
 }
 
@@ -109,6 +141,7 @@ impl<T: Real> Sweep<T, SpeciesTally> for SpeciesPass<'_, T> {
         let (number, of) = (self.first + stage, |values| Window { length, fields: count, ..Window::new(values, length) });
         let before = if number == 0 { of(self.start) } else { Window { length, fields: count, ..before } };
         let scaled = &stages[number % stages.len()];
+        let edge_values = law.edge_values_at(self.edges, number);
         let mut largest = 0.0_f64;
         let mut tally = |tallies: &mut [SpeciesTally], species: usize, sums: SpeciesSums| {
             let tally = &mut tallies[index * count + species];
@@ -124,6 +157,7 @@ impl<T: Real> Sweep<T, SpeciesTally> for SpeciesPass<'_, T> {
             for (species, diffusion) in law.diffusion.iter().enumerate() {
                 let out = &mut diffused[species * range.len()..(species + 1) * range.len()];
                 diffusion.apply(Window { field: species, ..before }, row, range.clone(), out);
+                law.edges[species].add(row, range.clone(), edge_values, out);
             }
             with_law!(
                 &law.kinetics,
@@ -150,8 +184,11 @@ impl<T: Real> Sweep<T, SpeciesTally> for SpeciesPass<'_, T> {
             }
         }
         for species in 0..count {
-            let loss = law.loss(species, row, Window { field: species, ..before }.row(row));
-            block.tallies[index * count + species].edges += scaled.weight * loss;
+            let values = Window { field: species, ..before }.row(row);
+            let [loss, gain] = law.exchange(species, row, values, edge_values);
+            let tally = &mut block.tallies[index * count + species];
+            tally.edges += scaled.weight * loss;
+            tally.supply += scaled.weight * gain;
         }
         let ends = number == self.last;
         if ends && block.field[index * block.length..(index + 1) * block.length].iter().any(|value| !value.is_finite()) {

@@ -14,11 +14,11 @@ use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::grid::{CellCoefficients, Edge, Edges, Grid, Laplacian, depth};
+use crate::grid::{CellCoefficients, Edge, EdgeCells, EdgeValues, Edges, Grid, Laplacian, Padding, depth};
 use crate::integrators::first_order::{FirstOrder, NAMES};
-use crate::math::Real;
+use crate::math::{AXES, Real};
 use crate::memory;
-use crate::scene::Item;
+use crate::scene::{Item, Value};
 use crate::systems::System;
 use kinetics::Kinetics;
 use law::{ReactionDiffusionLaw, SpeciesTally};
@@ -54,6 +54,8 @@ struct SpeciesWorkspace<T> {
     columns: Vec<Vec<T>>,
     /// Reaction rates from a user-defined function.
     given: Vec<T>,
+    /// Values at the edges: at all stages of a batch and at its end, or once if they are constant.
+    edges: Vec<f64>,
     /// Largest |value| of each row at each stage of a pass.
     activity: Vec<f64>,
     /// Latest step size [s], with the stages of its steps.
@@ -81,10 +83,6 @@ struct ReactionDiffusion<T> {
 impl<T: Real> ReactionDiffusion<T> {
     fn new(item: &Item, method: FirstOrder) -> Result<Self> {
         let grid = Grid::declared(item)?;
-        let edges = Edges::declared(item, &grid)?;
-        if edges.any(Edge::Absorbing) {
-            return Err(item.wrong("edges", "fixed, free or periodic", item.values.get("edges")));
-        }
         let (kinetics, names) = Kinetics::declared(item.record("reaction")?, &grid)?;
         let (species, rows, length) = (names.len(), grid.rows(), grid.row_length());
         let bytes = species * (2 + method.columns()) * size_of::<T>();
@@ -93,15 +91,32 @@ impl<T: Real> ReactionDiffusion<T> {
             "a coarser grid, or precision=\"f32\"".to_owned()
         })?;
         let coefficients = item.record("diffusion")?;
-        let mut diffusion = Vec::with_capacity(species);
+        let padding = Padding::new(&grid, [[0; 2]; AXES]);
+        let (mut diffusion, mut edges, mut listed) = (Vec::with_capacity(species), Vec::<EdgeValues>::new(), Vec::new());
         for name in &names {
             let weight = coefficients.non_negative(name)? / (grid.spacing * grid.spacing);
             if !T::from_f64(weight).is_finite() {
                 let found = coefficients.values.get(name);
                 return Err(coefficients.wrong(name, &format!("a number whose ratio to h² {} holds", T::NAME), found));
             }
-            let cells = CellCoefficients { grid: &grid, edges, walls: None, of: &|_, _| weight, same: true };
+            let (declaring, key) = match item.values.get("edges") {
+                Some(Value::Record(of_species)) => (&**of_species, name.as_str()),
+                _ => (item, "edges"),
+            };
+            let own = Edges::declared(declaring, key, &grid)?;
+            if own.any(Edge::Absorbing) {
+                return Err(declaring.wrong(key, "fixed, free or periodic", declaring.values.get(key)));
+            }
+            let of = |_: usize, _: usize| weight;
+            let cells = CellCoefficients { grid: &grid, edges: own, walls: None, of: &of, same: true };
             diffusion.push(Laplacian::new(&cells));
+            let cells = EdgeCells { padding: &padding, edges: own, of: &of, all: true, first: listed.len() };
+            let values = EdgeValues::declared(declaring, key, &cells)?;
+            values.list(0.0, &mut listed)?;
+            if listed.iter().any(|&value| !T::from_f64(value).is_finite()) {
+                return Err(declaring.wrong(key, &format!("values that {} holds", T::NAME), None));
+            }
+            edges.push(values);
         }
         let mut field = vec![T::ZERO; species * grid.count()];
         let initial = item.record("initial")?;
@@ -125,12 +140,13 @@ impl<T: Real> ReactionDiffusion<T> {
             before: column(),
             columns: (0..method.columns()).map(|_| column()).collect(),
             given: if given > 0 { column() } else { Vec::new() },
+            edges: listed,
             activity: vec![0.0; rows * depth],
             stages: (0.0, Vec::new()),
         };
         let species: Vec<_> = names.into_iter().map(interned).collect();
         let term = interned(format!("diffusion of {}", species[fastest.1]));
-        let law = ReactionDiffusionLaw { grid, kinetics, species, diffusion };
+        let law = ReactionDiffusionLaw { grid, kinetics, species, diffusion, edges };
         Ok(Self { law, method, fastest, term, saved: state.clone(), state, workspace, depth, activity: Vec::new() })
     }
 }

@@ -21,6 +21,8 @@ pub struct SpeciesStage<T> {
     keep: Option<usize>,
     /// Weight h b.
     pub weight: f64,
+    /// Node c.
+    pub node: f64,
 }
 
 impl<T: Real> SpeciesStage<T> {
@@ -41,6 +43,7 @@ impl<T: Real> SpeciesStage<T> {
             slope: scaled(combination.slope),
             keep: combination.keep,
             weight: h * combination.weight,
+            node: combination.node,
         }
     }
 }

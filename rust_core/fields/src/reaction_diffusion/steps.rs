@@ -41,6 +41,11 @@ impl<T: Real> ReactionDiffusion<T> {
             self.workspace.stages = (interval.h, stages.iter().map(|stage| SpeciesStage::new(stage, interval.h)).collect());
         }
         let each = self.workspace.stages.1.len();
+        if self.law.edges_vary() {
+            let nodes: Vec<f64> = self.workspace.stages.1.iter().map(|stage| stage.node).collect();
+            let stages = (0..interval.steps).flat_map(|step| nodes.iter().map(move |&node| interval.time(step, node)));
+            self.list_edges(stages.chain([interval.time(interval.steps, 0.0)]))?;
+        }
         let last = interval.steps as usize * each - 1;
         // Passes have equal depth, and their number is minimal.
         let depth = (last + 1).div_ceil((last + 1).div_ceil(self.depth));
@@ -56,6 +61,20 @@ impl<T: Real> ReactionDiffusion<T> {
         Ok(())
     }
 
+    /// Lists the values at the edges at some times [s]. If a function fails, the list is the one before.
+    pub(super) fn list_edges(&mut self, times: impl Iterator<Item = f64>) -> Result<()> {
+        let Self { law, workspace, .. } = self;
+        let before = workspace.edges.len();
+        for time in times {
+            if let Err(error) = law.edges.iter().try_for_each(|edges| edges.list(time, &mut workspace.edges)) {
+                workspace.edges.truncate(before);
+                return Err(error);
+            }
+        }
+        workspace.edges.drain(..before);
+        Ok(())
+    }
+
     /// Runs some stages of all rows, as many as one pass over memory takes.
     fn pass(&mut self, first: usize, count: usize, last: usize, executor: &Executor) -> Result<()> {
         std::mem::swap(&mut self.state.field, &mut self.workspace.before);
@@ -64,8 +83,8 @@ impl<T: Real> ReactionDiffusion<T> {
             self.workspace.given = self.given(latest)?.unwrap_or_default();
         }
         let Self { law, state, saved, workspace, depth, .. } = self;
-        let SpeciesWorkspace { before, columns, activity, given, stages } = workspace;
-        let pass = SpeciesPass { law, stages: &stages.1, first, last, start: &saved.field, given };
+        let SpeciesWorkspace { before, columns, activity, given, stages, edges } = workspace;
+        let pass = SpeciesPass { law, stages: &stages.1, first, last, start: &saved.field, edges, given };
         let block = block(state, before, columns, activity, law.width(), *depth);
         if *depth > 1 {
             pass.pass(&law.grid, count, block, executor);

@@ -3,7 +3,7 @@
 use super::ReactionDiffusion;
 use super::law::SpeciesTally;
 use crate::error::{Error, Result};
-use crate::grid::{Edge, Laplacian};
+use crate::grid::{Edge, EdgeValues, Laplacian};
 use crate::history::{Archive, History};
 use crate::integrators::runge_kutta_chebyshev as chebyshev;
 use crate::ledger::{Budget, Ledger};
@@ -20,7 +20,7 @@ const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
 /// Estimated duration of a stage of a species in a cell [s].
 const COST: f64 = 6e-10;
 /// Number of entries of a tally.
-const TALLIES: usize = 4;
+const TALLIES: usize = 5;
 /// Units of amounts in one, two and three dimensions.
 const UNITS: [&str; 3] = ["m", "m²", "m³"];
 /// Numbers of stages for which the plan reports the limit.
@@ -75,16 +75,18 @@ impl<T: Real> History for ReactionDiffusion<T> {
 
 impl<T: Real> System for ReactionDiffusion<T> {
     fn stages(&self) -> Vec<Stages> {
+        let valued = self.law.edges.iter().any(|edges| !edges.is_empty());
         let fixed = self.law.diffusion.iter().any(|diffusion| diffusion.edges.any(Edge::Fixed));
         let layout = match self.depth {
             1 => "a sweep over all cells per evaluation".to_owned(),
             depth => format!("{depth} evaluations in one pass over memory, row by row"),
         };
         let count = self.method.stages(0.0, 0.0).len();
+        let diffusion = if valued { "diffusion with values at the edges" } else { "diffusion" };
         let reaction = if self.law.kinetics.varies() { "reaction with parameters of each cell" } else { "reaction" };
         vec![Stages {
             item: String::new(),
-            names: vec!["diffusion".to_owned(), reaction.to_owned(), format!("update of {}", self.law.species.join(", "))],
+            names: vec![diffusion.to_owned(), reaction.to_owned(), format!("update of {}", self.law.species.join(", "))],
             dimension: self.law.grid.dimension,
             precision: T::NAME,
             method: self.method.name,
@@ -102,7 +104,8 @@ impl<T: Real> System for ReactionDiffusion<T> {
     fn bytes(&self) -> usize {
         let workspace = &self.workspace;
         let columns = workspace.columns.iter().chain([&workspace.before, &workspace.given, &self.state.field, &self.saved.field]);
-        let coefficients = self.law.diffusion.iter().map(Laplacian::bytes).sum::<usize>() + self.law.kinetics.bytes();
+        let edges = self.law.edges.iter().map(EdgeValues::bytes).sum::<usize>() + size_of_val(workspace.edges.as_slice());
+        let coefficients = self.law.diffusion.iter().map(Laplacian::bytes).sum::<usize>() + self.law.kinetics.bytes() + edges;
         columns.map(|column| size_of_val(column.as_slice())).sum::<usize>()
             + 2 * size_of_val(self.state.tallies.as_slice())
             + size_of_val(workspace.activity.as_slice())
@@ -116,15 +119,17 @@ impl<T: Real> System for ReactionDiffusion<T> {
 
     /// Maximum number of steps: one for a user-defined function, which is called once per stage and may take long.
     fn most_steps(&self) -> u64 {
-        if self.law.kinetics.calls_back() { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
+        let calls_back = self.law.kinetics.calls_back() || self.law.edges_vary();
+        if calls_back { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
     }
 
     fn most_recorded(&self) -> u64 {
         *STEPS.end()
     }
 
-    fn begin(&mut self, _time: f64, executor: &Executor) -> Result<()> {
+    fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
         self.given(&self.state.field)?;
+        self.list_edges(std::iter::once(time))?;
         executor.check()
     }
 
@@ -143,7 +148,8 @@ impl<T: Real> System for ReactionDiffusion<T> {
     }
 
     fn amplitude(&self) -> Option<f64> {
-        Some(self.state.field.iter().fold(0.0, |most, value| value.to_f64().abs().max(most)))
+        let imposed = self.law.edges.iter().map(|edges| edges.largest(&self.workspace.edges)).fold(0.0, f64::max);
+        Some(self.state.field.iter().fold(imposed, |most, value| value.to_f64().abs().max(most)))
     }
 
     fn limit(&self, _horizon: Horizon, _time: f64, executor: &Executor) -> Result<Limit> {
@@ -163,12 +169,16 @@ impl<T: Real> System for ReactionDiffusion<T> {
         let mut ledger = Ledger::new(0, 1);
         for (species, &name) in self.law.species.iter().enumerate() {
             let tallied = |of: fn(&SpeciesTally) -> f64| content * self.tallied(species, of);
+            let mut supplied = vec![("reaction", tallied(|tally| tally.gain)), ("set", tallied(|tally| tally.set))];
+            if !self.law.edges[species].is_empty() {
+                supplied.push(("edges", tallied(|tally| tally.supply)));
+            }
             ledger.add_budget(Budget {
                 name: name.to_owned(),
                 unit: UNITS[self.law.grid.dimension - 1],
                 stored: content * self.amount(species),
                 removed: vec![("reaction", tallied(|tally| tally.loss)), ("edges", tallied(|tally| tally.edges))],
-                supplied: vec![("reaction", tallied(|tally| tally.gain)), ("set", tallied(|tally| tally.set))],
+                supplied,
             });
         }
         executor.check()?;
@@ -216,7 +226,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
     }
 
     fn tallies(&self) -> Vec<f64> {
-        self.state.tallies.iter().flat_map(|tally| [tally.gain, tally.loss, tally.edges, tally.set]).collect()
+        self.state.tallies.iter().flat_map(|tally| [tally.gain, tally.loss, tally.edges, tally.supply, tally.set]).collect()
     }
 
     fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
@@ -224,8 +234,8 @@ impl<T: Real> System for ReactionDiffusion<T> {
         if groups.len() != self.state.tallies.len() || !rest.is_empty() {
             return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
         }
-        for (tally, &[gain, loss, edges, set]) in self.state.tallies.iter_mut().zip(groups) {
-            *tally = SpeciesTally { gain, loss, edges, set };
+        for (tally, &[gain, loss, edges, supply, set]) in self.state.tallies.iter_mut().zip(groups) {
+            *tally = SpeciesTally { gain, loss, edges, supply, set };
         }
         Ok(())
     }

@@ -59,7 +59,7 @@ struct Schrodinger<T> {
 impl<T: FourierReal> Schrodinger<T> {
     fn new(item: &Item, method: &Item) -> Result<Self> {
         let grid = Grid::declared(item)?;
-        let edges = Edges::declared(item, &grid)?;
+        let edges = Edges::declared(item, "edges", &grid)?;
         memory::check("the wave function", 8 * grid.count() * size_of::<T>(), 0, || {
             "a coarser grid, or precision=\"f32\"".to_owned()
         })?;

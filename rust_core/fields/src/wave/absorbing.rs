@@ -303,7 +303,7 @@ impl<T: Real> Layers<T> {
     }
 
     /// Adds the forces to the accelerations of the cells of a row. The forces on one cell are summed first.
-    pub fn push(&self, row: usize, first: usize, out: &mut [T]) {
+    pub fn push(&self, row: usize, first: usize, medium: &Medium<T>, out: &mut [T]) {
         let range = self.rows[row]..self.rows[row + 1];
         let mut pairs = self.sites[range.clone()].iter().zip(&self.forces[range]).peekable();
         while let Some((site, &force)) = pairs.next() {
@@ -313,7 +313,10 @@ impl<T: Real> Layers<T> {
             }
             let cell = site.cell as usize;
             if (first..first + out.len()).contains(&cell) {
-                out[cell - first] += sum;
+                let mut sums = [sum];
+                let column = cell % medium.laplacian.grid.row_length();
+                medium.divide(row, column..column + 1, &mut sums);
+                out[cell - first] += sums[0];
             }
         }
     }

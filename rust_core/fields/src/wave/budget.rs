@@ -8,10 +8,10 @@ use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, LANES, dispatch};
 
-/// Energies of a row, divided by the mass of a cell.
+/// Energies of a row without values at edges, divided by the mass of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RowEnergy {
-    /// Kinetic part ½ Σ v².
+    /// Kinetic part ½ Σ r v².
     pub kinetic: f64,
     /// Potential part ½ [Σ w (Δu)² + Σ κ u²]; for order 4, with the term of the second differences.
     pub potential: f64,
@@ -64,8 +64,24 @@ impl<T: Real> WaveLaw<T> {
         energies
     }
 
-    /// Sum Σ (|L u| + |s|)² over all cells [m²/s⁴], with the sources at their largest.
-    pub fn squared_accelerations(&self, state: &WaveState<T>) -> f64 {
+    /// Part Σ m r (2 w g (u − ½ g) or −¼ w h² q²) of the energy by values at edges [J]. The energy is ½ ρ h^D Σ κ (u − g)² at
+    /// faces at which u is g. At faces at which the derivative is q, it includes that of half a cell.
+    pub fn imposed(&self, state: &WaveState<T>, edges: &[f64]) -> f64 {
+        let (grid, spacing) = (&self.medium.laplacian.grid, self.medium.laplacian.grid.spacing);
+        let (length, inside) = (grid.row_length(), self.padding.inside(2));
+        let mut energy = 0.0;
+        for row in (0..grid.rows()).filter(|&row| self.padding.crosses(row)) {
+            for face in self.edges.in_row(row).iter().filter(|face| inside.contains(&face.column)) {
+                let (value, u) = (edges[face.slot], state.displacement[row * length + face.column].to_f64());
+                let size = if face.held { value * (u - 0.5 * value) } else { -0.25 * spacing * value * value };
+                energy += self.mass * self.medium.relative_density(row, face.column) * face.weight * size;
+            }
+        }
+        energy
+    }
+
+    /// Sum Σ r (|L u / r + b| + |s|)² over all cells [m²/s⁴], with the sources at their largest.
+    pub fn squared_accelerations(&self, state: &WaveState<T>, edges: &[f64]) -> f64 {
         let grid = &self.medium.laplacian.grid;
         let length = grid.row_length();
         let rows = Window::new(&state.displacement, length);
@@ -74,12 +90,14 @@ impl<T: Real> WaveLaw<T> {
         let mut sum = 0.0;
         for row in 0..grid.rows() {
             self.accelerate(rows, row, 0..length, &mut out, &mut scratch);
+            self.edges.add(row, 0..length, edges, &mut out);
             let mut sizes: Vec<f64> = out.iter().map(|a| a.to_f64().abs()).collect();
             for patch in self.sources.in_row(row) {
                 let driven = sizes[patch.first..].iter_mut().zip(&patch.weights);
                 driven.for_each(|(size, weight)| *size += (largest[patch.source] * weight).abs());
             }
-            sum += sizes.iter().map(|size| size * size).sum::<f64>();
+            let density = |column: usize| self.medium.relative_density(row, column);
+            sum += sizes.iter().enumerate().map(|(column, size)| density(column) * size * size).sum::<f64>();
         }
         sum
     }
@@ -116,6 +134,7 @@ impl<T: Real> WaveLaw<T> {
                 potential += sum(fourth.slowness.row(row), &second, zeros);
             }
         }
-        RowEnergy { kinetic: 0.5 * sum(ones, rate, zeros), potential: 0.5 * potential }
+        let density = medium.density.as_ref().map_or(ones, |density| density.relative.row(row));
+        RowEnergy { kinetic: 0.5 * sum(density, rate, zeros), potential: 0.5 * potential }
     }
 }

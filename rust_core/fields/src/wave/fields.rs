@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Wave;
-use super::state::SOURCE;
+use super::state::{HELD, SOURCE};
 use crate::error::{Error, Result};
 use crate::grid::Padding;
 use crate::history::{Archive, History};
@@ -53,12 +53,16 @@ impl<T: Real> Wave<T> {
     /// Replaces the displacement, the rate or both; in walls they remain 0.
     pub(super) fn replace(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         let before = self.audit(time, executor)?.total();
+        let mut edges = Vec::new();
+        self.dynamics.edges.list(time, &mut edges)?;
+        let imposed = self.dynamics.imposed(&self.state, &edges);
         let mut previous = Archive::default();
         self.capture(&mut previous);
         let tallies = self.state.tallies.clone();
         let done = self.narrow(fields).and_then(|()| self.begin(time, executor)).and_then(|()| {
             let energy = self.finite_audit(time, executor)?.total();
             self.state.tallies[0].energy[SOURCE] += energy - before;
+            self.state.tallies[0].energy[HELD] += self.dynamics.imposed(&self.state, &edges) - imposed;
             Ok(())
         });
         if done.is_err() {

@@ -2,9 +2,8 @@
 //!
 //! With differences of order 4 along each axis, an eigenvalue λₐ of that axis becomes λₐ + λₐ²/(12 w).
 
-use super::medium::Fourth;
+use super::medium::{Fourth, Medium};
 use super::sweep::WaveLaw;
-use crate::grid::Laplacian;
 use crate::integrators::Facts;
 use crate::math::Real;
 use crate::stability::{Horizon, Limit, SpectralBound};
@@ -12,9 +11,13 @@ use crate::stability::{Horizon, Limit, SpectralBound};
 /// Limit for an integrator.
 pub fn limit<T: Real>(dynamics: &WaveLaw<T>, method: &Facts) -> Limit {
     let medium = &dynamics.medium;
+    let axes = medium.laplacian.grid.axes();
     let square = match &medium.fourth {
-        None => medium.laplacian.largest(),
-        Some(fourth) => of_fourth_order(&medium.laplacian, fourth),
+        None => match &medium.density {
+            None => medium.laplacian.largest(),
+            Some(density) => medium.laplacian.largest_row(axes, &medium.laplacian.anchor, Some(&density.inverse)),
+        },
+        Some(fourth) => of_fourth_order(medium, fourth),
     };
     let rates = dynamics.damping.different().iter().map(|rate| rate.to_f64());
     let (least, most) = rates.fold((f64::INFINITY, 0.0_f64), |(least, most), rate| (least.min(rate), most.max(rate)));
@@ -32,15 +35,16 @@ pub fn limit<T: Real>(dynamics: &WaveLaw<T>, method: &Facts) -> Limit {
 }
 
 /// Largest ω² of the operator of order 4 [1/s²]: exact if w is uniform, else an upper bound.
-fn of_fourth_order<T: Real>(laplacian: &Laplacian<T>, fourth: &Fourth<T>) -> f64 {
+fn of_fourth_order<T: Real>(medium: &Medium<T>, fourth: &Fourth<T>) -> f64 {
+    let laplacian = &medium.laplacian;
     let of = |axis: usize| {
         if let Some(weight) = laplacian.uniform {
             let square = laplacian.largest_sine_squared(axis);
             4.0 * weight.to_f64() * square * (1.0 + square / 3.0)
         } else {
             let rows = |slowness| laplacian.largest_row(axis..axis + 1, &fourth.anchors[axis], slowness);
-            // The eigenvalues of Lₐ h²/(12c²) Lₐ are at most the product of the largest ones of Lₐ and of h²/(12c²) Lₐ.
-            rows(None) * (1.0 + rows(Some(&fourth.slowness)))
+            // The eigenvalues of Lₐ/r h²/(12 r c²) Lₐ are at most the product of the largest ones of Lₐ/r and of h²/(12 r c²) Lₐ.
+            rows(medium.density.as_ref().map(|density| &density.inverse)) * (1.0 + rows(Some(&fourth.slowness)))
         }
     };
     laplacian.grid.axes().map(of).sum()

@@ -29,7 +29,7 @@ use medium::Medium;
 use parameters::Parameters;
 use source::Sources;
 use stage::Kernels;
-use state::{WaveState, WaveTally, WaveWorkspace};
+use state::{HELD, WaveState, WaveTally, WaveWorkspace};
 use sweep::WaveLaw;
 
 /// Compiles a wave for an integrator.
@@ -101,6 +101,7 @@ impl<T: Real> Wave<T> {
         });
         let medium = Medium::new(&parameters);
         let mass = parameters.density * grid.content();
+        let edges = parameters.edge_values(item)?;
         let layers = parameters.absorption.map(|absorption| {
             let speed = |cell: usize| parameters.speed.row(cell / grid.row_length())[cell % grid.row_length()];
             Layers::new(padding, &medium, absorption, speed, mass, &method)
@@ -108,14 +109,17 @@ impl<T: Real> Wave<T> {
         let layers = layers.transpose()?;
         let exchanges = (0..rows).map(|row| {
             let meters = layers.as_ref().is_some_and(|layers| layers.meters(row));
-            meters || !sources.in_row(row).is_empty() || damping.row(row).iter().any(|&rate| rate != T::ZERO)
+            meters
+                || !sources.in_row(row).is_empty()
+                || !edges.in_row(row).is_empty()
+                || damping.row(row).iter().any(|&rate| rate != T::ZERO)
         });
         let dynamics =
-            WaveLaw { exchanges: exchanges.collect(), padding: padding.clone(), medium, mass, damping, sources, layers };
+            WaveLaw { exchanges: exchanges.collect(), padding: padding.clone(), medium, mass, damping, sources, edges, layers };
         let sweeps = dynamics.medium.fourth.is_some() || dynamics.layers.is_some();
         let bytes = (2 + stage::columns(&method)) * size_of::<T>();
         let depth = if sweeps { 1 } else { depth(grid, bytes) };
-        Ok(Self {
+        let mut wave = Self {
             saved: state.clone(),
             workspace: WaveWorkspace::new(&method, count, rows, depth),
             depth,
@@ -127,7 +131,14 @@ impl<T: Real> Wave<T> {
             dynamics,
             method,
             kernels,
-        })
+        };
+        wave.dynamics.edges.list(0.0, &mut wave.workspace.edges)?;
+        if wave.workspace.edges.iter().any(|&value| !T::from_f64(value).is_finite()) {
+            return Err(item.wrong("edges", &format!("values that {} holds", T::NAME), None));
+        }
+        // The edges have done no work yet.
+        wave.state.tallies[0].energy[HELD] = wave.dynamics.imposed(&wave.state, &wave.workspace.edges);
+        Ok(wave)
     }
 
     /// Whether the wave is damped anywhere.

@@ -8,10 +8,11 @@ use crate::integrators::REGISTERS;
 use crate::math::Real;
 
 /// Number of sinks and sources of energy, and their indices.
-pub const SINKS: usize = 3;
+pub const SINKS: usize = 4;
 pub const DAMPING: usize = 0;
 pub const SOURCE: usize = 1;
 pub const EDGES: usize = 2;
+pub const HELD: usize = 3;
 
 /// Energy through each sink in one row.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -59,19 +60,22 @@ pub struct WaveWorkspace<T> {
     pub kinetic: Vec<f64>,
     /// Amplitudes of the sources at each stage of a batch.
     pub amplitudes: Vec<f64>,
+    /// Values at the edges at each stage of a batch, or once if they are constant.
+    pub edges: Vec<f64>,
 }
 
 impl<T: Real> WaveWorkspace<T> {
     /// Allocates buffers for an integrator.
     pub fn new(method: &Facts, cells: usize, rows: usize, stages: usize) -> Self {
         let registers = vec![vec![T::ZERO; cells]; method.registers - method.persistent];
-        Self { before: vec![T::ZERO; cells], registers, kinetic: vec![0.0; rows * stages], amplitudes: Vec::new() }
+        let (amplitudes, edges) = (Vec::new(), Vec::new());
+        Self { before: vec![T::ZERO; cells], registers, kinetic: vec![0.0; rows * stages], amplitudes, edges }
     }
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let columns = self.registers.iter().chain([&self.before]).map(|column| size_of_val(column.as_slice())).sum::<usize>();
-        columns + size_of_val(self.kinetic.as_slice()) + size_of::<f64>() * self.amplitudes.capacity()
+        columns + size_of_val(self.kinetic.as_slice()) + size_of::<f64>() * (self.amplitudes.capacity() + self.edges.capacity())
     }
 }
 

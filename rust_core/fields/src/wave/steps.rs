@@ -41,13 +41,21 @@ impl<T: Real> Wave<T> {
         layers(dynamics, &|layers| layers.advance(pass.action, pass.h, method, kernels.buffered));
     }
 
-    /// Lists the amplitudes of the sources at all stages of a batch.
+    /// Lists the amplitudes of the sources and the values at the edges at all stages of a batch.
     fn list_amplitudes(&mut self, interval: Interval) -> Result<()> {
-        let list = &mut self.workspace.amplitudes;
-        list.clear();
+        let Self { dynamics, method, workspace, .. } = self;
+        let (amplitudes, edges) = (&mut workspace.amplitudes, &mut workspace.edges);
+        amplitudes.clear();
+        if dynamics.edges.vary() {
+            edges.clear();
+        }
         for step in 0..interval.steps {
-            for &node in self.method.nodes {
-                self.dynamics.sources.amplitudes(interval.time(step, node), list)?;
+            for &node in method.nodes {
+                let time = interval.time(step, node);
+                dynamics.sources.amplitudes(time, amplitudes)?;
+                if dynamics.edges.vary() {
+                    dynamics.edges.list(time, edges)?;
+                }
             }
         }
         Ok(())
@@ -58,13 +66,15 @@ impl<T: Real> Wave<T> {
         self.state.tallies.copy_from_slice(&self.saved.tallies);
         self.list_amplitudes(interval)?;
         let amplitudes = std::mem::take(&mut self.workspace.amplitudes);
-        let outcome = self.passes(interval, &amplitudes, executor);
-        self.workspace.amplitudes = amplitudes;
+        let edges = std::mem::take(&mut self.workspace.edges);
+        let outcome = self.passes(interval, &amplitudes, &edges, executor);
+        (self.workspace.amplitudes, self.workspace.edges) = (amplitudes, edges);
         outcome
     }
 
-    fn passes(&mut self, interval: Interval, amplitudes: &[f64], executor: &Executor) -> Result<()> {
+    fn passes(&mut self, interval: Interval, amplitudes: &[f64], edges: &[f64], executor: &Executor) -> Result<()> {
         let (stages, sources) = (self.method.stages(), self.dynamics.sources.count());
+        let (count, vary) = (self.dynamics.edges.count(), self.dynamics.edges.vary());
         let last = interval.steps as usize * stages;
         let action = |index: usize| match index {
             0 => WaveStageAction::Start,
@@ -72,7 +82,8 @@ impl<T: Real> Wave<T> {
         };
         let pass = |index: usize| {
             let first = index.saturating_sub(1) * sources;
-            WavePass { action: action(index), h: interval.h, amplitudes: &amplitudes[first..first + sources] }
+            let edges = &edges[if vary { index.saturating_sub(1) * count } else { 0 }..][..count];
+            WavePass { action: action(index), h: interval.h, amplitudes: &amplitudes[first..first + sources], edges }
         };
         // Passes have equal depth, and their number is minimal.
         let depth = (last + 1).div_ceil((last + 1).div_ceil(self.depth));

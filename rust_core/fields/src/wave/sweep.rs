@@ -7,9 +7,9 @@ use super::absorbing::Layers;
 use super::fourth;
 use super::medium::Medium;
 use super::source::Sources;
-use super::stage::{Input, Kernels, WaveStageAction};
-use super::state::{DAMPING, EDGES, SINKS, SOURCE, WaveCells, WaveState, WaveTally};
-use crate::grid::{Block, Padding, RowTable, Sweep, Window};
+use super::stage::{Input, Kernels, WaveStageAction, WaveSums};
+use super::state::{DAMPING, EDGES, HELD, SINKS, SOURCE, WaveCells, WaveState, WaveTally};
+use crate::grid::{Block, EdgeValues, Padding, RowTable, Sweep, Window};
 use crate::integrators::Facts;
 use crate::integrators::REGISTERS;
 use crate::math::Real;
@@ -17,7 +17,7 @@ use crate::math::Real;
 /// Memory of the accelerations computed at a time, which stay in the first-level cache [bytes].
 const SEGMENT: usize = 1 << 13;
 
-/// Equation of motion: u'' = L u − γ u' + s.
+/// Equation of motion: u'' = L u / r − γ u' + s.
 pub struct WaveLaw<T> {
     pub medium: Medium<T>,
     /// Damping γ [1/s].
@@ -25,10 +25,11 @@ pub struct WaveLaw<T> {
     /// Whether each row is damped, contains a source or borders a layer, so its stages need the rate.
     pub exchanges: Vec<bool>,
     pub sources: Sources,
+    pub edges: EdgeValues,
     pub layers: Option<Layers<T>>,
     /// Position of the user's grid within all cells; energies are sums over this grid alone.
     pub padding: Padding,
-    /// Mass of a cell ρ h^D [kg].
+    /// Mass of a cell ρ h^D at the largest density [kg].
     pub mass: f64,
 }
 
@@ -40,6 +41,8 @@ pub struct WavePass<'a> {
     pub h: f64,
     /// Amplitudes of the sources.
     pub amplitudes: &'a [f64],
+    /// Values at the edges.
+    pub edges: &'a [f64],
 }
 
 impl WavePass<'_> {
@@ -108,30 +111,38 @@ impl<T: Real> Passes<'_, T> {
             }
             // No buffer of accelerations: with it, steps in double precision would be a tenth slower, and in single precision a
             // fifth faster.
-            let plain = evaluates && !dynamics.exchanges[row] && dynamics.layers.is_none() && dynamics.medium.fourth.is_none();
-            let plane = || dynamics.medium.laplacian.plane_row(rows, row, range.start);
+            let medium = &dynamics.medium;
+            let plain = evaluates && !dynamics.exchanges[row] && dynamics.layers.is_none() && medium.fourth.is_none();
+            let plane = || medium.laplacian.plane_row(rows, row, range.start);
             let fused = kernels.fused.filter(|_| plain).and_then(|fused| Some((fused, plane()?)));
             let sums = if let Some((fused, laplacian)) = fused {
                 fused(method, cells, input.with(laplacian), pass.h, pass.action)
             } else {
                 let (acceleration, scratch) = scratch.split_at_mut(range.len());
+                let mut damped = None;
                 if evaluates {
                     dynamics.accelerate(rows, row, range.clone(), acceleration, scratch);
-                    dynamics.drive(row, range.clone(), pass.amplitudes, acceleration);
+                    dynamics.drive(row, range.clone(), pass, acceleration);
                     if let Some(layers) = &dynamics.layers {
-                        layers.push(row, own.start, acceleration);
+                        layers.push(row, own.start, medium, acceleration);
                     }
                     if let Some(damping) = damping {
                         let velocity =
                             |cell: usize| mean_velocity(method, pass, &cells, acceleration, &damping[range.clone()], cell);
-                        power[SOURCE] += dynamics.supplied(row, range.clone(), pass.amplitudes, velocity);
+                        let [source, held] = dynamics.supplied(row, range.clone(), pass, velocity);
+                        power[SOURCE] += source;
+                        if inside.contains(&range.start) {
+                            power[HELD] += held;
+                        }
+                        damped = dynamics.damped(row, range.clone(), cells.rate);
                         if let Some(layers) = &dynamics.layers {
                             let u = |cell: usize| rows.row(cell / length)[cell % length];
                             power[EDGES] += layers.power(row, own, velocity, u);
                         }
                     }
                 }
-                (kernels.buffered)(method, cells, input.with(&*acceleration), pass.h, pass.action)
+                let sums = (kernels.buffered)(method, cells, input.with(&*acceleration), pass.h, pass.action);
+                WaveSums { damping: damped.unwrap_or(sums.damping), ..sums }
             };
             if inside.contains(&range.start) {
                 squares += sums.squares;
@@ -158,24 +169,40 @@ impl<T: Real> WaveLaw<T> {
         start..(start + SEGMENT / size_of::<T>()).min(next)
     }
 
-    /// Computes L u of some cells of a row.
+    /// Computes L u / r of some cells of a row.
     pub fn accelerate(&self, rows: Window<'_, T>, row: usize, range: Range<usize>, out: &mut [T], scratch: &mut [T]) {
         match &self.medium.fourth {
             Some(fourth) => fourth::accelerate((&self.medium, fourth), rows, row, out, scratch),
-            None => self.medium.laplacian.apply(rows, row, range, out),
+            None => self.medium.laplacian.apply(rows, row, range.clone(), out),
         }
+        self.medium.divide(row, range, out);
     }
 
-    /// Adds the accelerations by sources to those of some cells of a row.
-    fn drive(&self, row: usize, range: Range<usize>, amplitudes: &[f64], out: &mut [T]) {
-        self.sources.for_each(row, range, amplitudes, |cell, driven| out[cell] += T::from_f64(driven));
+    /// Adds the accelerations by sources and by values at edges to those of some cells of a row.
+    fn drive(&self, row: usize, range: Range<usize>, pass: WavePass<'_>, out: &mut [T]) {
+        self.edges.add(row, range.clone(), pass.edges, out);
+        self.sources.for_each(row, range, pass.amplitudes, |cell, driven| out[cell] += T::from_f64(driven));
     }
 
-    /// Power of the sources in some cells of a row [W].
-    fn supplied(&self, row: usize, range: Range<usize>, amplitudes: &[f64], velocity: impl Fn(usize) -> f64) -> f64 {
-        let mut power = 0.0;
-        self.sources.for_each(row, range, amplitudes, |cell, driven| power += driven * velocity(cell));
-        self.mass * power
+    /// Power of the sources and of the values at edges in some cells of a row [W].
+    fn supplied(&self, row: usize, range: Range<usize>, pass: WavePass<'_>, velocity: impl Fn(usize) -> f64) -> [f64; 2] {
+        let density = |cell: usize| self.medium.relative_density(row, range.start + cell);
+        let (mut source, mut held) = (0.0, 0.0);
+        self.sources
+            .for_each(row, range.clone(), pass.amplitudes, |cell, driven| source += driven * velocity(cell) * density(cell));
+        for face in self.edges.in_row(row).iter().filter(|face| range.contains(&face.column)) {
+            let cell = face.column - range.start;
+            held += face.weight * pass.edges[face.slot] * velocity(cell) * density(cell);
+        }
+        [source, held].map(|power| self.mass * power)
+    }
+
+    /// Sum Σ r γ v² over some cells of a row, if the density varies.
+    fn damped(&self, row: usize, range: Range<usize>, rate: &[T]) -> Option<f64> {
+        let density = &self.medium.density.as_ref()?.relative.row(row)[range.clone()];
+        let factors = density.iter().zip(&self.damping.row(row)[range]);
+        let powers = factors.zip(rate).map(|((r, gamma), v)| r.to_f64() * gamma.to_f64() * v.to_f64().powi(2));
+        Some(powers.sum())
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::absorbing::{AbsorptionParameters, Layers};
 use super::stage::WaveStageAction;
-use super::state::{DAMPING, EDGES, SINKS, SOURCE};
+use super::state::{DAMPING, EDGES, HELD, SINKS, SOURCE};
 use super::sweep::WavePass;
 use super::{Wave, budget, limit};
 use crate::error::{Error, Result};
@@ -70,9 +70,12 @@ impl<T: Real> System for Wave<T> {
     fn stages(&self) -> Vec<Stages> {
         let medium = &self.dynamics.medium;
         let (damped, driven) = (self.is_damped(), self.dynamics.sources.count() > 0);
-        let mut names = vec![format!("wave operator of order {}", if medium.fourth.is_some() { 4 } else { 2 })];
+        let order = if medium.fourth.is_some() { 4 } else { 2 };
+        let density = if medium.density.is_some() { " with varying density" } else { "" };
+        let mut names = vec![format!("wave operator of order {order}{density}")];
         names.extend(damped.then(|| "damping".to_owned()));
         names.extend(driven.then(|| "sources".to_owned()));
+        names.extend((!self.dynamics.edges.is_empty()).then(|| "values at the edges".to_owned()));
         names.extend(self.absorption.map(|_| "absorbing edges".to_owned()));
         names.push("update of displacement and rate".to_owned());
         let open = self.absorption.is_some();
@@ -107,7 +110,8 @@ impl<T: Real> System for Wave<T> {
         let walls = self.walls.as_ref().map_or(0, Vec::len);
         let dynamics = &self.dynamics;
         let layers = dynamics.layers.as_ref().map_or(0, Layers::bytes);
-        let coefficients = layers + dynamics.medium.bytes() + dynamics.damping.bytes() + dynamics.sources.bytes();
+        let coefficients =
+            layers + dynamics.medium.bytes() + dynamics.damping.bytes() + dynamics.sources.bytes() + dynamics.edges.bytes();
         self.state.bytes() + self.saved.bytes() + self.workspace.bytes() + coefficients + walls
     }
 
@@ -118,7 +122,8 @@ impl<T: Real> System for Wave<T> {
 
     /// Maximum number of steps: one for user-defined functions, which are called in the order of time and once per evaluation.
     fn most_steps(&self) -> u64 {
-        if self.dynamics.sources.calls_back() { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
+        let calls_back = self.dynamics.sources.calls_back() || self.dynamics.edges.vary();
+        if calls_back { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
     }
 
     fn most_recorded(&self) -> u64 {
@@ -129,10 +134,12 @@ impl<T: Real> System for Wave<T> {
         self.workspace.amplitudes.clear();
         let Self { dynamics, workspace, .. } = self;
         dynamics.sources.amplitudes(time, &mut workspace.amplitudes)?;
-        let amplitudes = std::mem::take(&mut workspace.amplitudes);
+        workspace.edges.clear();
+        dynamics.edges.list(time, &mut workspace.edges)?;
+        let (amplitudes, edges) = (std::mem::take(&mut workspace.amplitudes), std::mem::take(&mut workspace.edges));
         std::mem::swap(&mut self.state.displacement, &mut self.workspace.before);
-        self.sweep(WavePass { action: WaveStageAction::Begin, h: 0.0, amplitudes: &amplitudes }, executor);
-        self.workspace.amplitudes = amplitudes;
+        self.sweep(WavePass { action: WaveStageAction::Begin, h: 0.0, amplitudes: &amplitudes, edges: &edges }, executor);
+        (self.workspace.amplitudes, self.workspace.edges) = (amplitudes, edges);
         executor.check()
     }
 
@@ -151,7 +158,7 @@ impl<T: Real> System for Wave<T> {
     }
 
     fn is_linear(&self) -> bool {
-        self.dynamics.sources.count() == 0 && self.absorption.is_none()
+        self.dynamics.sources.count() == 0 && self.dynamics.edges.is_empty() && self.absorption.is_none()
     }
 
     fn gains_energy(&self) -> bool {
@@ -175,17 +182,23 @@ impl<T: Real> System for Wave<T> {
         Some((x.iter().zip(v).map(of).fold(0.0, f64::max), self.method.order))
     }
 
-    fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
+    fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
         let energies = self.dynamics.energies(&self.state, executor);
         executor.check()?;
         let mut ledger = Ledger::new(self.state.tallies.len(), 1);
         let sum = |of: fn(&budget::RowEnergy) -> f64| self.dynamics.mass * energies.iter().map(of).sum::<f64>();
         let tallied = |sink: usize| self.state.tallies.iter().map(|tally| tally.energy[sink]).sum();
         ledger.add(Class::Kinetic, "kinetic", sum(|row| row.kinetic));
-        ledger.add(Class::Potential, "wave", sum(|row| row.potential));
+        let mut edges = Vec::new();
+        self.dynamics.edges.list(time, &mut edges)?;
+        let imposed = self.dynamics.imposed(&self.state, &edges);
+        ledger.add(Class::Potential, "wave", sum(|row| row.potential) - imposed);
         ledger.add(Class::Dissipated, "damping", tallied(DAMPING));
         ledger.add(Class::Dissipated, "edges", tallied(EDGES));
         ledger.add(Class::Work, "source", tallied(SOURCE));
+        if !self.dynamics.edges.is_empty() {
+            ledger.add(Class::Work, "edges", tallied(HELD) - imposed);
+        }
         Ok(ledger)
     }
 
@@ -203,8 +216,12 @@ impl<T: Real> System for Wave<T> {
         Some(0.0)
     }
 
-    fn resolvable(&self, _time: f64, h: f64) -> f64 {
-        0.5 * self.dynamics.mass * h * h * self.dynamics.squared_accelerations(&self.state)
+    fn resolvable(&self, time: f64, h: f64) -> f64 {
+        let mut edges = Vec::new();
+        if self.dynamics.edges.list(time, &mut edges).is_err() {
+            return 0.0;
+        }
+        0.5 * self.dynamics.mass * h * h * self.dynamics.squared_accelerations(&self.state, &edges)
     }
 
     fn fault(&self) -> Option<Fault> {

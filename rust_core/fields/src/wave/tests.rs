@@ -47,7 +47,8 @@ fn passes_of_several_stages_change_no_bit() {
     }
 }
 
-/// Energy gradient: E is quadratic, so E(u + d) − E(u − d) = 2 d·∇E exactly, and −∇E = ρ h^D L u.
+/// Energy gradient: E is quadratic, so E(u + d) − E(u − d) = 2 d·∇E exactly, and −∇E = ρ h^D L u, the mass of a cell times
+/// its acceleration.
 #[test]
 fn the_force_is_minus_the_gradient_of_the_energy() {
     let mut cases = Vec::new();
@@ -61,6 +62,8 @@ fn the_force_is_minus_the_gradient_of_the_energy() {
         cases.extend([line, solid].map(|item| with(item, "order", Value::Number(order))));
         cases.push(with(wave(&[1, 1], 0.1, &FIXED), "displacement", Value::Number(0.3)));
     }
+    let dense = |item: &Item| with(item.clone(), "density", field(&PLANE, |at| 1.0 + random(at).abs()));
+    cases.extend(variants(PLANE, &FIXED, random).iter().map(dense));
     for item in &cases {
         let mut wave = Wave::<f64>::new::<VelocityVerlet>(item).unwrap();
         let (length, rows) = (wave.dynamics.medium.laplacian.grid.row_length(), wave.dynamics.medium.laplacian.grid.rows());
@@ -78,7 +81,9 @@ fn the_force_is_minus_the_gradient_of_the_energy() {
         let window = Window::new(&base, length);
         for row in 0..rows {
             wave.dynamics.accelerate(window, row, 0..length, &mut out, &mut scratch);
-            work += out.iter().zip(&direction[row * length..]).map(|(a, d)| a * d).sum::<f64>();
+            let density = |column: usize| wave.dynamics.medium.relative_density(row, column);
+            let work_of = |(column, (a, d)): (usize, (&f64, &f64))| density(column) * a * d;
+            work += out.iter().zip(&direction[row * length..]).enumerate().map(work_of).sum::<f64>();
         }
         assert!((risen + 2.0 * work).abs() < 1e-12 * risen.abs().max(1.0), "{risen} {work}");
     }

@@ -1,32 +1,37 @@
-//! Drag: F = −(γ + q|u|) u with u = v − w, the velocity relative to the wind w.
+//! Drag: F = −(γ + q|u|) u with u = v − w, the velocity relative to the wind w, which may depend on time and place.
 //!
 //! The power F·v splits into the dissipated power, (γ + q|u|)|u|² ≥ 0, and the power of the wind, −(γ + q|u|) u·w.
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
-use super::timed::TimedVector;
+use super::stream::Stream;
 use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::{AXES, Real, Vector};
-use crate::matter::Properties;
+use crate::matter::{Columns, Properties};
 use crate::parallel::Executor;
-use crate::scene::Item;
 use crate::simd::Number;
 use crate::stability::{Horizon, SpectralBound};
 
-/// Linear or quadratic drag in a uniform wind.
+/// Linear or quadratic drag in a wind.
 #[derive(Debug)]
 pub struct Drag<V: Vector> {
     /// Linear drag coefficient γ [N·s/m].
     linear: f64,
     /// Quadratic drag coefficient q [N·s²/m²].
     quadratic: f64,
-    /// Velocity of the wind w [m/s].
-    wind: TimedVector,
+    /// Velocity of the wind w [m/s], at each particle of `named` if it depends on the place.
+    wind: Stream,
+    /// Engine indices of the affected particles, in the caller's order.
+    named: Vec<usize>,
+    /// Velocity of a wind that depends on the place, at every particle.
+    local: Columns<V>,
     /// Weights of the particles: 1 if affected, else 0; padded.
     members: Vec<V::Scalar>,
 }
@@ -34,19 +39,41 @@ pub struct Drag<V: Vector> {
 /// Entry in the registry of forces.
 pub fn kind<V: Vector>() -> ForceKind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
-        Ok(Drag::<V>::parts(declared.item, &declared.mask())?.into_iter().map(|part| Box::new(part) as _).collect())
+        Ok(Drag::<V>::parts(declared)?.into_iter().map(|part| Box::new(part) as _).collect())
     };
     ForceKind { name: "Drag", reach: Reach::Pointwise, charges: false, build }
 }
 
 impl<V: Vector> Drag<V> {
     /// Linear and quadratic part of an item's drag, each omitted if 0. They are separate because only the linear part can be
-    /// fused.
-    fn parts(item: &Item, members: &[V::Scalar]) -> Result<Vec<Self>> {
-        let wind = TimedVector::declared(item, "wind", V::DIMENSION)?;
+    /// fused. Drag in a wind that is a function is never fused, and has one part.
+    fn parts(declared: &Declared<'_, V>) -> Result<Vec<Self>> {
+        let (item, named) = (declared.item, declared.members());
+        let wind = Stream::declared(item, "wind", V::DIMENSION, named.len())?;
         let (linear, quadratic) = (item.non_negative("linear")?, item.non_negative("quadratic")?);
-        let parts = [(linear, 0.0), (0.0, quadratic)].into_iter().filter(|&part| part != (0.0, 0.0));
-        Ok(parts.map(|(linear, quadratic)| Self { linear, quadratic, wind: wind.clone(), members: members.to_vec() }).collect())
+        let parts = if wind.varies() { vec![(linear, quadratic)] } else { vec![(linear, 0.0), (0.0, quadratic)] };
+        let placed = matches!(wind, Stream::Placed { .. });
+        let part = |(linear, quadratic)| Self {
+            linear,
+            quadratic,
+            wind: wind.clone(),
+            named: if placed { named.clone() } else { Vec::new() },
+            local: Columns::zeros(if placed { declared.chosen.len() } else { 0 }),
+            members: declared.mask(),
+        };
+        Ok(parts.into_iter().filter(|&part| part != (0.0, 0.0)).map(part).collect())
+    }
+
+    /// Positions of particles [m].
+    fn positions(named: &[usize], at: &StateView<'_, V>) -> Vec<DVec3> {
+        named.iter().map(|&index| at.properties.origin + at.position.get(index).widen()).collect()
+    }
+
+    /// Affected movable particles, each with its number among the named ones, if the wind depends on the place.
+    fn affected(&self) -> impl Iterator<Item = (usize, usize)> {
+        let everyone = if self.named.is_empty() { 0..self.members.len() } else { 0..0 };
+        let named = self.named.iter().copied().enumerate();
+        everyone.map(|index| (0, index)).chain(named).filter(|&(_, index)| self.acts_on(index))
     }
 
     fn acts_on(&self, index: usize) -> bool {
@@ -62,14 +89,17 @@ impl<V: Vector> Force<V> for Drag<V> {
             velocity: VelocityDependence::Dissipative,
             potential: None,
             callback: self.wind.varies(),
-            bytes: std::mem::size_of_val(self.members.as_slice()),
+            bytes: size_of_val(self.members.as_slice()) + size_of_val(self.named.as_slice()) + self.local.bytes(),
             ..About::new("drag", Reach::Pointwise)
         }
     }
 
     fn fuse(&self, properties: &Properties<V>, fusion: &mut Fusion) -> bool {
-        let wind = self.wind.value;
-        if self.wind.varies() || self.quadratic != 0.0 || fusion.wind.is_some_and(|other| other != wind) {
+        if self.wind.varies() || self.quadratic != 0.0 {
+            return false;
+        }
+        let wind = self.wind.value(0);
+        if fusion.wind.is_some_and(|other| other != wind) {
             return false;
         }
         fusion.wind = Some(wind);
@@ -83,28 +113,40 @@ impl<V: Vector> Force<V> for Drag<V> {
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, _executor: &Executor) -> Result<()> {
-        self.wind.update(at.time)
+        self.wind.update(at.time, || Self::positions(&self.named, at))?;
+        for (point, &index) in self.named.iter().enumerate() {
+            self.local.set(index, V::narrow(self.wind.value(point)));
+        }
+        Ok(())
     }
 
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         let [linear, quadratic] = [self.linear, self.quadratic].map(V::Scalar::from_f64);
-        let wind = self.wind.value.to_array().map(V::Scalar::from_f64);
+        if matches!(self.wind, Stream::Placed { .. }) {
+            let at = StateView { position: self.local.view(), ..*at };
+            return pointwise::accumulate::<V>(LocalDragLaw { linear, quadratic }, &self.members, block, &at, rates);
+        }
+        let wind = self.wind.value(0).to_array().map(V::Scalar::from_f64);
         pointwise::accumulate::<V>(DragLaw { linear, quadratic, wind }, &self.members, block, at, rates);
     }
 
-    /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|.
+    /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|. In a wind that depends on the place, the stiffness is at most
+    /// the damping times the norm of the gradient of the wind.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
-        let wind = self.wind.at(at.time)?;
-        for index in (0..at.properties.count()).filter(|&index| self.acts_on(index)) {
+        let wind = self.wind.with_gradients(at.time, || Self::positions(&self.named, at))?;
+        for (point, index) in self.affected() {
+            let (wind, gradient) = wind.at(point);
             let speed = (at.velocity.get(index).widen() - wind).length();
-            bound.point(index, "drag", 0.0, self.linear + 2.0 * self.quadratic * speed);
+            let damping = self.linear + 2.0 * self.quadratic * speed;
+            bound.point(index, "drag", damping * gradient, damping);
             bound.steady(index, 0.0, self.linear);
         }
         Ok(())
     }
 
     fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
-        if self.quadratic == 0.0 { Validity::Always } else { Validity::Now }
+        let steady = self.quadratic == 0.0 && matches!(self.wind, Stream::Uniform(_));
+        if steady { Validity::Always } else { Validity::Now }
     }
 
     fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
@@ -112,22 +154,24 @@ impl<V: Vector> Force<V> for Drag<V> {
     }
 }
 
-/// Damping matrix C: γ + 2q|u| along u, and γ + q|u| across it.
+/// Damping matrix C: γ + 2q|u| along u, and γ + q|u| across it. The derivative by position, C times the gradient of the wind, is
+/// not symmetric, and is omitted.
 impl<V: Vector> Derivatives for Drag<V> {
     fn arrange(&mut self, at: &Motion<'_>, _executor: &Executor) -> Result<()> {
-        self.wind.update(at.time)
+        let Self { wind, named, .. } = self;
+        wind.update(at.time, || named.iter().map(|&index| at.origin + at.position[index]).collect())
     }
 
     fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
-        for particle in (0..at.velocity.len()).filter(|&index| self.acts_on(index)) {
-            let u = at.velocity[particle] - self.wind.value;
+        for (point, particle) in self.affected() {
+            let u = at.velocity[particle] - self.wind.value(point);
             push(Push { particle, force: -(self.linear + self.quadratic * u.length()) * u, stiffness: 0.0 });
         }
     }
 
     fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(MatrixBlock)) {
-        for particle in (0..at.velocity.len()).filter(|&index| self.acts_on(index)) {
-            let u = at.velocity[particle] - self.wind.value;
+        for (point, particle) in self.affected() {
+            let u = at.velocity[particle] - self.wind.value(point);
             let per_speed = self.quadratic * u.length();
             let damping = Directed { along: self.linear + 2.0 * per_speed, across: self.linear + per_speed };
             let matrix = rate * damping.matrix(u.normalize_or_zero());
@@ -141,6 +185,21 @@ struct DragLaw<T> {
     linear: T,
     quadratic: T,
     wind: [T; AXES],
+}
+
+/// Drag in a wind that depends on the place. Velocities of the wind take the place of positions.
+#[derive(Clone, Copy)]
+struct LocalDragLaw<T> {
+    linear: T,
+    quadratic: T,
+}
+
+impl<V: Vector> ForceField<V> for LocalDragLaw<V::Scalar> {
+    #[inline(always)]
+    fn at(&self, member: V::Scalar, wind: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
+        let law = DragLaw { linear: self.linear, quadratic: self.quadratic, wind };
+        ForceField::<V>::at(&law, member, wind, v)
+    }
 }
 
 impl<V: Vector> ForceField<V> for DragLaw<V::Scalar> {

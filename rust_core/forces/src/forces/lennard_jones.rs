@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::derivatives::Directed;
-use super::pairs::{Interaction, Pairs, Response, SUMS};
+use super::pairs::{Attributes, Interaction, Pairs, Response, SUMS};
 use super::{Declared, ForceKind, Forces, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{Real, Vector};
@@ -112,11 +112,11 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
         VelocityDependence::None
     }
 
-    fn attribute(&self, _properties: &Properties<V>, _index: usize) -> f64 {
-        0.0
+    fn attributes(&self, _properties: &Properties<V>, _index: usize) -> Attributes {
+        [0.0; 2]
     }
 
-    fn potential(&self, _attributes: [f64; 2], distance: f64) -> f64 {
+    fn potential(&self, _attributes: [Attributes; 2], distance: f64) -> f64 {
         if distance >= self.cutoff {
             return 0.0;
         }
@@ -125,7 +125,7 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
     }
 
     /// The longitudinal stiffness is U'', the transverse one −F/r.
-    fn stiffness(&self, _attributes: [f64; 2], distance: f64) -> [Directed; 2] {
+    fn stiffness(&self, _attributes: [Attributes; 2], distance: f64) -> [Directed; 2] {
         if distance >= self.cutoff {
             return Default::default();
         }
@@ -134,7 +134,7 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
     }
 
     /// The stiffness K is U'' along the pair and −F/r across it.
-    fn response(&self, _attributes: [f64; 2], separation: DVec3, _velocity: DVec3) -> Response {
+    fn response(&self, _attributes: [Attributes; 2], separation: DVec3, _velocity: DVec3) -> Response {
         let distance = separation.length();
         if distance >= self.cutoff || distance == 0.0 {
             return Response::NONE;

@@ -24,6 +24,9 @@ use crate::scene::Scene;
 use crate::simd::{LANES, Number, ParticleRecord};
 use crate::stability::{Horizon, SpectralBound};
 
+/// Parameters of a particle besides position and velocity, such as the radius.
+pub type Attributes = [f64; 2];
+
 /// Number of pair sums of a particle: the force along each axis [N], and the dissipated power of its pairs [W].
 pub const SUMS: usize = AXES + 1;
 
@@ -40,23 +43,23 @@ pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
     /// Dependence on velocity.
     fn velocity(&self) -> VelocityDependence;
 
-    /// Parameter of a particle besides position and velocity, such as the radius: see [`attribute`].
-    fn attribute(&self, properties: &Properties<V>, index: usize) -> f64;
+    /// Parameters of a particle: see [`attribute`].
+    fn attributes(&self, properties: &Properties<V>, index: usize) -> Attributes;
 
     /// Potential energy of two particles with these attributes at a distance [J].
-    fn potential(&self, attributes: [f64; 2], distance: f64) -> f64;
+    fn potential(&self, attributes: [Attributes; 2], distance: f64) -> f64;
 
     /// Upper bounds of the stiffness [N/m] and the damping [N·s/m] of two such particles, longitudinal and transverse.
-    fn stiffness(&self, attributes: [f64; 2], distance: f64) -> [Directed; 2];
+    fn stiffness(&self, attributes: [Attributes; 2], distance: f64) -> [Directed; 2];
 
     /// Force on the first of two such particles [N], with its derivatives. `separation` and `velocity` are its position and
     /// velocity relative to the second.
-    fn response(&self, attributes: [f64; 2], separation: DVec3, velocity: DVec3) -> Response;
+    fn response(&self, attributes: [Attributes; 2], separation: DVec3, velocity: DVec3) -> Response;
 
-    /// Largest eigenvalues of the stiffness [N/m] and damping [N·s/m] matrices, summed over the pairs of a particle, that are
+    /// Largest eigenvalues of the stiffness [N/m] and damping [N·s/m] matrices, summed over the pairs of each member, that are
     /// expected in the motion ahead. Independent of the number of pairs that interact now.
-    fn expected(&self, _at: &StateView<'_, V>, _members: &[u32]) -> [f64; 2] {
-        [0.0; 2]
+    fn expected(&self, _at: &StateView<'_, V>, members: &[u32]) -> Vec<[f64; 2]> {
+        vec![[0.0; 2]; members.len()]
     }
 
     /// Adds further bounds on the time step.
@@ -92,10 +95,10 @@ fn largest(matrix: &DMat3, dimension: usize) -> f64 {
     mean + ((number - 1.0) * (square - mean * mean).max(0.0)).sqrt()
 }
 
-/// Attribute stored in a record.
+/// Attribute 0 or 1 stored in a record.
 #[inline(always)]
-pub fn attribute<V: Vector, N: Copy>(record: &ParticleRecord<N>) -> N {
-    record[2 * V::DIMENSION]
+pub fn attribute<V: Vector, N: Copy>(record: &ParticleRecord<N>, which: usize) -> N {
+    record[2 * V::DIMENSION + which]
 }
 
 /// Relative velocity vᵢ − vⱼ of a pair [m/s].
@@ -111,8 +114,8 @@ pub fn relative_velocity<V: Vector, N: Number>(pair: &Pair<N>) -> [N; AXES] {
 /// Force of a pair law between near members.
 pub struct Pairs<V: Vector, L> {
     law: L,
-    /// Attribute of each member.
-    attributes: Vec<f64>,
+    /// Attributes of each member.
+    attributes: Vec<Attributes>,
     neighbor_list: NeighborList,
     records: Records<V>,
     /// Pair sums by slot: force [N] and dissipated power [W].
@@ -126,7 +129,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
     /// If the periodic domain is too small for the cutoff.
     pub fn new(scene: &Scene, properties: &Properties<V>, chosen: &[bool], law: L) -> Result<Self> {
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| chosen[index as usize]).collect();
-        let attributes: Vec<f64> = members.iter().map(|&index| law.attribute(properties, index as usize)).collect();
+        let attributes: Vec<Attributes> = members.iter().map(|&index| law.attributes(properties, index as usize)).collect();
         let sums = vec![[V::Scalar::ZERO; SUMS]; members.len()];
         let mut neighbor_list = NeighborList::new(scene, properties, members, law.cutoff())?;
         if L::SPARES_BONDED {
@@ -250,7 +253,9 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
             for axis in 0..V::DIMENSION {
                 record[V::DIMENSION + axis] = at.velocity.axis(axis)[index];
             }
-            record[2 * V::DIMENSION] = V::Scalar::from_f64(attributes[member]);
+            for (slot, &attribute) in record[2 * V::DIMENSION..].iter_mut().zip(&attributes[member]) {
+                *slot = V::Scalar::from_f64(attribute);
+            }
         });
         records.sum(neighbor_list.neighbors(), *law, sums, executor);
         Ok(())
@@ -297,7 +302,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         }
         let members = self.neighbor_list.members();
         let expected = self.law.expected(at, members);
-        for (&index, sums) in members.iter().zip(sums) {
+        for ((&index, sums), expected) in members.iter().zip(sums).zip(expected) {
             let [stiffness, damping] = std::array::from_fn(|sum| 2.0 * largest(&sums[sum], V::DIMENSION).max(expected[sum]));
             bound.point(index as usize, L::NAME, stiffness, damping);
         }

@@ -1,4 +1,4 @@
-//! Wind on the faces of a surface: quasi-steady forces on a plate in a uniform stream.
+//! Wind on the faces of a surface: quasi-steady forces on each face, as on a plate in a uniform stream.
 //!
 //! A face has the area A and the unit normal n; its centroid moves with the velocity u. The air has the density ρ and the
 //! velocity w. The relative velocity r = w − u has the normal part q n and the tangential part t. With the coefficients `C_n` of
@@ -17,7 +17,7 @@ use glam::{DMat3, DVec3};
 
 use super::corners::Corners;
 use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push, outer};
-use super::timed::TimedVector;
+use super::stream::Stream;
 use super::{About, Declared, Force, ForceKind, Forces, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
@@ -26,11 +26,11 @@ use crate::matter::{EnergySink, View};
 use crate::parallel::Executor;
 use crate::stability::{Horizon, SpectralBound};
 
-/// Air in uniform motion.
+/// Air in motion.
 #[derive(Debug)]
 struct Air {
-    /// Velocity w [m/s].
-    velocity: TimedVector,
+    /// Velocity w [m/s], at the centroid of each face if it depends on the place.
+    velocity: Stream,
     /// Density ρ [kg/m³].
     density: f64,
     /// Coefficient `C_n` of normal force.
@@ -62,15 +62,25 @@ fn gather<V: Vector>(face: [u32; 3], columns: &View<'_, V>) -> [DVec3; 3] {
     face.map(|corner| columns.get(corner as usize).widen())
 }
 
+/// Mean of the values at the corners of a face.
+fn centroid(corners: [DVec3; 3]) -> DVec3 {
+    corners.iter().sum::<DVec3>() / 3.0
+}
+
+/// Centroids of faces [m].
+fn centroids<V: Vector>(faces: &[[u32; 3]], at: &StateView<'_, V>) -> Vec<DVec3> {
+    faces.iter().map(|&face| at.properties.origin + centroid(gather(face, &at.position))).collect()
+}
+
 /// Area times unit normal [m²].
 fn area([a, b, c]: [DVec3; 3]) -> DVec3 {
     0.5 * (b - a).cross(c - a)
 }
 
 impl Air {
-    /// Velocity r of the air relative to a face [m/s].
-    fn relative(&self, velocities: [DVec3; 3]) -> DVec3 {
-        self.velocity.value - velocities.iter().sum::<DVec3>() / 3.0
+    /// Velocity r of the air relative to a face with these velocities of its corners [m/s].
+    fn relative(&self, face: usize, velocities: [DVec3; 3]) -> DVec3 {
+        self.velocity.value(face) - centroid(velocities)
     }
 
     /// Force on a face [N], from its area times its unit normal and the relative velocity.
@@ -103,12 +113,6 @@ impl<V: Vector> Wind<V> {
         if V::DIMENSION != 3 {
             return Err(Error::parameter(&item.path, "a scene in 3D", format!("{}D", V::DIMENSION)));
         }
-        let air = Air {
-            velocity: TimedVector::declared(item, "velocity", V::DIMENSION)?,
-            density: item.non_negative("density")?,
-            normal: item.non_negative("normal")?,
-            tangential: item.non_negative("tangential")?,
-        };
         let engine = properties.engine();
         let named = item.on.clone().unwrap_or_else(|| (0..scene.bodies.len()).collect());
         let mut faces = Vec::new();
@@ -118,6 +122,12 @@ impl<V: Vector> Wind<V> {
             let faces_in_engine = own.iter().map(|face| face.map(number));
             faces.extend(faces_in_engine.filter(|face| face.iter().all(|&corner| chosen[corner as usize])));
         }
+        let air = Air {
+            velocity: Stream::declared(item, "velocity", V::DIMENSION, faces.len())?,
+            density: item.non_negative("density")?,
+            normal: item.non_negative("normal")?,
+            tangential: item.non_negative("tangential")?,
+        };
         let corners = Corners::new(properties.count(), faces.iter().copied());
         Ok(Self { air, torn: vec![false; faces.len()], corners, faces })
     }
@@ -139,15 +149,15 @@ impl<V: Vector> Force<V> for Wind<V> {
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
-        self.air.velocity.update(at.time)?;
+        self.air.velocity.update(at.time, || centroids(&self.faces, at))?;
         let (air, faces, torn) = (&self.air, &self.faces, &self.torn);
         self.corners.evaluate(executor, |face| {
             if torn[face] {
                 return Default::default();
             }
-            let relative = air.relative(gather(faces[face], &at.velocity));
+            let relative = air.relative(face, gather(faces[face], &at.velocity));
             let force = air.force(area(gather(faces[face], &at.position)), relative);
-            ([force / 3.0; 3], [force.dot(relative), force.dot(air.velocity.value)])
+            ([force / 3.0; 3], [force.dot(relative), force.dot(air.velocity.value(face))])
         })
     }
 
@@ -170,18 +180,19 @@ impl<V: Vector> Force<V> for Wind<V> {
     ///
     /// Let a corner j move by δ, and let hⱼ be its height. The normal turns by at most δ/hⱼ, and the area changes by at most the
     /// fraction δ/hⱼ. With q² + t² = r², F then changes by at most ½ ρ A r² (5/2 `C_n` + 7/2 `C_t`) δ/hⱼ. A Σ 1/hⱼ is half the
-    /// perimeter.
+    /// perimeter. Where the wind depends on the place, the displacement of the centroid changes r as a velocity does.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
-        let gust = self.air.velocity.at(at.time)? - self.air.velocity.value;
-        for face in self.faces.iter().zip(&self.torn).filter_map(|(face, torn)| (!torn).then_some(*face)) {
+        let velocity = self.air.velocity.with_gradients(at.time, || centroids(&self.faces, at))?;
+        for (index, (&face, _)) in self.faces.iter().zip(&self.torn).enumerate().filter(|(_, (_, torn))| !**torn) {
             let x = gather(face, &at.position);
-            let (area, relative) = (area(x), gust + self.air.relative(gather(face, &at.velocity)));
+            let (velocity, gradient) = velocity.at(index);
+            let (area, relative) = (area(x), velocity - centroid(gather(face, &at.velocity)));
             let across = area.normalize_or_zero().dot(relative).abs();
             let along = (relative.length_squared() - across * across).max(0.0).sqrt();
             let damping = self.air.density * area.length() * (self.air.normal * across).max(self.air.tangential * along) / 3.0;
             let perimeter = (0..3).map(|side| (x[(side + 1) % 3] - x[side]).length()).sum::<f64>();
             let pressure = 0.5 * self.air.density * relative.length_squared();
-            let stiffness = pressure * (2.5 * self.air.normal + 3.5 * self.air.tangential) * perimeter / 6.0;
+            let stiffness = pressure * (2.5 * self.air.normal + 3.5 * self.air.tangential) * perimeter / 6.0 + gradient * damping;
             face.iter().for_each(|&corner| bound.point(corner as usize, "wind", stiffness, damping));
         }
         Ok(())
@@ -200,8 +211,8 @@ impl<V: Vector> Wind<V> {
     /// The corners of each face that is not torn, its area times unit normal, and the velocity of the air relative to it.
     fn met(&self, at: &Motion<'_>) -> impl Iterator<Item = ([u32; 3], DVec3, DVec3)> {
         let of = |values: &[DVec3], face: [u32; 3]| face.map(|corner| values[corner as usize]);
-        let there = self.faces.iter().zip(&self.torn).filter(|(_, torn)| !**torn);
-        there.map(move |(&face, _)| (face, area(of(at.position, face)), self.air.relative(of(at.velocity, face))))
+        let there = self.faces.iter().zip(&self.torn).enumerate().filter(|(_, (_, torn))| !**torn);
+        there.map(move |(index, (&face, _))| (face, area(of(at.position, face)), self.air.relative(index, of(at.velocity, face))))
     }
 }
 
@@ -209,7 +220,9 @@ impl<V: Vector> Wind<V> {
 /// ninth of ∂F/∂r for all corners i and j. The derivatives by position have a negligible symmetric part, and are omitted.
 impl<V: Vector> Derivatives for Wind<V> {
     fn arrange(&mut self, at: &Motion<'_>, _executor: &Executor) -> Result<()> {
-        self.air.velocity.update(at.time)
+        let corners = |face: [u32; 3]| face.map(|corner| at.position[corner as usize]);
+        let centroids = || self.faces.iter().map(|&face| at.origin + centroid(corners(face))).collect();
+        self.air.velocity.update(at.time, centroids)
     }
 
     fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::{NAME, charges};
 use crate::error::{Error, Result};
+use crate::forces::placed::PlacedFunction;
 use crate::forces::{About, Declared, Force, Rates, Reach, StateView, Strength, Validity, VelocityDependence};
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
@@ -17,15 +18,9 @@ use crate::scene::{Argument, Callback};
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
 
-/// Displacement for differences of a field, as a fraction of the extent of its particles: about the cube root of ε.
-const DISPLACEMENT: f64 = 1e-5;
-
 /// Field of a user-defined function, with its values times the charge at the particles.
 struct FunctionField<V: Vector> {
-    function: Arc<dyn Callback>,
-    path: String,
-    /// Whether the field has only a z component.
-    axial: bool,
+    function: PlacedFunction,
     /// Engine indices of the particles, in the caller's order.
     members: Vec<usize>,
     charges: Vec<V::Scalar>,
@@ -36,9 +31,13 @@ struct FunctionField<V: Vector> {
 impl<V: Vector> FunctionField<V> {
     fn new(declared: &Declared<'_, V>, name: &str, function: &Arc<dyn Callback>) -> Self {
         Self {
-            function: Arc::clone(function),
-            path: format!("{}.{name}", declared.item.path),
-            axial: name == "magnetic" && V::DIMENSION == 2,
+            function: PlacedFunction {
+                function: Arc::clone(function),
+                path: format!("{}.{name}", declared.item.path),
+                what: "the field",
+                dimension: V::DIMENSION,
+                axial: name == "magnetic" && V::DIMENSION == 2,
+            },
             members: declared.members(),
             charges: charges(declared),
             values: vec![DVec3::ZERO; declared.chosen.len()],
@@ -58,30 +57,11 @@ impl<V: Vector> FunctionField<V> {
         self.members.iter().map(|&index| at.properties.origin + at.position.get(index).widen()).collect()
     }
 
-    /// Field at positions of the particles, finite.
-    fn at(&self, time: f64, positions: &[DVec3]) -> Result<Vec<DVec3>> {
-        let shape = [positions.len(), V::DIMENSION];
-        let shape = if self.axial { &shape[..1] } else { &shape[..] };
-        let arguments = [Argument::Number(time), Argument::Vectors(positions)];
-        let numbers = self.function.call(&arguments, "the field", shape).map_err(|failure| failure.at(self.path.clone()))?;
-        let rows = numbers.chunks_exact(if self.axial { 1 } else { V::DIMENSION }).zip(positions).enumerate();
-        rows.map(|(row, (numbers, place))| {
-            if let Some(found) = numbers.iter().find(|number| !number.is_finite()) {
-                let place = &place.to_array()[..V::DIMENSION];
-                let found = format!("{found} in row {row}, for the particle at {place:?} m");
-                return Err(Error::undefined(self.path.clone(), "a finite field", found));
-            }
-            let component = |axis: usize| numbers.get(axis).copied().unwrap_or(0.0);
-            Ok(if self.axial { DVec3::Z * numbers[0] } else { DVec3::new(component(0), component(1), component(2)) })
-        })
-        .collect()
-    }
-
     fn prepare(&mut self, at: &StateView<'_, V>) -> Result<()> {
         if self.members.is_empty() {
             return Ok(());
         }
-        let fields = self.at(at.time, &self.positions(at))?;
+        let fields = self.function.at(at.time, &self.positions(at))?;
         for (&index, field) in self.members.iter().zip(fields) {
             self.values[index] = self.charges[index].to_f64() * field;
         }
@@ -149,21 +129,9 @@ impl<V: Vector> Force<V> for ElectricFunction<V> {
 
     /// Norm of the gradient of the field by central differences, times the charge.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
-        let positions = self.field.positions(at);
-        let Some(&first) = positions.first() else { return Ok(()) };
-        let extent = positions.iter().map(|place| (*place - first).length().max(place.length())).fold(0.0, f64::max);
-        let step = DISPLACEMENT * if extent > 0.0 { extent } else { 1.0 };
-        let mut squares = vec![0.0; positions.len()];
-        for axis in 0..V::DIMENSION {
-            let along = DVec3::from_array(std::array::from_fn(|other| if other == axis { step } else { 0.0 }));
-            let moved = |sign: f64| positions.iter().map(|&place| place + sign * along).collect::<Vec<_>>();
-            let (before, after) = (self.field.at(at.time, &moved(-1.0))?, self.field.at(at.time, &moved(1.0))?);
-            for (square, (before, after)) in squares.iter_mut().zip(before.into_iter().zip(after)) {
-                *square += ((after - before) / (2.0 * step)).length_squared();
-            }
-        }
-        for (&index, square) in self.field.members.iter().zip(squares) {
-            let stiffness = square.sqrt() * self.field.charges[index].to_f64().abs();
+        let norms = self.field.function.gradient_norms(at.time, &self.field.positions(at))?;
+        for (&index, norm) in self.field.members.iter().zip(norms) {
+            let stiffness = norm * self.field.charges[index].to_f64().abs();
             if stiffness > 0.0 {
                 bound.point(index, NAME, stiffness, 0.0);
             }
@@ -215,7 +183,7 @@ impl<V: Vector> Force<V> for MagneticFunction<V> {
         if self.0.members.is_empty() {
             return Ok(());
         }
-        let fields = self.0.at(at.time, &self.0.positions(at))?;
+        let fields = self.0.function.at(at.time, &self.0.positions(at))?;
         for (&index, field) in self.0.members.iter().zip(fields) {
             bound.gyration(index, self.0.charges[index].to_f64().abs() * field.length());
         }
