@@ -432,6 +432,7 @@ def findings(units: pc.units.UnitSystem | None) -> dict[str, str]:
     net = pc.cloth((6, 6), 0.05, 200.0, mass=0.004, velocities=kicks, pinned="top")
     film = pc.Fluid.block((0.0, 0.0), (1.0, 0.2), 0.1, density=1000.0, viscosity=1e-3)
     pull, ring = pc.Gravity(lambda time: (0.0, -1.0)), pc.CentralForce((0.0, 0.0), 1.0, exponent=1)
+    shake = pc.Gravity(lambda time: (0.0, math.sin(300.0 * time)))
     passing = pc.Event.crossing(0, "x", 0.26)
     pair = pc.Particles([[-0.5, 0.0], [0.5, 0.0]], [[0.0, -0.5], [0.0, 0.5]])
     with warnings.catch_warnings():
@@ -456,6 +457,7 @@ def findings(units: pc.units.UnitSystem | None) -> dict[str, str]:
             "exponents": pc.lyapunov(pc.Scene(*dust(), ring, units=units), 1.0, interval=0.1),
             "thin": pc.Simulation(pc.Scene(film, pc.Gravity((0.0, -1.0)), pc.Floor(), units=units)).plan,
             "functions of time": pc.Simulation(pc.Scene(*dust(), pull, units=units), dt=0.01).plan,
+            "alternation": pc.Simulation(pc.Scene(*dust(), shake, units=units), dt=0.01).plan,
             "encounter": pc.Simulation(pc.Scene(pair, pc.Gravitation(1.0), units=units)).plan,
         }
     return {name: str(each) for name, each in found.items()}

@@ -2,49 +2,48 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from physcore.errors import SceneWarning, warn
+from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid
+from physcore.scene.items import Force
 from physcore.scene.overlaps import close_pairs
 
-if TYPE_CHECKING:
-    from physcore.scene.scene import Scene
+
+def warn_of_mistakes(bodies: Sequence[Body], forces: Sequence[Force], path: Callable[[Body], str]) -> None:
+    """Warn of what a scene can hardly mean; `path` is the name of a body in messages."""
+    _warn_of_charges(bodies, forces, path)
+    _warn_of_shared_places(bodies, path)
 
 
-def warn_of_mistakes(scene: Scene) -> None:
-    """Warn of what a scene can hardly mean."""
-    _warn_of_charges(scene)
-    _warn_of_shared_places(scene)
-
-
-def _warn_of_charges(scene: Scene) -> None:
+def _warn_of_charges(bodies: Sequence[Body], forces: Sequence[Force], path: Callable[[Body], str]) -> None:
     """Warn if there are charges but no force that acts on charges, or Coulomb's force and no charges."""
-    charged = [position for position, body in enumerate(scene.bodies) if body.charge.any()]
-    if scene.bodies and not charged:
-        for index, force in enumerate(scene.forces):
+    charged = [body for body in bodies if body.charge.any()]
+    if bodies and not charged:
+        for index, force in enumerate(forces):
             if force.needs_charges:
                 warn(f"forces[{index}]: no body has a charge: give Particles(…, charge=…)", SceneWarning)
-    if charged and not any(force.feels_charges for force in scene.forces):
+    if charged and not any(force.feels_charges for force in forces):
         warn(
-            f"{scene.path(charged[0])}.charge: no force of the scene acts on charges; "
+            f"{path(charged[0])}.charge: no force of the scene acts on charges; "
             "add Coulomb() between them, or an ElectromagneticField(…)",
             SceneWarning,
         )
 
 
-def _warn_of_shared_places(scene: Scene) -> None:
+def _warn_of_shared_places(bodies: Sequence[Body], path: Callable[[Body], str]) -> None:
     """Warn if a fluid with obstacles fills places that the particles of another body fill."""
-    fluids = [fluid for fluid in scene.fluids if fluid.obstacles]
-    for position, body in enumerate(scene.bodies):
+    fluids = [body for body in bodies if isinstance(body, Fluid) and body.obstacles]
+    for body in bodies:
         for fluid in fluids if not isinstance(body, Fluid) else ():
             filled = [first[first < len(fluid)] for first, second in _shared(fluid, body.positions)]
             count = len(np.unique(np.concatenate(filled))) if filled else 0
             if count > 0:
                 warn(
-                    f"{scene.path(position)}: {count} particles of {scene.path(scene.index(fluid))} start within half "
+                    f"{path(body)}: {count} particles of {path(fluid)} start within half "
                     "of their spacing of its own, so that both fill one place and are thrown apart; leave them out",
                     SceneWarning,
                 )

@@ -100,7 +100,7 @@ class Scene:
         self._check_items("systems", self.systems)
         self._check_probes()
         self._check_sizes()
-        warn_of_mistakes(self)
+        warn_of_mistakes(self.bodies, self.forces, self.path)
 
     @property
     def dimension(self) -> int:

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import os
-import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Literal, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from physcore.checks import MOST, FloatArray, array, broadcast, flag, shown, span
-from physcore.errors import FileError, SceneError
+from physcore.checks import FloatArray, broadcast, flag, shown, span
+from physcore.errors import SceneError
 from physcore.numerics.choices import (
     FRAMES_PER_SECOND,
     DivergenceRule,
     Integrators,
-    Limit,
     Numerics,
     Options,
     Precision,
@@ -29,32 +27,31 @@ from physcore.numerics.fluids import Fluids, check_flows
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
-from physcore.scene.channels import CHANNELS, FLUID_CHANNELS, body_fields, body_gauges, gauge
+from physcore.scene.channels import CHANNELS, body_fields, body_gauges, gauge
 from physcore.scene.items import System
-from physcore.scene.records import Record
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.alternation import alternating
-from physcore.simulation.energy import Amount, Energy
+from physcore.simulation.checkpoint import Checkpoint
 from physcore.simulation.event import Event, checked
+from physcore.simulation.measured import Measured
 from physcore.simulation.notes import noted, of_scene
 from physcore.simulation.occurrences import Events
 from physcore.simulation.plan import Plan
-from physcore.simulation.provenance import SEGMENTS, Provenance, version
+from physcore.simulation.provenance import Provenance, version
 from physcore.simulation.recording import Recording, check_channels, collect
-from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
+from physcore.simulation.serial import pack_numerics
 from physcore.simulation.state import Frame, Part
-from physcore.simulation.stepper import Captured, Stepper
+from physcore.simulation.stepper import Stepper
 from physcore.simulation.watch import Watch
 from physcore.storage import archive
-from physcore.storage.schema import of, real, record, several, table
 
 State = ArrayLike | Mapping[BodyKey, ArrayLike]
 """New values for all particles, or for some bodies."""
 
 
-class Simulation:
+class Simulation(Measured):
     """The state of a scene, and the clock that moves it on.
 
         simulation = pc.Simulation(scene, integrator="RungeKutta4", dt=1e-3)
@@ -356,132 +353,6 @@ class Simulation:
         if self._watch is not None:
             self._watch.restart()
 
-    def energy(self) -> Energy:
-        """The energy budget of the present state.
-
-        Raises:
-            SimulationDiverged: the last step has sent particles that interact so far away that it cannot be told who is
-                near whom.
-
-        Warns:
-            StabilityWarning: it is not finite: particles coincide, or the run has diverged, which
-                on_divergence="ignore" leaves to you.
-        """
-        return sampling.audit(self._world, self._scene.units)[0]
-
-    def budgets(self) -> dict[str, Amount]:
-        """The budgets of what is conserved beside energy, by name; none where nothing is."""
-        return sampling.audit(self._world, self._scene.units)[1]
-
-    def momentum(self) -> FloatArray:
-        """Total momentum of all particles that are not fixed [kg·m/s], shape (D,).
-
-        Warns:
-            StabilityWarning: it is not finite, as for `energy`.
-        """
-        return sampling.momentum(self._world, self._scene.units)
-
-    def angular_momentum(self) -> FloatArray:
-        """Total angular momentum about the origin [kg·m²/s], shape (D (D − 1)/2,): a number in 2D, three in
-        3D.
-
-        Warns:
-            StabilityWarning: it is not finite, as for `energy`.
-        """
-        return sampling.angular_momentum(self._world, self._scene.units)
-
-    def acceleration(self, points: ArrayLike, on: BodyKey | None = None) -> FloatArray:
-        """The acceleration field of the scene at the present time:
-
-            simulation.acceleration([[0.0, 1.0], [2.0, 0.0]])
-
-        This is what a test particle of 1 kg, without charge and radius, would feel at rest: the accelerations of
-        Gravity, and the forces of CentralForce, Drag (in wind) and CustomForce, whose function is called with the
-        points and with velocities of 0. Forces that pass between particles are no fields in space and are left out:
-        those of springs, of pairs, near or at a distance, and within fluids; so are boundaries. The positions of the
-        bodies do not matter, and the precision is double.
-
-        Args:
-            points: where [m], shape (M, D). In a periodic domain they are taken as they are given.
-            on: a body, its index or its name: of the forces only those that act on it, or on some of its particles,
-                count; None: all of them.
-
-        Returns:
-            Accelerations [m/s²], shape (M, D).
-
-        Raises:
-            SceneError: a shape does not fit; there is no such body; an acceleration is not finite; or the function of a
-                CustomForce fails, or gives no force for each of the points.
-        """
-        try:
-            body = None if on is None else self._scene.index(on)
-        except KeyError as error:
-            raise SceneError(f"acceleration.on: {error.args[0]}") from None
-        return self._sample("acceleration", points, body)
-
-    def electric_field(self, points: ArrayLike) -> FloatArray:
-        """The electric field at the present time, of every ElectromagneticField and of the charges under Coulomb:
-
-            simulation.electric_field([[0.0, 1.0], [2.0, 0.0]])
-
-        Args:
-            points: where [m], shape (M, D).
-
-        Returns:
-            E [V/m], shape (M, D).
-
-        Raises:
-            SceneError: a shape does not fit; a point is at a charge without softening, or where a field is not finite;
-                or the function of a field fails.
-        """
-        return self._sample("electric_field", points)
-
-    def magnetic_field(self, points: ArrayLike) -> FloatArray:
-        """The magnetic field at the present time, of every ElectromagneticField.
-
-        Args:
-            points: where [m], shape (M, D).
-
-        Returns:
-            B [T], shape (M, 3); in 2D its component along z, shape (M,).
-
-        Raises:
-            SceneError: as for `electric_field`.
-        """
-        field = self._sample("magnetic_field", points)
-        return field if self._scene.dimension == 3 else field[:, 2]
-
-    def electric_potential(self, points: ArrayLike) -> FloatArray:
-        """The potential V of the electric field at the present time, E = −∇V.
-
-        Args:
-            points: where [m], shape (M, D).
-
-        Returns:
-            V [V], shape (M,).
-
-        Raises:
-            SceneError: as for `electric_field`; or a field has no potential, as functions and fields that change in
-                time.
-        """
-        return self._sample("electric_potential", points)[:, 0]
-
-    def _sample(self, kind: str, points: ArrayLike, body: int | None = None) -> FloatArray:
-        """The values of a field at points."""
-        places = self._places(points, kind)
-        with self._scene.units.worded():
-            return self._world.sample(kind, places, body)
-
-    def _places(self, points: ArrayLike, path: str) -> FloatArray:
-        """Points (M, D)."""
-        places = array(points, f"{path}.points")
-        if places.ndim != 2 or places.shape[1] != self._scene.dimension:
-            raise SceneError(
-                f"{path}.points: must have the shape (M, {self._scene.dimension}), got {places.shape}; "
-                "one point is [[x, y]] in 2D"
-            )
-        return places
-
     def state_hash(self) -> str:
         """A hash of everything that the bits of the next step depend on."""
         return self._world.state_hash()
@@ -492,13 +363,7 @@ class Simulation:
         Raises:
             FileError: the file cannot be written, or the scene has a CustomForce.
         """
-        content = {
-            "scene": self._scene.packed(),
-            "numerics": pack_numerics(self._numerics),
-            "stepper": self._stepper.capture(),
-            "world": self._world.capture(),
-        }
-        archive.write(path, "simulation", content)
+        archive.write(path, "simulation", self._checkpoint().content())
 
     @classmethod
     def from_content(cls, content: dict[str, archive.Tree]) -> Simulation:
@@ -507,27 +372,14 @@ class Simulation:
         Raises:
             FileError: an entry is missing or wrong; with its path.
         """
-        bounds = dict.fromkeys(("dt", "stability", "accuracy", "certified", "endured"), real(least=0.0, finite=False))
-        limits = several(of(Limit, **bounds), lengths=(0, 2))
-        stepper = of(Captured, limits=limits, segments=SEGMENTS)
-        shape = record(scene=unpack_scene, numerics=unpack_numerics, stepper=stepper, world=table(_numbers))
-        checked = shape(content, "")
-        numerics = check(checked["numerics"], checked["scene"])
-        simulation = cls._resumed(checked["scene"], numerics, checked["stepper"], checked["world"])
-        if numerics.on_divergence != "ignore" and not np.isfinite(checked["world"]["tallies"]).all():
-            raise FileError("world.tallies: must be finite")
-        if not np.isfinite(simulation.time):
-            raise FileError("world.clock: must be a time that is finite")
-        for info in engine.fields(simulation._world, simulation._scene):
-            # Particles that are no fluid's have no density.
-            whole = info.state and info.name not in FLUID_CHANNELS
-            if whole and not np.isfinite(engine.read(simulation._world, simulation._scene, info.name)).all():
-                raise FileError("world.columns: must be finite in the precision of the run")
+        checkpoint = Checkpoint.from_content(content)
+        simulation = cls._resumed(checkpoint)
+        checkpoint.verify(simulation._world)
         return simulation
 
     def __copy__(self) -> Simulation:
         """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
-        return self._resumed(self._scene, self._numerics, self._stepper.capture(), self._world.capture())
+        return self._resumed(self._checkpoint())
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the scene and the present state.
@@ -535,22 +387,24 @@ class Simulation:
         Raises:
             SceneError: a function in the scene cannot be pickled.
         """
-        for section in ("forces", "systems"):
-            for position, item in enumerate(getattr(self._scene, section)):
-                _require_pickles(Record.of(item), f"{section}[{position}]")
-        state = (self._scene, self._numerics, self._stepper.capture(), self._world.capture())
-        return type(self)._resumed, state
+        checkpoint = self._checkpoint()
+        checkpoint.require_pickles()
+        return type(self)._resumed, (checkpoint,)
 
     def __deepcopy__(self, memo: dict[int, object]) -> Simulation:
         return self.__copy__()  # A scene never changes, and its bodies stay keys into the copy.
 
+    def _checkpoint(self) -> Checkpoint:
+        """The present state."""
+        return Checkpoint(self._scene, self._numerics, self._stepper.capture(), self._world.capture())
+
     @classmethod
-    def _resumed(cls, scene: Scene, numerics: Numerics, stepper: archive.Tree, world: archive.Tree) -> Simulation:
+    def _resumed(cls, checkpoint: Checkpoint) -> Simulation:
         """A simulation in a state that was captured. Its limits were looked at when the run began."""
         simulation = cls.__new__(cls)
-        simulation._build(scene, numerics)
-        simulation._stepper.restore(stepper)
-        simulation._world.restore(world)
+        simulation._build(checkpoint.scene, checkpoint.numerics)
+        simulation._stepper.restore(checkpoint.stepper)
+        simulation._world.restore(checkpoint.world)
         return simulation
 
     def _end(self) -> tuple[Plan, Provenance]:
@@ -575,42 +429,6 @@ class Simulation:
 def _refuse(values: Mapping[str, ArrayLike]) -> None:
     """Nothing of what is measured can be set."""
     raise SceneError(f"set.{next(iter(values), '')}: follows from the state of the fluid")
-
-
-def _numbers(value: object, path: str) -> NDArray[np.generic]:
-    """A part of a captured state: numbers. Positions and velocities are looked at when they are restored; accelerations
-    and energies may be beyond the range of numbers in a run that diverges.
-    """
-    if not isinstance(value, np.ndarray):
-        raise FileError(f"{path}: must be an array, got {shown(value)}")
-    steps = value.dtype.kind in "iu" and value.size > 0 and int(value.max()) > MOST
-    if steps or (path.endswith(("clock", "adaptation")) and not np.isfinite(value).all()):
-        raise FileError(f"{path}: must be finite numbers, with at most {MOST} steps")
-    return value
-
-
-def _require_pickles(record: Record, path: str) -> None:
-    """Refuse a function that has no name by which another process could find it.
-
-    Raises:
-        SceneError: it has none.
-    """
-    for name, value in record.values.items():
-        for position, each in enumerate(value if isinstance(value, tuple) else (value,)):
-            where = f"{path}.{name}[{position}]" if isinstance(value, tuple) else f"{path}.{name}"
-            if isinstance(each, Record):
-                _require_pickles(each, where)
-            elif callable(each):
-                _require_pickle(each, where)
-
-
-def _require_pickle(function: object, path: str) -> None:
-    try:
-        pickle.dumps(function)
-    except Exception as error:
-        raise SceneError(
-            f"{path}: cannot be pickled ({error}); define it with def at the top level of a module"
-        ) from error
 
 
 def require_scene(scene: object) -> None:

@@ -20,7 +20,7 @@ from physcore.simulation.event import Event, checked
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
-from physcore.simulation.stepper import unwarned
+from physcore.simulation.step_warnings import unwarned
 from physcore.studies.state import primary, size, suffix
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods

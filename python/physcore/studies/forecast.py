@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from physcore.errors import SimulationDiverged
 from physcore.simulation.simulation import Simulation
-from physcore.simulation.stepper import unwarned
+from physcore.simulation.step_warnings import unwarned
 from physcore.studies import clock
 from physcore.units.systems import SI, UnitSystem
 

@@ -18,7 +18,7 @@ from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
-from physcore.simulation.stepper import unwarned
+from physcore.simulation.step_warnings import unwarned
 from physcore.studies.state import nudge, place
 from physcore.units.systems import SI, UnitSystem
 

@@ -13,7 +13,7 @@ from physcore.numerics.choices import Options, StepRule, steps_to
 from physcore.scene.bodies import SpringNetwork
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
-from physcore.simulation.stepper import unwarned
+from physcore.simulation.step_warnings import unwarned
 from physcore.studies.lyapunov.neighbors import APART, TINY, orthonormalized, random_frame
 
 PILOT, LOOKS = 1.0 / 8.0, 32

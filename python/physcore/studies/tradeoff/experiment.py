@@ -20,7 +20,7 @@ from physcore.scene.scene import ItemKey, Scene
 from physcore.simulation.energy import Energy, EnergySeries
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
-from physcore.simulation.stepper import unwarned
+from physcore.simulation.step_warnings import unwarned
 from physcore.studies import clock
 from physcore.studies.state import place, primary
 
