@@ -362,7 +362,7 @@ def test_a_field_of_another_dimension_is_refused(field, dimension, message):
 @pytest.mark.parametrize(
     ("field", "message"),
     [
-        (lambda time, x: x * math.nan, r"forces\[0\]\.electric: expected a finite field, got NaN in row 0"),
+        (lambda time, x: x * math.nan, r"forces\[0\]\.electric: expected finite numbers, got NaN in row 0"),
         (lambda time, x: x[:, 0], r"forces\[0\]\.electric"),
         (lambda time, x: 1 / 0, r"forces\[0\]\.electric.*ZeroDivisionError"),
     ],

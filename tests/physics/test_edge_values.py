@@ -374,3 +374,26 @@ def test_functions_that_fail_later_are_named(wave):
     with pytest.raises((SceneError, pc.SimulationDiverged), match=path):
         run.step(20)
     assert run.steps <= 5
+
+
+def test_a_constant_value_does_no_work():
+    """A membrane whose edge is at 1 moves as one whose edge is at 0 does, with the same energies, up to rounding.
+
+    Displacements of up to 2 in place of 1 round to 2 ε each; 1000 steps of 120 cells add up to less than 1e-10.
+    """
+    grid = pc.Grid((12, 10), 0.1)
+    start = np.random.default_rng(2).uniform(-1.0, 1.0, grid.cells)
+
+    def run(shift: float, edges: object) -> pc.Recording:
+        return pc.simulate(
+            pc.Scene(pc.Wave(grid, 1.0, start + shift, edges=edges)),
+            35.0,
+            fps=1.0,
+            integrator="VelocityVerlet",
+            dt=0.035,
+        )
+
+    held, fixed = run(1.0, pc.Dirichlet(1.0)), run(0.0, "fixed")
+    assert not held.energy.work.any()
+    assert held.energy.total == pytest.approx(fixed.energy.total, rel=1e-10)
+    assert np.abs(held.energy.drift - fixed.energy.drift).max() < 1e-10

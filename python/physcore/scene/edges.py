@@ -98,12 +98,13 @@ class Dirichlet(Valued):
         string = pc.Wave(grid, speed=1.0, edges={"x-": pc.Dirichlet(lambda t: 0.1 * np.sin(5.0 * t)), "x+": "fixed"})
 
     `"fixed"` is `Dirichlet(0.0)`. What flows through the edge is booked: amounts of species as supplied and removed by
-    "edges", the energy that a wave is given as work.
+    "edges", the energy that a wave is given as work. A constant value does no work.
 
     Args:
         value: the value on the side, in the unit of the field. A number, or an array with one number for each cell
             along the side: of shape (ny,) at the sides of x in 2D, (nx, nz) at those of y in 3D. Or a function of the
-            time [s] that returns either; it is called once per stage, in the order of time.
+            time [s] that returns either; it is called at least once per stage, and
+            must depend on the time alone.
 
     Raises:
         SceneError: the value is not finite, or the function fails at the time 0.

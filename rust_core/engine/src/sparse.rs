@@ -62,13 +62,15 @@ const ROWS: usize = 64;
 
 impl Factorization {
     /// Analyzes the pattern of matrices with `count` rows. The entries [row, column] are off the diagonal, each once, in any
-    /// triangle.
+    /// triangle. The search for the order of elimination is not interruptible.
     ///
     /// # Errors
     /// If L does not fit into memory, or on an interrupt.
     pub fn new(count: usize, entries: &[[u32; 2]], executor: &Executor) -> Result<Self> {
         memory::check(NAME, ANALYSIS * (count + entries.len()), 0, || format!("for {count} rows; take fewer springs or rods"))?;
+        executor.check()?;
         let row = elimination_order(count, entries);
+        executor.check()?;
         let mut place = vec![0; count];
         row.iter().enumerate().for_each(|(index, &row)| place[row as usize] = index as u32);
         let mut left = vec![Vec::new(); count];

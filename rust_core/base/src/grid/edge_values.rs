@@ -48,6 +48,8 @@ pub struct EdgeFace {
     pub slot: usize,
     /// Whether the value is that of u; otherwise it is that of its outward derivative.
     pub held: bool,
+    /// Whether u is held at a constant value. Such a face does no work.
+    pub still: bool,
     /// Factor from the value to b: 2w or w h.
     pub weight: f64,
 }
@@ -125,6 +127,7 @@ impl EdgeValues {
         let mut found: Vec<(usize, EdgeFace)> = Vec::with_capacity(count);
         let mut first = cells.first;
         for side in &self.sides {
+            let still = side.held && matches!(side.value, SideValue::Numbers(_));
             let end = if side.upper { outer.cells[side.axis] - 1 } else { 0 };
             let mut face = |row: usize, column: usize| {
                 let place = inner.place(cells.padding.nearest_row(row));
@@ -133,7 +136,7 @@ impl EdgeValues {
                 let along = others.fold(0, |index, axis| index * inner.cells[axis] + place[axis]);
                 let slot = first + if side.count == 1 { 0 } else { along };
                 let weight = (cells.of)(row, column) * if side.held { 2.0 } else { inner.spacing };
-                found.push((row, EdgeFace { column, slot, held: side.held, weight }));
+                found.push((row, EdgeFace { column, slot, held: side.held, still, weight }));
             };
             for row in 0..outer.rows() {
                 if side.axis == 2 {
@@ -217,10 +220,24 @@ impl EdgeValues {
         }
     }
 
+    /// Refuses values of an item's parameter that a precision does not hold.
+    ///
+    /// # Errors
+    /// If there is such a value.
+    pub fn check_range<T: Real>(item: &Item, name: &str, values: &[f64]) -> Result<()> {
+        match values.iter().find(|&&value| !T::from_f64(value).is_finite()) {
+            None => Ok(()),
+            Some(&value) => Err(item.wrong(name, &format!("values that {} holds", T::NAME), Some(&Value::Number(value)))),
+        }
+    }
+
     /// Memory [bytes].
     #[inline]
     pub fn bytes(&self) -> usize {
-        size_of_val(self.faces.as_slice()) + size_of_val(self.starts.as_slice())
+        let numbers =
+            |side: &Side| if let SideValue::Numbers(numbers) = &side.value { size_of_val(numbers.as_slice()) } else { 0 };
+        let values: usize = self.sides.iter().map(numbers).sum();
+        size_of_val(self.faces.as_slice()) + size_of_val(self.starts.as_slice()) + values
     }
 }
 

@@ -75,8 +75,8 @@ impl<T: Real> ReactionDiffusionLaw<T> {
         &list[if self.edges_vary() { index * count } else { 0 }..][..count]
     }
 
-    /// Loss and gain rates of a row of a species through the edges. Where all values are zero the loss is Σ κ u, else flux by
-    /// flux.
+    /// Loss and gain rates of a row of a species through the edges. Without declared values the loss is Σ κ u, else it is
+    /// taken flux by flux.
     fn exchange(&self, species: usize, row: usize, values: &[T], edge_values: &[f64]) -> [f64; 2] {
         let (diffusion, edges) = (&self.diffusion[species], &self.edges[species]);
         if !edges.is_empty() {

@@ -113,9 +113,7 @@ impl<T: Real> ReactionDiffusion<T> {
             let cells = EdgeCells { padding: &padding, edges: own, of: &of, all: true, first: listed.len() };
             let values = EdgeValues::declared(declaring, key, &cells)?;
             values.list(0.0, &mut listed)?;
-            if listed.iter().any(|&value| !T::from_f64(value).is_finite()) {
-                return Err(declaring.wrong(key, &format!("values that {} holds", T::NAME), None));
-            }
+            EdgeValues::check_range::<T>(declaring, key, &listed)?;
             edges.push(values);
         }
         let mut field = vec![T::ZERO; species * grid.count()];

@@ -17,6 +17,15 @@ pub struct RowEnergy {
     pub potential: f64,
 }
 
+/// Energies imposed by values at edges [J].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ImposedEnergy {
+    /// Energy of all faces.
+    pub all: f64,
+    /// Energy of the faces that do work.
+    pub driven: f64,
+}
+
 /// Sum Σ f (a − b)² over the cells of a row.
 struct Differences<'a, T> {
     factors: &'a [T],
@@ -64,17 +73,19 @@ impl<T: Real> WaveLaw<T> {
         energies
     }
 
-    /// Part Σ m r (2 w g (u − ½ g) or −¼ w h² q²) of the energy by values at edges [J]. The energy is ½ ρ h^D Σ κ (u − g)² at
-    /// faces at which u is g. At faces at which the derivative is q, it includes that of half a cell.
-    pub fn imposed(&self, state: &WaveState<T>, edges: &[f64]) -> f64 {
+    /// Energies imposed by values at edges, Σ m r (2 w g (u − ½ g) or −¼ w h² q²). The energy is ½ ρ h^D Σ κ (u − g)² at faces
+    /// at which u is g. At faces at which the derivative is q, it includes that of half a cell.
+    pub fn imposed(&self, state: &WaveState<T>, edges: &[f64]) -> ImposedEnergy {
         let (grid, spacing) = (&self.medium.laplacian.grid, self.medium.laplacian.grid.spacing);
         let (length, inside) = (grid.row_length(), self.padding.inside(2));
-        let mut energy = 0.0;
+        let mut energy = ImposedEnergy::default();
         for row in (0..grid.rows()).filter(|&row| self.padding.crosses(row)) {
             for face in self.edges.in_row(row).iter().filter(|face| inside.contains(&face.column)) {
                 let (value, u) = (edges[face.slot], state.displacement[row * length + face.column].to_f64());
                 let size = if face.held { value * (u - 0.5 * value) } else { -0.25 * spacing * value * value };
-                energy += self.mass * self.medium.relative_density(row, face.column) * face.weight * size;
+                let imposed = self.mass * self.medium.relative_density(row, face.column) * face.weight * size;
+                energy.all += imposed;
+                energy.driven += if face.still { 0.0 } else { imposed };
             }
         }
         energy

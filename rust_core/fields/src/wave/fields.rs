@@ -55,14 +55,14 @@ impl<T: Real> Wave<T> {
         let before = self.audit(time, executor)?.total();
         let mut edges = Vec::new();
         self.dynamics.edges.list(time, &mut edges)?;
-        let imposed = self.dynamics.imposed(&self.state, &edges);
+        let imposed = self.dynamics.imposed(&self.state, &edges).driven;
         let mut previous = Archive::default();
         self.capture(&mut previous);
         let tallies = self.state.tallies.clone();
         let done = self.narrow(fields).and_then(|()| self.begin(time, executor)).and_then(|()| {
             let energy = self.finite_audit(time, executor)?.total();
             self.state.tallies[0].energy[SOURCE] += energy - before;
-            self.state.tallies[0].energy[HELD] += self.dynamics.imposed(&self.state, &edges) - imposed;
+            self.state.tallies[0].energy[HELD] += self.dynamics.imposed(&self.state, &edges).driven - imposed;
             Ok(())
         });
         if done.is_err() {

@@ -1,11 +1,11 @@
-//! Medium: coefficients of the discrete wave operator, a [Laplacian] with w = r c²/h² [1/s²], where r is the density relative to
-//! the largest one ρ. The energy is
+//! Medium: coefficients of the discrete wave operator, a [Laplacian] with w = r c²/h² [1/s²]. The density relative to the largest
+//! one ρ is r. The energy is
 //!
 //! ```text
 //!     E = ½ ρ h^D [Σ r v² + Σ w (uᵢ − uⱼ)² + Σ κ uᵢ²],    ρ h^D L u = −∂E/∂u,    u'' = L u / r
 //! ```
 //!
-//! The coefficient w of a face is the harmonic mean of both sides, so that u and ρ c² ∂u/∂n are continuous where ρ or c jumps.
+//! The coefficient w of a face is the harmonic mean of both sides. Thus u and ρ c² ∂u/∂n are continuous where ρ or c jumps.
 //!
 //! The operator of order 4 along each axis a is Lₐ (1 − Lₐ / (12 w)). It applies three-point differences twice: edges and walls
 //! need no other rule, and the operator remains symmetric.
@@ -31,6 +31,13 @@ pub struct DensityField<T> {
     pub relative: RowTable<T>,
     /// Inverse 1/r.
     pub inverse: RowTable<T>,
+}
+
+impl<T: Real> DensityField<T> {
+    /// Whether the precision does not hold an inverse.
+    pub fn overflows(&self) -> bool {
+        self.inverse.different().iter().any(|inverse: &T| !inverse.is_finite())
+    }
 }
 
 /// Additional coefficients of the operator of order 4.

@@ -17,11 +17,11 @@ mod system;
 use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
-use crate::grid::{RowTable, depth};
+use crate::grid::{EdgeValues, Grid, RowTable, depth};
 use crate::integrators::{Facts, Integrator};
 use crate::math::Real;
 use crate::memory;
-use crate::scene::Item;
+use crate::scene::{Item, Value};
 use crate::stability::Limit;
 use crate::systems::System;
 use absorbing::{AbsorptionParameters, Layers};
@@ -63,17 +63,23 @@ struct Wave<T> {
     limit: OnceLock<Limit>,
 }
 
+/// Tables of a parameter that varies, in double precision: as read, with the layers, and of derived coefficients.
+const TABLES: usize = 3;
+
 impl<T: Real> Wave<T> {
     fn new<I: Integrator>(item: &Item) -> Result<Self> {
         Self::compiled(item, Facts::of::<I>(), Kernels::of::<I>())
     }
 
     fn compiled(item: &Item, method: Facts, kernels: Kernels<T>) -> Result<Self> {
+        let columns = 2 * (2 + method.persistent) + 1 + (method.registers - method.persistent);
+        let varies = |name: &&str| !matches!(item.values.get(*name), Some(Value::Number(_)));
+        let tables = TABLES * ["speed", "density", "damping"].iter().filter(|name| varies(name)).count();
+        let needed = (columns * size_of::<T>() + tables * size_of::<f64>()) * Grid::declared(item)?.count();
+        memory::check("the wave", needed, 0, || "a coarser grid, or precision=\"f32\"".to_owned())?;
         let parameters = Parameters::declared(item, &method)?;
         let grid = &parameters.grid;
         let (count, rows) = (grid.count(), grid.rows());
-        let columns = 2 * (2 + method.persistent) + 1 + (method.registers - method.persistent);
-        memory::check("the wave", columns * count * size_of::<T>(), 0, || "a coarser grid, or precision=\"f32\"".to_owned())?;
         let padding = &parameters.padding;
         let narrow = |name: &str| -> Result<Vec<T>> {
             let table = padding.inner.field(item, name)?;
@@ -100,6 +106,10 @@ impl<T: Real> Wave<T> {
             values.iter_mut().zip(parameters.damping.row(row)).for_each(|(value, &rate)| *value = T::from_f64(rate));
         });
         let medium = Medium::new(&parameters);
+        if medium.density.as_ref().is_some_and(|density| density.overflows()) {
+            let expected = format!("densities whose ratios to the largest, {}, {} holds", parameters.density, T::NAME);
+            return Err(Error::parameter(format!("{}.density", item.path), expected, "a smaller one"));
+        }
         let mass = parameters.density * grid.content();
         let edges = parameters.edge_values(item)?;
         let layers = parameters.absorption.map(|absorption| {
@@ -133,11 +143,9 @@ impl<T: Real> Wave<T> {
             kernels,
         };
         wave.dynamics.edges.list(0.0, &mut wave.workspace.edges)?;
-        if wave.workspace.edges.iter().any(|&value| !T::from_f64(value).is_finite()) {
-            return Err(item.wrong("edges", &format!("values that {} holds", T::NAME), None));
-        }
+        EdgeValues::check_range::<T>(item, "edges", &wave.workspace.edges)?;
         // The edges have done no work yet.
-        wave.state.tallies[0].energy[HELD] = wave.dynamics.imposed(&wave.state, &wave.workspace.edges);
+        wave.state.tallies[0].energy[HELD] = wave.dynamics.imposed(&wave.state, &wave.workspace.edges).driven;
         Ok(wave)
     }
 

@@ -22,7 +22,7 @@ pub struct WaveLaw<T> {
     pub medium: Medium<T>,
     /// Damping γ [1/s].
     pub damping: RowTable<T>,
-    /// Whether each row is damped, contains a source or borders a layer, so its stages need the rate.
+    /// Whether each row is damped, contains a source, has values at edges or borders a layer, so its stages need the rate.
     pub exchanges: Vec<bool>,
     pub sources: Sources,
     pub edges: EdgeValues,
@@ -184,13 +184,13 @@ impl<T: Real> WaveLaw<T> {
         self.sources.for_each(row, range, pass.amplitudes, |cell, driven| out[cell] += T::from_f64(driven));
     }
 
-    /// Power of the sources and of the values at edges in some cells of a row [W].
+    /// Power of the sources, and of the values at edges that drive the wave, in some cells of a row [W].
     fn supplied(&self, row: usize, range: Range<usize>, pass: WavePass<'_>, velocity: impl Fn(usize) -> f64) -> [f64; 2] {
         let density = |cell: usize| self.medium.relative_density(row, range.start + cell);
         let (mut source, mut held) = (0.0, 0.0);
         self.sources
             .for_each(row, range.clone(), pass.amplitudes, |cell, driven| source += driven * velocity(cell) * density(cell));
-        for face in self.edges.in_row(row).iter().filter(|face| range.contains(&face.column)) {
+        for face in self.edges.in_row(row).iter().filter(|face| !face.still && range.contains(&face.column)) {
             let cell = face.column - range.start;
             held += face.weight * pass.edges[face.slot] * velocity(cell) * density(cell);
         }

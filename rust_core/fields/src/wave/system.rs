@@ -120,7 +120,7 @@ impl<T: Real> System for Wave<T> {
         stages * (1e-7 + COST * self.dynamics.medium.laplacian.grid.count() as f64)
     }
 
-    /// Maximum number of steps: one for user-defined functions, which are called in the order of time and once per evaluation.
+    /// Maximum number of steps: one for user-defined functions, which are called at least once per evaluation, in the order of time.
     fn most_steps(&self) -> u64 {
         let calls_back = self.dynamics.sources.calls_back() || self.dynamics.edges.vary();
         if calls_back { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
@@ -192,12 +192,12 @@ impl<T: Real> System for Wave<T> {
         let mut edges = Vec::new();
         self.dynamics.edges.list(time, &mut edges)?;
         let imposed = self.dynamics.imposed(&self.state, &edges);
-        ledger.add(Class::Potential, "wave", sum(|row| row.potential) - imposed);
+        ledger.add(Class::Potential, "wave", sum(|row| row.potential) - imposed.all);
         ledger.add(Class::Dissipated, "damping", tallied(DAMPING));
         ledger.add(Class::Dissipated, "edges", tallied(EDGES));
         ledger.add(Class::Work, "source", tallied(SOURCE));
         if !self.dynamics.edges.is_empty() {
-            ledger.add(Class::Work, "edges", tallied(HELD) - imposed);
+            ledger.add(Class::Work, "edges", tallied(HELD) - imposed.driven);
         }
         Ok(ledger)
     }

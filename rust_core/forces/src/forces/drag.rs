@@ -1,4 +1,4 @@
-//! Drag: F = −(γ + q|u|) u with u = v − w, the velocity relative to the wind w, which may depend on time and place.
+//! Drag: F = −(γ + q|u|) u, where u = v − w is the velocity relative to the wind w. The wind may depend on time and place.
 //!
 //! The power F·v splits into the dissipated power, (γ + q|u|)|u|² ≥ 0, and the power of the wind, −(γ + q|u|) u·w.
 
@@ -89,7 +89,10 @@ impl<V: Vector> Force<V> for Drag<V> {
             velocity: VelocityDependence::Dissipative,
             potential: None,
             callback: self.wind.varies(),
-            bytes: size_of_val(self.members.as_slice()) + size_of_val(self.named.as_slice()) + self.local.bytes(),
+            bytes: size_of_val(self.members.as_slice())
+                + size_of_val(self.named.as_slice())
+                + self.local.bytes()
+                + self.wind.bytes(),
             ..About::new("drag", Reach::Pointwise)
         }
     }

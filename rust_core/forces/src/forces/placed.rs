@@ -39,8 +39,8 @@ impl PlacedFunction {
         rows.map(|(row, (numbers, place))| {
             if let Some(found) = numbers.iter().find(|number| !number.is_finite()) {
                 let place = &place.to_array()[..self.dimension];
-                let found = format!("{found} in row {row}, for the particle at {place:?} m");
-                return Err(Error::undefined(self.path.clone(), "a finite field", found));
+                let found = format!("{found} in row {row}, for the position {place:?} m");
+                return Err(Error::undefined(self.path.clone(), "finite numbers", found));
             }
             let component = |axis: usize| numbers.get(axis).copied().unwrap_or(0.0);
             Ok(if self.axial { DVec3::Z * numbers[0] } else { DVec3::new(component(0), component(1), component(2)) })

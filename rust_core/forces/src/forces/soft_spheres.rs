@@ -6,9 +6,9 @@
 //!
 //! Contacts are never attractive. Particles have no spin, so friction acts on the motion of their centers.
 //!
-//! The damping c is a constant, or follows from a coefficient of restitution e: c = 2ζ √(k m) for p = 1, and c = √5 ζ √(k m) δ^¼ for
-//! p = 3/2, with the reduced mass m = 1/(1/mᵢ + 1/mⱼ) and the damping ratio ζ of [`damping_ratio`]. The speed of impact has no
-//! effect on e.
+//! The damping c is a constant, or follows from a coefficient of restitution e. Then c = 2ζ √(k m) for p = 1, and
+//! c = √5 ζ √(k m) δ^¼ for p = 3/2. The reduced mass is m = 1/(1/mᵢ + 1/mⱼ); [`damping_ratio`] gives ζ. The speed of impact has
+//! no effect on e.
 //!
 //! Sources for the linear law (p = 1): P. A. Cundall and O. D. L. Strack, Géotechnique 29 (1979) 47; for p = 3/2, elastic
 //! spheres: H. Hertz, J. reine angew. Math. 92 (1881) 156; for friction that grows with the slip up to Coulomb's: P. K. Haff and

@@ -52,6 +52,14 @@ impl Stream {
         }
     }
 
+    /// Memory of the velocities [bytes].
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::Placed { values, .. } => size_of_val(values.as_slice()),
+        }
+    }
+
     /// Velocity at a point at the last evaluation [m/s].
     #[inline]
     pub fn value(&self, point: usize) -> DVec3 {

@@ -142,7 +142,10 @@ impl<V: Vector> Force<V> for Wind<V> {
             potential: None,
             callback: self.air.velocity.varies(),
             pairs: self.faces.len(),
-            bytes: size_of_val(self.faces.as_slice()) + size_of_val(self.torn.as_slice()) + self.corners.bytes(),
+            bytes: size_of_val(self.faces.as_slice())
+                + size_of_val(self.torn.as_slice())
+                + self.corners.bytes()
+                + self.air.velocity.bytes(),
             layout: format!("{} faces", self.faces.len()),
             ..About::new("wind", Reach::Network)
         }

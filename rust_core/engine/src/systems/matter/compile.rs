@@ -310,7 +310,7 @@ fn footprint<V: Space>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
         [(forces::are_between_neighbors(scene), NEIGHBOR), (sph::is_in(scene), FLUID), (forces::are_at_a_distance(scene), FAR)];
     let pairs: usize = pairs.into_iter().filter(|(holds, _)| *holds).map(|(_, bytes)| bytes).sum();
     let particles = scene.count() * (columns * vector + PROPERTIES + pairs);
-    let spring = SPRING + if about.holds_rods { ROD } else { 0 };
+    let spring = SPRING + if about.holds_rods && about.springs == Treatment::Rods { ROD } else { 0 };
     Ok(particles + springs * spring + self_contact::elements(scene)? * ELEMENT)
 }
 

@@ -130,6 +130,7 @@ impl<V: Space> Projector<V> for Projective<V> {
         executor: &Executor,
     ) -> Result<()> {
         if self.prepared.as_ref().is_none_or(|(known, _)| *known != h) {
+            self.prepared = None;
             self.prepared = Some((h, prepare(dynamics, h, executor)?));
         }
         gather(&state.position, &mut self.from);
