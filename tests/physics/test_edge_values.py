@@ -376,7 +376,8 @@ def test_functions_that_fail_later_are_named(wave):
     assert run.steps <= 5
 
 
-def test_a_constant_value_does_no_work():
+@pytest.mark.parametrize("value", [1.0, lambda time: 1.0], ids=["number", "function"])
+def test_a_constant_value_does_no_work(value):
     """A membrane whose edge is at 1 moves as one whose edge is at 0 does, with the same energies, up to rounding.
 
     Displacements of up to 2 in place of 1 round to 2 ε each; 1000 steps of 120 cells add up to less than 1e-10.
@@ -393,7 +394,7 @@ def test_a_constant_value_does_no_work():
             dt=0.035,
         )
 
-    held, fixed = run(1.0, pc.Dirichlet(1.0)), run(0.0, "fixed")
+    held, fixed = run(1.0, pc.Dirichlet(value)), run(0.0, "fixed")
     assert not held.energy.work.any()
     assert held.energy.total == pytest.approx(fixed.energy.total, rel=1e-10)
     assert np.abs(held.energy.drift - fixed.energy.drift).max() < 1e-10

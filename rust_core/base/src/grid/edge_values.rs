@@ -48,8 +48,6 @@ pub struct EdgeFace {
     pub slot: usize,
     /// Whether the value is that of u; otherwise it is that of its outward derivative.
     pub held: bool,
-    /// Whether u is held at a constant value. Such a face does no work.
-    pub still: bool,
     /// Factor from the value to b: 2w or w h.
     pub weight: f64,
 }
@@ -127,7 +125,6 @@ impl EdgeValues {
         let mut found: Vec<(usize, EdgeFace)> = Vec::with_capacity(count);
         let mut first = cells.first;
         for side in &self.sides {
-            let still = side.held && matches!(side.value, SideValue::Numbers(_));
             let end = if side.upper { outer.cells[side.axis] - 1 } else { 0 };
             let mut face = |row: usize, column: usize| {
                 let place = inner.place(cells.padding.nearest_row(row));
@@ -136,7 +133,7 @@ impl EdgeValues {
                 let along = others.fold(0, |index, axis| index * inner.cells[axis] + place[axis]);
                 let slot = first + if side.count == 1 { 0 } else { along };
                 let weight = (cells.of)(row, column) * if side.held { 2.0 } else { inner.spacing };
-                found.push((row, EdgeFace { column, slot, held: side.held, still, weight }));
+                found.push((row, EdgeFace { column, slot, held: side.held, weight }));
             };
             for row in 0..outer.rows() {
                 if side.axis == 2 {

@@ -297,7 +297,9 @@ impl Simulation {
 
     /// Divergence of a state at which a user-defined function is not finite.
     fn undefined(&self, path: &str, found: &str) -> Divergence {
-        divergence(self.system.fastest(), "state", format!("is where {path} returns {found}"))
+        let cause = format!("is where {path} returns {found}");
+        let hint = "make it finite there, or ".to_owned();
+        Divergence { element: "the scene".to_owned(), hint, ..divergence(self.system.fastest(), "state", cause) }
     }
 
     /// Error of a step, `steps` from here, in which neighbors could not be searched.
@@ -321,13 +323,13 @@ impl Simulation {
         Error::Diverged(Box::new(Divergence { step: self.steps, time: self.time(), hint, ..self.beyond_search() }))
     }
 
-    /// Adds a hint to a divergence.
+    /// Adds a hint to a divergence, after the beginning of one that it has.
     pub(super) fn with_hint(&mut self, error: Error, interrupted: &dyn Fn() -> bool) -> Error {
         match error {
             Error::Diverged(divergence) => {
                 // A user-defined function may fail during the estimate of its stiffness.
                 let hint = self.hint(interrupted).unwrap_or_else(|_| format!("try dt = {:.3e} s", 0.25 * self.segment.dt));
-                Error::Diverged(Box::new(Divergence { hint, ..*divergence }))
+                Error::Diverged(Box::new(Divergence { hint: divergence.hint.clone() + &hint, ..*divergence }))
             }
             other => other,
         }

@@ -22,7 +22,7 @@ pub struct RowEnergy {
 pub struct ImposedEnergy {
     /// Energy of all faces.
     pub all: f64,
-    /// Energy of the faces that do work.
+    /// Energy beyond that of the values at the time 0, by which the faces do work.
     pub driven: f64,
 }
 
@@ -82,10 +82,10 @@ impl<T: Real> WaveLaw<T> {
         for row in (0..grid.rows()).filter(|&row| self.padding.crosses(row)) {
             for face in self.edges.in_row(row).iter().filter(|face| inside.contains(&face.column)) {
                 let (value, u) = (edges[face.slot], state.displacement[row * length + face.column].to_f64());
-                let size = if face.held { value * (u - 0.5 * value) } else { -0.25 * spacing * value * value };
-                let imposed = self.mass * self.medium.relative_density(row, face.column) * face.weight * size;
-                energy.all += imposed;
-                energy.driven += if face.still { 0.0 } else { imposed };
+                let size = |value: f64| if face.held { value * (u - 0.5 * value) } else { -0.25 * spacing * value * value };
+                let scale = self.mass * self.medium.relative_density(row, face.column) * face.weight;
+                energy.all += scale * size(value);
+                energy.driven += scale * (size(value) - size(self.level(face)));
             }
         }
         energy

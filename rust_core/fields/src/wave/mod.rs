@@ -25,7 +25,7 @@ use crate::scene::{Item, Value};
 use crate::stability::Limit;
 use crate::systems::System;
 use absorbing::{AbsorptionParameters, Layers};
-use medium::Medium;
+use medium::{DensityField, Medium};
 use parameters::Parameters;
 use source::Sources;
 use stage::Kernels;
@@ -106,7 +106,7 @@ impl<T: Real> Wave<T> {
             values.iter_mut().zip(parameters.damping.row(row)).for_each(|(value, &rate)| *value = T::from_f64(rate));
         });
         let medium = Medium::new(&parameters);
-        if medium.density.as_ref().is_some_and(|density| density.overflows()) {
+        if medium.density.as_ref().is_some_and(DensityField::overflows) {
             let expected = format!("densities whose ratios to the largest, {}, {} holds", parameters.density, T::NAME);
             return Err(Error::parameter(format!("{}.density", item.path), expected, "a smaller one"));
         }
@@ -124,8 +124,20 @@ impl<T: Real> Wave<T> {
                 || !edges.in_row(row).is_empty()
                 || damping.row(row).iter().any(|&rate| rate != T::ZERO)
         });
-        let dynamics =
-            WaveLaw { exchanges: exchanges.collect(), padding: padding.clone(), medium, mass, damping, sources, edges, layers };
+        let mut levels = Vec::new();
+        edges.list(0.0, &mut levels)?;
+        EdgeValues::check_range::<T>(item, "edges", &levels)?;
+        let dynamics = WaveLaw {
+            levels,
+            exchanges: exchanges.collect(),
+            padding: padding.clone(),
+            medium,
+            mass,
+            damping,
+            sources,
+            edges,
+            layers,
+        };
         let sweeps = dynamics.medium.fourth.is_some() || dynamics.layers.is_some();
         let bytes = (2 + stage::columns(&method)) * size_of::<T>();
         let depth = if sweeps { 1 } else { depth(grid, bytes) };
@@ -142,9 +154,8 @@ impl<T: Real> Wave<T> {
             method,
             kernels,
         };
-        wave.dynamics.edges.list(0.0, &mut wave.workspace.edges)?;
-        EdgeValues::check_range::<T>(item, "edges", &wave.workspace.edges)?;
-        // The edges have done no work yet.
+        wave.workspace.edges.clone_from(&wave.dynamics.levels);
+        // Values at edges have done no work yet: that of a derivative is beyond the energy that it imposes.
         wave.state.tallies[0].energy[HELD] = wave.dynamics.imposed(&wave.state, &wave.workspace.edges).driven;
         Ok(wave)
     }

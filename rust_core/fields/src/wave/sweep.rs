@@ -9,7 +9,7 @@ use super::medium::Medium;
 use super::source::Sources;
 use super::stage::{Input, Kernels, WaveStageAction, WaveSums};
 use super::state::{DAMPING, EDGES, HELD, SINKS, SOURCE, WaveCells, WaveState, WaveTally};
-use crate::grid::{Block, EdgeValues, Padding, RowTable, Sweep, Window};
+use crate::grid::{Block, EdgeFace, EdgeValues, Padding, RowTable, Sweep, Window};
 use crate::integrators::Facts;
 use crate::integrators::REGISTERS;
 use crate::math::Real;
@@ -26,6 +26,8 @@ pub struct WaveLaw<T> {
     pub exchanges: Vec<bool>,
     pub sources: Sources,
     pub edges: EdgeValues,
+    /// Values at the edges at the time 0.
+    pub levels: Vec<f64>,
     pub layers: Option<Layers<T>>,
     /// Position of the user's grid within all cells; energies are sums over this grid alone.
     pub padding: Padding,
@@ -190,11 +192,16 @@ impl<T: Real> WaveLaw<T> {
         let (mut source, mut held) = (0.0, 0.0);
         self.sources
             .for_each(row, range.clone(), pass.amplitudes, |cell, driven| source += driven * velocity(cell) * density(cell));
-        for face in self.edges.in_row(row).iter().filter(|face| !face.still && range.contains(&face.column)) {
+        for face in self.edges.in_row(row).iter().filter(|face| range.contains(&face.column)) {
             let cell = face.column - range.start;
-            held += face.weight * pass.edges[face.slot] * velocity(cell) * density(cell);
+            held += face.weight * (pass.edges[face.slot] - self.level(face)) * velocity(cell) * density(cell);
         }
         [source, held].map(|power| self.mass * power)
+    }
+
+    /// Value at a face whose force is a part of the potential and does no work: g at the time 0, or 0 for a derivative.
+    pub fn level(&self, face: &EdgeFace) -> f64 {
+        if face.held { self.levels[face.slot] } else { 0.0 }
     }
 
     /// Sum Σ r γ v² over some cells of a row, if the density varies.
