@@ -38,6 +38,11 @@ MISTAKES = {
     "camera": "pc.Orbit(azimuth='north')",
     "file": "pc.load('missing.npz')",
     "provenance": "pc.provenance('missing.gif')",
+    "event": "pc.simulate(scene, 0.1, events=[pc.Event(lambda state: 1 / (state.time < 0.05))])",
+    "event of adaptive steps": (
+        "pc.Simulation(scene, dt=pc.AdaptiveStep()).run(0.1, events=[pc.Event(lambda state: 1 / (state.time < 0.05))])"
+    ),
+    "events of a recording": "pc.simulate(scene, 0.1).events['nix']",
     "divergence": "pc.simulate(pc.Scene(ball, pc.CentralForce((0.0, 0.0), 1e6, 1.0)), 1.0, dt=0.1)",
     "warning": (
         "warnings.simplefilter('error')\npc.Simulation(pc.Scene(ball, pc.CentralForce((0.0, 0.0), 1e6, 1.0)), dt=0.1)"
@@ -64,6 +69,7 @@ def test_the_traceback_of_a_mistake_has_the_users_line_alone(mistake):
     files = entries(BALL + MISTAKES[mistake])
     assert "<string>" in files
     assert not any(map(own, files))
+    assert files[-1] == "<string>"
 
 
 CALLBACK = """

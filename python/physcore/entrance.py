@@ -82,10 +82,13 @@ def _shorten(error: BaseException) -> None:
 
 
 def _outside(traceback: TracebackType | None) -> TracebackType | None:
-    """The entries of a traceback whose frames are not of this package."""
+    """The entries of a traceback whose frames are not of this package, nor of its context managers."""
     entries = []
+    own = False
     while traceback is not None:
-        if not _is_own(traceback.tb_frame.f_globals.get("__name__", "")):
+        module = traceback.tb_frame.f_globals.get("__name__", "")
+        own = _is_own(module) or (own and module == "contextlib")
+        if not own:
             entries.append(traceback)
         traceback = traceback.tb_next
     kept: TracebackType | None = None

@@ -15,12 +15,15 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import physcore as pc
+from physcore.simulation.event import Approach
 from physcore.simulation.roots import crossed
 from physcore.simulation.within import between
+from physcore.spelling import UnknownKey
 
 EPSILON = float(np.finfo(np.float64).eps)
 STILL = pc.Scene(pc.Particles([[0.0, 0.0]], name="dot"))
 FALL = pc.Scene(pc.Particles([[0.0, 2.0]], name="ball"), pc.Gravity((0.0, -10.0)))
+ROD = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], math.inf, velocities=[[0.0, -1.0], [0.0, 1.0]], name="pair")
 HEIGHT = pc.Event.crossing("ball", "y", 0.0, terminal=True)
 
 
@@ -113,6 +116,83 @@ def test_free_particles_are_closest_where_their_distance_is_perpendicular_to_the
     assert_allclose(found.times, expected[found.indices], rtol=0.0, atol=1e-12)
     assert (np.diff(found.times) >= 0.0).all()
     assert_array_equal(run.events[single].times, found.times[found.indices == 3])
+
+
+@pytest.mark.parametrize(
+    ("scene", "pair", "duration", "numerics"),
+    [
+        (pc.Scene(pc.PointVortices([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], name="pair")), 0, 20.0, {}),
+        (pc.Scene(pc.PointVortices([[1e6, 0.0], [1e6 + 1.0, 0.0]], [1.0, 1.0], name="pair")), 0, 20.0, {}),
+        (pc.Scene(ROD), 0, 10.0, {}),
+        (pc.Scene(ROD, pc.Gravity()), 0, 10.0, {"dt": 0.01}),
+        (orbit(0.0), 1, 60.0, {"integrator": "GaussRadau15"}),
+    ],
+    ids=["vortices", "vortices far from the origin", "rod", "falling rod", "circular orbit"],
+)
+def test_a_constant_distance_has_no_closest_approaches(scene, pair, duration, numerics):
+    one, other = [(("pair", 0), ("pair", 1)), ("planet", "sun")][pair]
+    event = pc.Event.closest_approach(one, other, terminal=True)
+    run = pc.Simulation(scene, **numerics)
+    run.run(duration, events=[event])
+    assert not len(run.events[event])
+    assert run.time >= duration * (1.0 - EPSILON)
+
+
+@pytest.mark.parametrize("eccentricity", [1e-8, 1e-4, 0.01, 0.1, 0.5, 0.9])
+def test_every_pericenter_is_found(eccentricity):
+    """GaussRadau15 is exact but for rounding: r·v has the error 10 ε and the slope e at the pericenter, for e ≪ 1. If a
+    step ends where r·v has no sign, the time is late by up to 1e-9 / e, which happens with the probability 1e-9 / e.
+    """
+    passage = pc.Event.closest_approach("planet", "sun")
+    run = pc.Simulation(orbit(eccentricity), "GaussRadau15")
+    run.run(20.0, events=[passage])
+    late = 1.1e-9 / eccentricity if eccentricity < 1e-6 else 0.0
+    error = 1e-12 + 100.0 * EPSILON / eccentricity + late
+    assert_allclose(run.events[passage].times, 2.0 * math.pi * np.arange(1, 4), rtol=0.0, atol=error)
+
+
+class Prescribed(Approach):
+    """r·v of a pair that approaches until 0.3 s, turns at a constant distance, and from 0.6 s on has a given speed."""
+
+    later = 0.0
+
+    def __call__(self, state: pc.Snapshot) -> np.ndarray:
+        return super().__call__(self.at(state))
+
+    def uncertainty(self, state: pc.Snapshot) -> np.ndarray:
+        return super().uncertainty(self.at(state))
+
+    def at(self, state: pc.Snapshot) -> pc.Snapshot:
+        noise = 1e-12 * math.sin(1e4 * state.time)
+        speed = -1.0 if state.time < 0.3 else noise if state.time < 0.6 else self.later
+        fields = {"positions": np.array([[2.0, 0.0], [0.0, 0.0]]), "velocities": np.array([[speed, 1.0], [0.0, 0.0]])}
+        return pc.Snapshot(state.time, fields, scene=state.scene)
+
+
+@pytest.mark.parametrize(("later", "number"), [(-1.0, 0), (0.0, 0), (1.0, 1)])
+def test_an_approach_to_a_constant_distance_is_an_event_if_a_retreat_follows(later, number):
+    event = pc.Event(Prescribed("planet", slice(None), "sun", slice(None)), 1)
+    event.function.__dict__["later"] = later
+    run = pc.Simulation(orbit(0.0), dt=0.07)
+    run.run(1.0, events=[event])
+    times = run.events[event].times
+    assert len(times) == number
+    assert ((times > 0.3) & (times < 0.6 + 1e-12)).all()
+
+
+def test_numbers_of_bodies_are_those_of_numpy_too():
+    numbers = np.arange(2)
+    events = [
+        pc.Event.closest_approach(numbers[0], (numbers[1], numbers[0])),
+        pc.Event.crossing(np.uint8(0), "y"),
+    ]
+    run = pc.Simulation(orbit(0.5), dt=0.01)
+    run.run(7.0, events=events)
+    assert [len(each) for each in run.events] == [1, 2]
+    assert events[1].name == "0: y = 0"
+    for wrong in (np.bool_(True), np.timedelta64(0), True, np.float64(0.0)):
+        with pytest.raises(pc.SceneError, match=r"Event.crossing.body: must be a body, its index"):
+            pc.Event.crossing(wrong, "y")
 
 
 @pytest.mark.parametrize("dt", [0.03, "auto", pc.AdaptiveStep()])
@@ -407,6 +487,27 @@ def test_events_are_saved_and_loaded(tmp_path):
     assert repr(loaded.events) == repr(recording.events)
     with pytest.raises(KeyError, match="no event 'other': there are 'through the middle', 'event'"):
         loaded.events["other"]
+    with pytest.raises(UnknownKey, match="'event'; did you mean 'through the middle'"):
+        recording.events["thruogh the middle"]
+    with pytest.raises(UnknownKey, match="no event 'event': a loaded recording has no functions: use its name or num"):
+        loaded.events[never]
+    with pytest.raises(UnknownKey, match=r"no event 'ball: y = 0': there are 'through the middle', 'event'$"):
+        recording.events[HEIGHT]
+    with pytest.raises(UnknownKey, match="more than one event 'event': there are 'event', 'event'; use its number"):
+        pc.simulate(STILL, 0.1, events=[never, pc.Event(lambda state: 2.0)]).events["event"]
+
+
+def test_misspelt_fields_have_suggestions():
+    recording = pc.simulate(FALL, 0.1)
+    for shown in (recording, recording["ball"]):
+        with pytest.raises(AttributeError, match=r"no field 'positon': .*; did you mean 'positions'\?"):
+            shown.positon  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no field 'enegry': .*; did you mean 'energy'\?"):
+        recording.enegry  # noqa: B018
+    for shown in (recording["ball"], pc.Simulation(FALL)["ball"]):
+        with pytest.raises(UnknownKey, match=r"no field 'positon': .*; did you mean 'positions'\?"):
+            shown["positon"]
+    assert not hasattr(recording, "_repr_latex_")
 
 
 def test_a_film_of_a_recording_with_events(tmp_path):

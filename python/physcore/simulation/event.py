@@ -24,6 +24,11 @@ Which: TypeAlias = Owner | tuple[Owner, Any]
 
 AXES = "xyz"
 
+EPSILON = float(np.finfo(float).eps)
+
+STEADY = 1e-9
+"""Fraction of a distance by which it may vary and be constant for `Event.closest_approach`."""
+
 
 @dataclass(frozen=True, eq=False)
 class Event:
@@ -35,16 +40,17 @@ class Event:
         recording.events[landing].times  # [0.6386]
         recording.events[landing]["ball"].velocities  # at these times, (1, 1, 2)
 
-    The run evaluates the function after each step. Where a value changes its sign, it repeats the step from its start,
-    by the same integrator and with other lengths, until the root is known to the resolution of the clock. So the times
-    are as accurate as the run, and the steps of the run keep their bits. `direction` and `terminal` have the meaning
-    that they have in `scipy.integrate.solve_ivp`.
+    The run evaluates the function after each step. Where a value changes its sign, it repeats the step from its start.
+    The same integrator takes it with other lengths, until the root is known to the resolution of the clock. So the
+    times are as accurate as the run, and the steps of the run keep their bits. `direction` and `terminal` have the
+    meaning that they have in `scipy.integrate.solve_ivp`.
 
     A value that becomes exactly 0 is an event. One that departs from 0 is none, as at the start of a run. Two roots of
     a value within one step cancel and are missed: a smaller dt separates them. A jump past 0 is an event too.
 
     A step that is watched takes two copies of the state and one call of the function beside its own work. A step with
-    an event takes about ten further steps, in a second copy of the scene.
+    an event takes about ten further steps, in a second copy of the scene. `physcore.film` of a scene takes no events:
+    record with events, then film the recording.
 
     Args:
         function: `function(state)` returns a number, or an array of numbers (M,) with roots of their own. All must be
@@ -128,6 +134,11 @@ class Event:
 
         In a periodic domain the distance is that to the nearest image.
 
+        A constant distance has no minima, although rounding makes r·v differ from 0. So values up to 1e-9 |r| |v|, and
+        up to the effect of rounding, have no sign. An event is a step at whose end r·v is above, after it was below.
+        Distances that vary by less than 1e-9 of themselves have no minima. For a fraction e, if a step ends where r·v
+        has no sign, the time is late by up to 1e-9 / e of |r| / |v|.
+
         Args:
             a: the body, its index or its name, or Tracers or PointVortices; `(body, index)` for some of its particles.
             b: likewise. As many particles as `a`, pair by pair, or one for all; `indices` of the occurrences tell the
@@ -197,11 +208,31 @@ class Approach:
 
     def __call__(self, state: Snapshot) -> FloatArray:
         """The products in a state."""
+        return dots(*self._relative(state))
+
+    def uncertainty(self, state: Snapshot) -> FloatArray:
+        """Bound of |r·v| [m²/s] below which its sign is unknown.
+
+        A distance that varies by the fraction e of itself, in the time in which the pair turns, has |r·v| ≤ e |r| |v|.
+        Methods that solve equations by iteration keep distances to some 1e-10 of themselves: e = 1e-9 is above.
+
+        Each coordinate of a position x or a velocity u is rounded by ε/2 of itself, some times in a step. To first
+        order this changes r·v by ε/2 ((|x₁| + |x₂|) |v| + (|u₁| + |u₂|) |r|) each time. 16 times are allowed for.
+        """
+        apart, relative = map(lengths, self._relative(state))
+        one, other = state[self.body], state[self.other]
+        places = lengths(one.positions[self.index]) + lengths(other.positions[self.other_index])
+        speeds = lengths(one.velocities[self.index]) + lengths(other.velocities[self.other_index])
+        bound: FloatArray = STEADY * apart * relative + 8.0 * EPSILON * (places * relative + speeds * apart)
+        return bound
+
+    def _relative(self, state: Snapshot) -> tuple[FloatArray, FloatArray]:
+        """The relative positions r and the relative velocities v."""
         one, other = state[self.body], state[self.other]
         apart = one.positions[self.index] - other.positions[self.other_index]
         if state.scene is not None and state.scene.periodic is not None:
             apart = state.scene.periodic.nearest(apart)
-        return dots(apart, one.velocities[self.index] - other.velocities[self.other_index])
+        return apart, one.velocities[self.index] - other.velocities[self.other_index]
 
     def __str__(self) -> str:
         return f"closest approach of {_called(self.body, self.index)} and {_called(self.other, self.other_index)}"
@@ -250,6 +281,14 @@ def values_of(event: Event, state: Snapshot, path: str) -> FloatArray:
     return values
 
 
+def decided(event: Event, values: FloatArray, state: Snapshot, before: FloatArray | None) -> FloatArray:
+    """The values of an event in a state. Where a sign is unknown, those before; 0 if there are none."""
+    if not isinstance(event.function, Approach):
+        return values
+    unknown = np.abs(values) <= event.function.uncertainty(state)
+    return np.where(unknown, 0.0 if before is None else before, values)
+
+
 def checked(events: object, scene: Scene) -> tuple[Event, ...]:
     """The events that a run looks for.
 
@@ -276,6 +315,8 @@ def _which(given: Which, path: str) -> tuple[Owner, Any]:
         SceneError: they are neither.
     """
     body, index = given if isinstance(given, tuple) and len(given) == 2 else (given, slice(None))
+    if isinstance(body, np.integer) and not isinstance(body, np.timedelta64):
+        body = int(body)
     if isinstance(body, bool) or not isinstance(body, (Body, PointSystem, int, str)):
         raise SceneError(f"{path}: must be a body, its index or its name, or (body, index), got {shown(given)}")
     return body, index

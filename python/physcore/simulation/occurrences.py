@@ -13,6 +13,7 @@ from physcore.markup import html_table
 from physcore.scene.scene import ItemKey, Scene
 from physcore.simulation.event import Event
 from physcore.simulation.trajectory import Trajectory, channel_rules
+from physcore.spelling import UnknownKey, did_you_mean
 from physcore.storage.archive import Tree
 from physcore.storage.schema import Sizes, record, several, text
 from physcore.units.systems import SI
@@ -127,7 +128,7 @@ class Events:
         """The occurrences of an event.
 
         Raises:
-            KeyError: there is no such event, or there are several of this name.
+            UnknownKey: there is no such event, or there are several of this name.
         """
         if isinstance(key, (int, np.integer)) and not isinstance(key, bool) and -len(self) <= key < len(self):
             return self.found[key]
@@ -135,8 +136,13 @@ class Events:
         own += [each for each in self.found if isinstance(key, str) and each.name == key]
         if len(own) == 1:
             return own[0]
-        names = ", ".join(repr(each.name) for each in self.found) or "none"
-        raise KeyError(f"{'no' if not own else 'more than one'} event {key!r}: there are {names}")
+        if isinstance(key, Event) and len(self) > len(self.keys):
+            raise UnknownKey(f"no event {key.name!r}: a loaded recording has no functions: use its name or number")
+        names = [str(each.name) for each in self.found]
+        hint = did_you_mean(key, names) if not own else "; use its number"
+        named = repr(key.name if isinstance(key, Event) else key)
+        there = ", ".join(map(repr, names)) or "none"
+        raise UnknownKey(f"{'no' if not own else 'more than one'} event {named}: there are {there}{hint}")
 
     def __iter__(self) -> Iterator[Occurrences]:
         return iter(self.found)

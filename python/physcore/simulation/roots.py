@@ -42,8 +42,9 @@ def crossed(
 
 
 def _interpolated(places: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """The share of the way from a to b at which the inverse parabola through three points is 0; one half where it is
-    not monotonic.
+    """The share of the way from a to b at which the inverse parabola through three points is 0.
+
+    Where the parabola is not monotonic, the share is one half.
     """
     (a, b, c), (fa, fb, fc) = places, values
     place, value = (a - b) / (c - b), (fa - fb) / (fc - fb)

@@ -13,7 +13,7 @@ from physcore.errors import SceneError
 from physcore.scene.channels import OWNERS, body_fields, body_gauges, gauge
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import Amount, Energy
-from physcore.spelling import UnknownKey
+from physcore.spelling import UnknownKey, did_you_mean
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,8 @@ class Snapshot:
         if isinstance(key, str) and key in self.fields:
             return self.fields[key]
         if self.scene is None:
-            raise UnknownKey(f"no field {key!r}: there are {', '.join(self.fields)}")
+            hint = did_you_mean(key, self.fields)
+            raise UnknownKey(f"no field {key!r}: there are {', '.join(self.fields)}{hint}")
         path = self.scene.system(key)
         if path is not None:
             own = {name: values for name, values in self.fields.items() if name.startswith(f"{path}.")}

@@ -23,7 +23,7 @@ from physcore.scene.channels import (
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.tables import data_frame
-from physcore.spelling import UnknownKey
+from physcore.spelling import UnknownKey, did_you_mean
 from physcore.storage.schema import Rule, Sizes
 from physcore.units.systems import SI, UnitSystem
 
@@ -138,14 +138,16 @@ class Trajectory:
         """A field of a system over time, such as `recording[wave].displacement`."""
         channels = self.__dict__.get("channels", {})
         if name not in channels:
-            raise AttributeError(f"no field {name!r}: there are {', '.join(channels)}")
+            known = () if name.startswith("_") else (*channels, *(each for each in dir(self) if each[0] != "_"))
+            raise AttributeError(f"no field {name!r}: there are {', '.join(channels)}{did_you_mean(name, known)}")
         values: FloatArray = channels[name]
         return values
 
     def __getitem__(self, name: str) -> FloatArray:
         """A field over time by name, such as `recording[item]["u"]`."""
         if name not in self.channels:
-            raise UnknownKey(f"no field {name!r}: there are {', '.join(self.channels)}")
+            hint = did_you_mean(name, self.channels)
+            raise UnknownKey(f"no field {name!r}: there are {', '.join(self.channels)}{hint}")
         return self.channels[name]
 
     def _channel(self, name: str) -> FloatArray:

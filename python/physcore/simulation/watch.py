@@ -14,7 +14,7 @@ from physcore.errors import SceneError, SimulationDiverged
 from physcore.numerics.choices import Numerics
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
-from physcore.simulation.event import Event, period_in, values_of
+from physcore.simulation.event import Event, decided, period_in, values_of
 from physcore.simulation.occurrences import Events, Occurrences
 from physcore.simulation.roots import crossed
 from physcore.simulation.state import Snapshot
@@ -103,7 +103,7 @@ class Watch:
         """
         if self._present is None:
             state = engine.snapshot(self._world, self._scene)
-            self._values = self._evaluate(state)
+            self._values = self._decided(self._evaluate(state), state, None)
             self._present = state
 
     def restart(self) -> None:
@@ -122,7 +122,7 @@ class Watch:
         """
         assert self._present is not None
         step = Step(start, self._present, engine.snapshot(self._world, self._scene))
-        values = self._evaluate(step.after)
+        values = self._decided(self._evaluate(step.after), step.after, self._values)
         roots = [
             self._root(step, event, int(index), float(values[event].flat[index]))
             for event in range(len(self._events))
@@ -137,6 +137,14 @@ class Watch:
     def _evaluate(self, state: Snapshot) -> tuple[FloatArray, ...]:
         """The values of all events in a state."""
         return tuple(self._valued(event, state) for event in range(len(self._events)))
+
+    def _decided(
+        self, values: Sequence[FloatArray], state: Snapshot, before: Sequence[FloatArray] | None
+    ) -> tuple[FloatArray, ...]:
+        """The values of all events in a state; those before where a sign is unknown."""
+        shown = engine.shown(state, self._scene)
+        last = [None] * len(values) if before is None else before
+        return tuple(decided(*each) for each in zip(self._events, values, [shown] * len(values), last, strict=True))
 
     def _valued(self, event: int, state: Snapshot) -> FloatArray:
         """The values of an event in a state; of periodic values those nearest to 0."""
