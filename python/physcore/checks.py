@@ -30,8 +30,9 @@ Vector: TypeAlias = Sequence[float] | NDArray[np.floating] | NDArray[np.integer]
 TimedVector: TypeAlias = Vector | Callable[[float], ArrayLike]
 """A vector, or a function of the time [s] that returns one."""
 PlacedVector: TypeAlias = TimedVector | Callable[[float, FloatArray], ArrayLike]
-"""A vector, a function of the time [s] that returns one, or a function of the time and positions (N, D) [m] that
-returns one for each position, (N, D).
+"""A vector, a function of the time [s] that returns one, or a function of the time and positions.
+
+The last has the positions (N, D) [m], and returns a vector for each, (N, D).
 """
 T = TypeVar("T")
 Word = TypeVar("Word", bound=str)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
+from physcore.scene.by_value import ByValue
 
 WORDS = ("fixed", "free", "absorbing")
 
@@ -109,8 +110,38 @@ def test_a_periodic_axis_has_no_edge():
     assert grid.edges("free", "edges", WORDS, "fixed")[0] == ("free", "free", "periodic", "periodic")
     with pytest.raises(pc.SceneError, match=r"edges\['y'\]: the grid is periodic there"):
         grid.edges({"y": "free"}, "edges", WORDS, "fixed")
+    sides = ("free", "fixed", "periodic", "periodic")
+    assert grid.edges(sides, "edges", WORDS, "fixed")[0] == sides
+    with pytest.raises(pc.SceneError, match=r"edges\['y\+'\]: the grid is periodic there"):
+        grid.edges(("free", "free", "periodic", pc.Dirichlet(1.0)), "edges", WORDS, "fixed", valued=True)
     with pytest.raises(pc.SceneError, match=r"all absorbing edges must have one kind of layer"):
         grid.edges({"x-": pc.Absorbing(10), "x+": pc.Absorbing(20)}, "edges", WORDS, "fixed")
+
+
+@pytest.mark.parametrize("condition", [pc.Dirichlet(1.0), pc.Neumann(0.5)])
+def test_a_value_at_edges_needs_an_edge(condition):
+    """On an axis that is not periodic it is kept; on a grid without edges it would be dropped."""
+    partly, closed = (pc.Grid((3, 2), 1.0, periodic=axes) for axes in ((True, False), True))
+    assert pc.Wave(partly, 1.0, edges=condition).edges == ("periodic", "periodic", condition, condition)
+    assert pc.Wave(closed, 1.0, edges="free").edges == ("periodic",) * 4
+    with pytest.raises(pc.SceneError, match=r"^Wave\.edges: the grid is periodic along all axes"):
+        pc.Wave(closed, 1.0, edges=condition)
+    with pytest.raises(pc.SceneError, match=r"^Wave\.edges\['x-'\]: the grid is periodic there"):
+        pc.Wave(pc.Grid(50, 0.02, periodic=True), 1.0, edges=(condition, condition))
+
+
+def test_items_with_arrays_are_short_as_text():
+    """Of every class that is compared by value, also of those to come."""
+    field = np.full((20, 20), 0.5)
+
+    def classes(base):
+        return [base, *(each for child in base.__subclasses__() for each in classes(child))]
+
+    assert all(each.__repr__ is ByValue.__repr__ for each in classes(ByValue))
+    assert repr(pc.GrayScott(feed=field, kill=0.06)) == "GrayScott(feed=array (20, 20), kill=0.06)"
+    assert repr(pc.Dirichlet(np.ones(300))) == "Dirichlet(value=array (300,))"
+    assert repr(pc.Neumann(2.0)) == "Neumann(gradient=2.0)"
+    assert repr(pc.Brusselator(1.0, field)) == "Brusselator(a=1.0, b=array (20, 20))"
 
 
 def test_a_wave_is_the_same_after_files_copies_and_pickles(tmp_path):

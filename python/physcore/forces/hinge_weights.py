@@ -1,7 +1,7 @@
 """Weights of the edges of a triangulated plate, with which hinges bend as a plate in every direction.
 
-A uniform bending moment M turns the edge e by an angle θ. The torque |e| nᵀM n, with the edge's normal n in the plane,
-is in equilibrium on every mesh, and θ is this torque over B w. The compliance of the hinges is therefore
+A uniform bending moment M turns the edge e by an angle θ. With the edge's normal n in the plane, the torque is
+|e| nᵀM n. It is in equilibrium on every mesh. θ is this torque over B w. The compliance of the hinges is therefore
 
     Σ a nnnn/B,   a = |e|²/w,
 

@@ -50,7 +50,7 @@ class Absorbing:
         object.__setattr__(self, "reflection", reflection)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Valued(ByValue):
     """Base class of edge conditions with a value."""
 
@@ -88,7 +88,7 @@ class Valued(ByValue):
         """The value on the face in 1D, from that of the adjacent cell."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Dirichlet(Valued):
     """Dirichlet condition at an edge of a grid: the field has a given value on the outer face of the outer cells.
 
@@ -119,7 +119,7 @@ class Dirichlet(Valued):
         return nearest if callable(self.value) else float(self.value)  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Neumann(Valued):
     """Neumann condition at an edge of a grid: the field has a given outward derivative on the face of the outer cells.
 
@@ -131,8 +131,8 @@ class Neumann(Valued):
     c² ∂u/∂n per area on a wave. It is booked as by `Dirichlet`.
 
     Args:
-        gradient: derivative ∂u/∂n along the outward normal, in the unit of the field per meter; a number, an array or a
-            function of the time as in `Dirichlet`.
+        gradient: derivative ∂u/∂n along the outward normal, in the unit of the field per meter. A number, an array or a
+            function of the time, as in `Dirichlet`.
 
     Raises:
         SceneError: the gradient is not finite, or the function fails at the time 0.

@@ -198,7 +198,8 @@ class Grid:
             valued: whether conditions with values are valid too.
 
         Raises:
-            SceneError: there is no such axis or word, a word is given for a periodic axis, or layers differ.
+            SceneError: there is no such axis or word, a condition is given for a periodic axis, or layers differ. One
+                word for all sides is valid beside periodic axes.
         """
         sides = self.sides
         closed = dict(zip(sides, np.repeat(self.periodic, 2).tolist(), strict=True))
@@ -216,7 +217,12 @@ class Grid:
             if len(value) != len(sides):
                 raise SceneError(f"{path}: must be one word for each of {', '.join(sides)}, got {shown(value)}")
             found |= dict(zip(sides, value, strict=True))
+            for side, word in found.items():
+                if closed[side] and not is_word(word, "periodic"):
+                    raise SceneError(f"{path}[{side!r}]: the grid is periodic there, and has no edge")
         else:
+            if all(self.periodic) and isinstance(value, Valued):
+                raise SceneError(f"{path}: the grid is periodic along all axes, and has no edge")
             found |= dict.fromkeys(sides, value)
         layers = {word for word in found.values() if isinstance(word, Absorbing)}
         if len(layers) > 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
 import numpy as np
@@ -10,10 +10,23 @@ import numpy as np
 from physcore.checks import FloatArray, array, called
 from physcore.errors import SceneError
 from physcore.forces import Drag, ElectromagneticField, Gravity, Wind
+from physcore.scene.bodies import Body
+from physcore.scene.edges import Valued
+from physcore.scene.grid import GridSystem
+from physcore.scene.items import Force
 from physcore.scene.scene import Scene
+from physcore.systems.flows import Flow
+from physcore.systems.tracers import Tracers
+from physcore.systems.wave import Wave
 
-STEPS, PARTS = 16, 8
-"""Number of steps that are looked at, and of equal parts of each."""
+STEPS = 16
+"""Number of steps that are looked at."""
+SHARES = (np.arange(8) + np.sqrt([0.0, 2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0]) % 1.0) / 8.0
+"""Times within a step, as fractions of it: eighths, each moved by the fractional part of a root.
+
+At equal parts, a function with nearly a period in each looks slow. These roots are linearly independent over the
+rational numbers, so that no frequency has whole periods between all times.
+"""
 RESOLVED = 0.1
 """Largest deviation from a line between the ends of a step, over the range of the function. A sine with eight steps in
 its period deviates by 0.04, with four by 0.15.
@@ -33,19 +46,51 @@ def alternating(scene: Scene, dt: float) -> list[str]:
 
 def _functions(scene: Scene) -> Iterator[tuple[str, Callable[[float], object]]]:
     """The functions of time with their paths; fields at the place of the first particle."""
+    yield from _of_forces(scene)
+    for index, system in enumerate(scene.systems):
+        path = f"systems[{index}]"
+        if isinstance(system, Tracers) and isinstance(system.flow, Flow) and len(system.positions):
+            yield f"{path}.flow", partial(_at, system.flow, system.positions[:1])
+        if isinstance(system, Wave):
+            for number, source in enumerate(system.sources):
+                if callable(source.signal):
+                    yield f"{path}.sources[{number}].signal", source.signal
+        if isinstance(system, GridSystem):
+            yield from _of_edges(system, path)
+
+
+def _of_forces(scene: Scene) -> Iterator[tuple[str, Callable[[float], object]]]:
+    """The functions of forces."""
+    names = {Gravity: ("acceleration",), Drag: ("wind",), Wind: ("velocity",)}
     for index, force in enumerate(scene.forces):
-        if isinstance(force, ElectromagneticField):
-            bodies = [scene.bodies[scene.index(key)] for key in force.bodies() or scene.bodies]
-            place = next((body.positions[:1] for body in bodies if len(body)), None)
-            for name in ("electric", "magnetic"):
-                field = getattr(force, name)
-                if callable(field) and place is not None:
-                    yield f"forces[{index}].{name}", partial(_at, field, place)
-            continue
-        names = {Gravity: "acceleration", Drag: "wind", Wind: "velocity"}
-        value = getattr(force, names.get(type(force), ""), None)
-        if callable(value):
-            yield f"forces[{index}].{names[type(force)]}", value
+        fields = isinstance(force, ElectromagneticField)
+        for name in ("electric", "magnetic") if fields else names.get(type(force), ()):
+            value, path = getattr(force, name), f"forces[{index}].{name}"
+            place = _place(scene, force)
+            if callable(value) and not (fields or getattr(force, "by_place", False)):
+                yield path, value
+            elif callable(value) and place is not None:
+                yield path, partial(_at, value, place)
+
+
+def _place(scene: Scene, force: Force) -> FloatArray | None:
+    """The first position of a body that a force acts on, (1, D); None if there is none."""
+    bodies: list[Body] = [scene.bodies[scene.index(key)] for key in force.bodies() or scene.bodies]
+    return next((body.positions[:1] for body in bodies if len(body)), None)
+
+
+def _of_edges(system: GridSystem, path: str) -> Iterator[tuple[str, Callable[[float], object]]]:
+    """The functions of edge conditions; those that several species share have the path of the first."""
+    seen: set[int] = set()
+    for field in system.units:
+        species = f"[{field!r}]" if isinstance(system.edges, Mapping) else ""
+        for side, condition in zip(system.grid.sides, system.conditions(field), strict=True):
+            if not isinstance(condition, Valued):
+                continue
+            value = getattr(condition, condition.key)
+            if callable(value) and id(value) not in seen:
+                seen.add(id(value))
+                yield f"{path}.edges{species}[{side!r}].{condition.key}", value
 
 
 def _at(field: Callable[[float, FloatArray], object], place: FloatArray, time: float) -> object:
@@ -55,13 +100,13 @@ def _at(field: Callable[[float, FloatArray], object], place: FloatArray, time: f
 
 def _missed(function: Callable[[float], object], path: str, dt: float) -> float:
     """The fraction of steps within which a function deviates from the line between their ends."""
-    times = dt / PARTS * np.arange(STEPS * PARTS + 1)
+    times = np.append(dt * (np.arange(STEPS)[:, np.newaxis] + SHARES), dt * STEPS)
     try:
         values = np.stack([array(called(function, path, float(time)), path).ravel() for time in times])
     except (SceneError, ValueError):
         return 0.0  # The run itself names it.
-    ends = values[::PARTS]
-    share = (np.arange(PARTS) / PARTS)[:, np.newaxis]
+    ends = values[:: len(SHARES)]
+    share = SHARES[:, np.newaxis]
     lines = ends[:-1, np.newaxis] * (1.0 - share) + ends[1:, np.newaxis] * share
     apart = np.abs(values[:-1].reshape(lines.shape) - lines).max(axis=(1, 2))
     extent = float(np.ptp(values, axis=0).max())

@@ -34,7 +34,7 @@ PEARSON: Mapping[Pearson, tuple[float, float]] = {
 
 
 # To add kinetics: a class here, a line in `KINETICS`, and its counterpart in Rust.
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Kinetics(ByValue):
     """Base class of reaction kinetics; the built-in ones have the species "u" and "v".
 
@@ -86,7 +86,7 @@ def _parameter(value: Field, path: str, least: float) -> Field:
     return values
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class GrayScott(Kinetics):
     """Gray–Scott reaction u + 2 v → 3 v in a stirred tank fed with u: spots, stripes, labyrinths and chaos.
 
@@ -133,7 +133,7 @@ class GrayScott(Kinetics):
         return cls(*PEARSON[word(pattern, "GrayScott.pearson", tuple(PEARSON))])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FitzHughNagumo(Kinetics):
     """FitzHugh–Nagumo excitable medium: nerve pulses and spiral waves.
 
@@ -163,7 +163,7 @@ class FitzHughNagumo(Kinetics):
     signed: ClassVar[bool] = True
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Brusselator(Kinetics):
     """Brusselator of Prigogine and Lefever: oscillations, and patterns if v diffuses faster than u.
 
@@ -188,7 +188,7 @@ class Brusselator(Kinetics):
     b: Field
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Schnakenberg(Kinetics):
     """Schnakenberg reaction: spots and stripes if v diffuses faster than u.
 
@@ -212,7 +212,7 @@ class Schnakenberg(Kinetics):
     b: Field
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Reaction(Kinetics):
     """User-defined reaction between any species, given by a NumPy function of all cells.
 

@@ -197,9 +197,10 @@ class Wave(GridSystem):
     jumps of ρ and c. The discrete energy is the one whose negative gradient is the force. In 2D it is that of a
     membrane with the mass per area ρ, in 1D that of a string with the mass per length ρ, both under the tension ρ c².
 
-    The impedance is Z = ρ c. An interface reflects R = (Z₁ − Z₂)/(Z₁ + Z₂) of the amplitude at normal incidence. The
-    pressure p of sound in a medium with the mass density ρ_m obeys p_tt/(ρ_m c²) = ∇·(∇p/ρ_m): that is u = p and ρ =
-    1/(ρ_m c²):
+    The impedance is Z = ρ c. An interface reflects R = (Z₁ − Z₂)/(Z₁ + Z₂) of the amplitude at normal incidence.
+
+    Sound in a medium with the mass density ρ_m has the pressure p, with p_tt/(ρ_m c²) = ∇·(∇p/ρ_m). Take u = p and
+    ρ = 1/(ρ_m c²):
 
         air_and_water = pc.Grid(200, spacing=0.01)
         c, mass_density = np.repeat([343.0, 1480.0], 100), np.repeat([1.2, 1000.0], 100)
