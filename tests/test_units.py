@@ -179,8 +179,16 @@ def test_constants_are_in_units_of_the_system():
     assert set(constants.UNITS) <= set(dir(pc.units)) & set(dir(ASTRONOMICAL))
     with pytest.raises(AttributeError, match="did you mean 'solar_mass'"):
         ASTRONOMICAL.solar_mas  # noqa: B018
-    with pytest.raises(pc.SceneError, match="dimensionless"):
-        BARE.year  # noqa: B018
+
+
+@pytest.mark.parametrize("system", [BARE, pc.units.system(length=(1e-300, "tiny"))], ids=["dimensionless", "tiny"])
+def test_constants_without_a_value_are_no_attributes(system):
+    # G = 6.7e-11 m³/(kg·s²) is beyond 1e308 with a meter of 1e300.
+    with pytest.raises(AttributeError, match=r"no value in a dimensionless system|beyond the range of numbers"):
+        system.gravitational_constant  # noqa: B018
+    present = {name for name in constants.UNITS if hasattr(system, name)}
+    assert present == set(dir(system)) & set(constants.UNITS)
+    assert ("year" in present) == (system != BARE)
 
 
 @given(
@@ -224,6 +232,15 @@ def test_what_cannot_be_converted_is_refused(value, unit):
         ({"length": (2.0, "m")}, "'m' is the symbol"),
         ({"length": (2.0, "s")}, "'s' is the symbol"),
         ({"mass": (2.0, "N")}, "unit of the SI"),
+        ({"length": (2.0, "K")}, "unit of the SI"),
+        ({"mass": (2.0, "mol")}, "unit of the SI"),
+        ({"mass": "earth"}, "did you mean 'earth_mass'"),
+        ({"length": pc.units.day}, "86400.0 is a time$"),
+        ({"mass": "year"}, "'year' is a time$"),
+        ({"time": "km"}, "'km' is a length$"),
+        ({"length": pc.units.speed_of_light}, "299792458.0 is in m/s$"),
+        ({"charge": "electron_volt"}, "'electron_volt' is in J$"),
+        ({"length": np.ones(2)}, r"got array\(\[1., 1.\]\)$"),
         ({"length": (2.0, "x"), "time": (3.0, "x")}, "different symbols"),
         ({"charge": pc.units.electron_charge}, "charge: must be a unit of charge"),
         ({"mass": None}, "mass: must be a unit of mass"),
@@ -538,3 +555,42 @@ def test_rewording_twice_changes_nothing_more():
     assert ASTRONOMICAL.reworded(once) == once
     assert BARE.reworded(text) == "dt = 0.5 is 3 at (0, 1) with 2, 4, NaN and 3."
     assert pc.units.SI.reworded(text) is text
+
+
+@given(st.text(), st.sampled_from(["rope of 3 m long", "it's 3 m, or 2 s", '"3 m" and it\'s 4 m, too']))
+def test_rewording_keeps_names(text, known):
+    for name in (text, known):
+        found = ASTRONOMICAL.reworded(f"particles' gap of 3 m: bodies[{name!r}] and (1 of {name!r}) at 2 m/s")
+        assert found == f"particles' gap of 3 AU: bodies[{name!r}] and (1 of {name!r}) at 2 AU/d"
+
+
+def test_rewording_keeps_the_errors_of_functions():
+    def failing(time: float) -> tuple[float, float]:
+        if time > 0.0:
+            raise ValueError("lost below 5 m\nafter 3 s")
+        return 0.0, 0.0
+
+    body = pc.Particles([[0.0, 0.0]])
+    with pytest.raises(pc.SceneError, match=r"raised ValueError: lost below 5 m\nafter 3 s$"):
+        pc.simulate(pc.Scene(body, pc.Gravity(failing), units=ASTRONOMICAL), 1.0)
+    event = pc.Event(lambda state: failing(state.time)[0])
+    with pytest.raises(pc.SceneError, match=r"raised ValueError: lost below 5 m\nafter 3 s$"):
+        pc.simulate(pc.Scene(body, units=ASTRONOMICAL), 1.0, events=[event])
+
+
+def test_a_diverged_run_names_bodies_as_they_are():
+    net = pc.SpringNetwork([[0, 0], [1.5, 0]], [[0, 1]], 100.0, rest_length=1.0, name="rope of 3 m, or 4 s")
+    with (
+        pytest.warns(pc.StabilityWarning),
+        pytest.raises(pc.SimulationDiverged, match=r"\(1 of 'rope of 3 m, or 4 s'\).* dt = \S+ d would hold"),
+    ):
+        pc.simulate(pc.Scene(net, units=ASTRONOMICAL), 100.0, dt=1.0)
+
+
+def test_the_documentation_lists_all_symbols():
+    document = (Path(__file__).parents[1] / "docs" / "units.md").read_text("utf-8")
+    listed = re.search(r"^- Symbols are (.*?)^- ", document, re.M | re.S)
+    assert listed
+    for symbols, kind in re.findall(r"`([^`()]+)` of (\w+)", listed[1]):
+        assert set(symbols.split()) == set(SYMBOLS[kind])
+    assert len(re.findall(r"` of ", listed[1])) == len(SYMBOLS)

@@ -38,8 +38,8 @@ def outcome(run: pc.Simulation) -> dict[str, Any]:
 
 def ways(run: pc.Simulation) -> dict[str, Callable[[pc.Simulation, Path], pc.Simulation]]:
     """How this run can be passed on: not as code, which tests/storage/test_storage.py holds."""
-    is_code = any(Record.of(item).is_code for item in (*run.scene.forces, *run.scene.systems))
-    return {name: way for name, way in WAYS.items() if not (is_code and name in ("file", "pickle"))}
+    has_code = any(Record.of(item).code for item in (*run.scene.forces, *run.scene.systems))
+    return {name: way for name, way in WAYS.items() if not (has_code and name in ("file", "pickle"))}
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -214,9 +214,35 @@ def test_a_folder_that_does_not_exist_is_a_file_error(tmp_path):
 
 def test_a_custom_force_cannot_be_saved_and_the_message_says_why(tmp_path):
     scene = pc.Scene(BODIES[1], pc.CustomForce(lambda time, x, v: -x))
-    with pytest.raises(pc.FileError, match=r"forces\[0\]: a CustomForce cannot be saved"):
+    with pytest.raises(pc.FileError, match=r"forces\[0\]\.function: a CustomForce cannot be saved"):
         pc.Simulation(scene, dt=1e-3).save(tmp_path / "state")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        pc.Drag(1.0, wind=lambda time: (0.0, 0.0)),
+        pc.ElectromagneticField(magnetic=lambda time, x: 0.0 * x[:, 0]),
+        pc.Wave(pc.Grid((8, 8), 0.1), 1.0, edges={"y-": pc.Dirichlet(lambda time: 0.0)}),
+        pc.Wave(pc.Grid((8, 8), 0.1), 1.0, sources=[pc.Source((0.3, 0.3), 1.0, signal=lambda time: 0.0)]),
+        pc.ReactionDiffusion(
+            pc.Grid((8, 8), 0.1),
+            pc.GrayScott(0.035, 0.0625),
+            {"u": 2e-5, "v": 1e-5},
+            {"u": 1.0, "v": 0.25},
+            edges={"v": {"x+": pc.Neumann(lambda time: 0.0)}},
+        ),
+    ],
+    ids=lambda item: type(item).__name__,
+)
+def test_an_error_of_saving_names_the_function(item):
+    scene = pc.Scene(pc.Particles([[0.5, 0.5]]), item)
+    with pytest.raises(pc.FileError, match="cannot be saved") as caught:
+        scene.packed()
+    message = str(caught.value)
+    assert callable(eval(message.partition(":")[0], {"forces": scene.forces, "systems": scene.systems}))
+    assert ("express the force" in message) == isinstance(item, pc.Force)
 
 
 def test_nothing_is_pickled(tmp_path):

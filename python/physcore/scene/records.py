@@ -45,9 +45,9 @@ class Record:
         return cls(kind_of(own), inner, arguments)
 
     @property
-    def is_code(self) -> bool:
-        """Whether the object has user functions, which cannot be saved."""
-        return any(map(_is_code, self.values.values()))
+    def code(self) -> str:
+        """Path of the first user function, which cannot be saved, such as ".wind"; empty if there is none."""
+        return _code(self)
 
     def packed(self, bodies: Named = _NONE) -> Tree:
         """The form of files and hashes: the arguments of the class. `bodies` as in `described`."""
@@ -88,11 +88,15 @@ def _inner(value: Any) -> Any:
     return Record.of(value) if _is_item(value) else value
 
 
-def _is_code(value: Any) -> bool:
-    """Whether a value is a function, or contains one."""
-    if isinstance(value, (tuple, dict)):
-        return any(map(_is_code, value.values() if isinstance(value, dict) else value))
-    return value.is_code if isinstance(value, Record) else callable(value)
+def _code(value: Any, path: str = "") -> str:
+    """The path of the first function in a value; empty if there is none."""
+    if isinstance(value, Record):
+        parts = [(f".{name}", each) for name, each in value.values.items()]
+    elif isinstance(value, (tuple, dict)):
+        parts = [(f"[{key!r}]", each) for key, each in (value.items() if isinstance(value, dict) else enumerate(value))]
+    else:
+        return path if callable(value) else ""
+    return next(filter(None, (_code(each, path + part) for part, each in parts)), "")
 
 
 def _described(value: Any) -> object:

@@ -199,7 +199,7 @@ class Scene:
         A version of physcore whose classes have additional arguments gives a different hash.
 
         Raises:
-            FileError: the scene has a CustomForce, whose function is code.
+            FileError: the scene has a user function, such as that of a CustomForce, which is code.
         """
         return digest(self.packed())
 
@@ -207,7 +207,7 @@ class Scene:
         """The scene as a tree of plain values, for files and hashes.
 
         Raises:
-            FileError: the scene has a CustomForce, whose function is code.
+            FileError: the scene has a user function, such as that of a CustomForce, which is code.
         """
         return {
             "bodies": [pack(body) for body in self.bodies],
@@ -225,10 +225,11 @@ class Scene:
         trees = []
         for position, item in enumerate(items):
             record = Record.of(item)
-            if record.is_code:
+            if record.code:
+                other = ", or express the force by the ones that physcore has" if path == "forces" else ""
                 raise FileError(
-                    f"{path}[{position}]: a {type(item).__name__} cannot be saved, because its function is code; "
-                    "save the arrays that you need with numpy.savez, or express the force by the ones that physcore has"
+                    f"{path}[{position}]{record.code}: a {type(item).__name__} cannot be saved, because this function "
+                    f"is code; save the arrays that you need with numpy.savez{other}"
                 )
             trees.append(record.packed(indices(self, item)))
         return trees

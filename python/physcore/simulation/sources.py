@@ -200,7 +200,7 @@ class Running:
         )
         if self._provenance not in (None, found):
             items = (*self.scene.forces, *self.scene.systems)
-            code = next((type(item).__name__ for item in items if Record.of(item).is_code), None)
+            code = next((type(item).__name__ for item in items if Record.of(item).code), None)
             cause = "please report it" if code is None else f"its {code} gives other values for the same arguments"
             raise InternalError(f"the scene did not repeat itself when it was simulated again: {cause}")
         self._provenance = found

@@ -63,7 +63,7 @@ def _unresolved(size: StepSize, dt: float, limit: Limit) -> list[str]:
     integrator = size.numerics.integrator
     if not size.scene.bodies:
         return []
-    if math.isinf(limit.dt) and any(Record.of(force).is_code for force in size.scene.forces):
+    if math.isinf(limit.dt) and any(Record.of(force).code for force in size.scene.forces):
         return [f"nothing limits the time step of {dt:.3g} s: make sure that it resolves the functions of time"]
     if limit.kind != "stability" or limit.stability == 0.0 or integrator.resolving == 1.0 or limit.term in DAMPINGS:
         return []

@@ -75,7 +75,7 @@ DERIVED: Final[Mapping[str, Dimension]] = {
 BASE: Final[Mapping[str, Kind]] = {"kg": "mass", "m": "length", "s": "time", "C": "charge"}
 """Base units, in the order in which products have them. Charge takes the place of the SI's current."""
 
-OTHERS: Final = ("K",)
+OTHERS: Final = ("K", "mol")
 """Base units that are the same in every system."""
 
 POWERS: Final = "⁰¹²³⁴⁵⁶⁷⁸⁹"

@@ -134,13 +134,19 @@ class UnitSystem:
         return result
 
     def reworded(self, text: str) -> str:
-        """A message with symbols of this system in place of those of the SI: "3 d" for "3 s". Numbers stay."""
-        if self.is_si:
-            return text
-        quantity, bracket = _patterns()
-        rate = f"/{self.time.symbol}" if self.time.symbol else ""
-        text = quantity.sub(lambda found: rate if found["rate"] else self.suffix(found["unit"]), text)
-        return bracket.sub(lambda found: self.label("", found["unit"]), text)
+        """A message with symbols of this system in place of those of the SI: "3 d" for "3 s".
+
+        Numbers stay. So do names in quotes and the messages of exceptions that user functions raised.
+        """
+        return text if self.is_si else _pattern().sub(self._reworded, text)
+
+    def _reworded(self, found: re.Match[str]) -> str:
+        """The text in place of a match of `_pattern`."""
+        if found["kept"]:
+            return found[0]
+        if found["rate"]:
+            return f"/{self.time.symbol}" if self.time.symbol else ""
+        return self.label("", found["inner"]) if found["inner"] else self.suffix(found["unit"])
 
     @contextmanager
     def worded(self) -> Iterator[None]:
@@ -157,10 +163,13 @@ class UnitSystem:
         """A constant of `pc.units` in units of this system."""
         if name not in constants.UNITS:
             raise AttributeError(f"no unit or constant {name!r}{did_you_mean(name, constants.UNITS)}")
-        return self.convert(getattr(constants, name), constants.UNITS[name])
+        try:
+            return self.convert(getattr(constants, name), constants.UNITS[name])
+        except SceneError as error:  # hasattr, inspection and completion expect an AttributeError
+            raise AttributeError(str(error)) from None
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *constants.UNITS]
+        return [*super().__dir__(), *(name for name in constants.UNITS if hasattr(self, name))]
 
     def __str__(self) -> str:
         """The symbols of all units."""
@@ -235,18 +244,26 @@ def _found(kind: Kind, given: object) -> Unit:
         value, symbol = given
         _check(kind, symbol, value, path)
         return Unit(str(symbol), float(value))
-    if isinstance(given, str):
-        value = getattr(constants, given) if given in constants.UNITS else known.get(given)
-    else:
-        value = given
+    own = {name: getattr(constants, name) for name, unit in constants.UNITS.items() if BASE.get(unit) == kind}
+    value = {**known, **own}.get(given) if isinstance(given, str) else given
     symbol = next((symbol for symbol, each in known.items() if _is_number(value) and each == value), None)
     if symbol is None:
-        hint = did_you_mean(given, (*known, *constants.UNITS)) if isinstance(given, str) else ""
+        hint = _other_meaning(kind, given) or did_you_mean(given, (*known, *own))
         raise SceneError(
             f"{path}: must be a unit of {kind} of pc.units, one of {', '.join(known)}, or a pair (value in SI, "
             f"symbol), got {given!r}{hint}"
         )
     return Unit(symbol, known[symbol])
+
+
+def _other_meaning(kind: Kind, given: object) -> str:
+    """The end of a message that names the other kinds of a constant or a symbol; empty if there are none."""
+    if not isinstance(given, str) and not _is_number(given):
+        return ""
+    units = [unit for name, unit in constants.UNITS.items() if given in (name, getattr(constants, name))]
+    kinds = [*(BASE.get(unit, unit) for unit in units), *(each for each in SYMBOLS if given in SYMBOLS[each])]
+    meant = [f"a {each}" if each in SYMBOLS else f"in {each}" for each in dict.fromkeys(kinds) if each != kind]
+    return f"; {given!r} is {' or '.join(meant)}" if meant else ""
 
 
 def _check(kind: Kind, symbol: object, value: object, path: str = "") -> None:
@@ -269,7 +286,7 @@ def _check(kind: Kind, symbol: object, value: object, path: str = "") -> None:
         if symbol in symbols and (other != kind or symbols[symbol] != value):
             meant = f"a {other} of {symbols[symbol]:g} in SI"
             raise SceneError(f"{path}: {symbol!r} is the symbol of {meant}; take another")
-    if symbol in DERIVED:
+    if symbol in (*DERIVED, *OTHERS):
         raise SceneError(f"{path}: {symbol!r} is a unit of the SI; take another symbol")
 
 
@@ -289,12 +306,17 @@ def _is_number(value: object) -> TypeGuard[Real]:
 
 
 @cache
-def _patterns() -> tuple[re.Pattern[str], re.Pattern[str]]:
-    """Patterns of a number with its unit, such as "0.5 m/s", "(0, 1) m" or "3/s", and of a unit in brackets."""
-    one = rf"(?:kg|mol|{'|'.join(sorted((*DERIVED, 'm', 's', 'C'), key=len, reverse=True))})[{POWERS}]*"
-    unit = rf"(?P<unit>(?:1/)?{one}(?:[·/]{one})*)"
+def _pattern() -> re.Pattern[str]:
+    """Pattern of texts to keep, of a number with its unit ("0.5 m/s", "(0, 1) m", "3/s"), and of a unit in brackets.
+
+    Kept are texts in quotes, as `repr` writes names, and all that follows "raised ValueError: ".
+    """
+    kept = r"""(?P<kept>(?<!\w)(?P<quote>['"])(?:\\.|(?!(?P=quote)).)*(?P=quote)|\braised \w+: (?s:.*))"""
+    symbols = "|".join(sorted((*BASE, *DERIVED, *OTHERS), key=len, reverse=True))
+    one = rf"(?:{symbols})[{POWERS}]*"
+    unit = rf"(?:1/)?{one}(?:[·/]{one})*"
     number, end = r"(?:(?<=[\d)\]])|(?<=\binf)|(?<=\b[nN]a[nN]))", r"(?=$|[\s,;:.)\]])"
-    return re.compile(rf"{number}(?: {unit}|/(?P<rate>s)){end}"), re.compile(rf" \[{unit}\]")
+    return re.compile(rf"{kept}|{number}(?: (?P<unit>{unit})|/(?P<rate>s)){end}| \[(?P<inner>{unit})\]")
 
 
 @cache
