@@ -499,7 +499,7 @@ def test_events_are_saved_and_loaded(tmp_path):
 
 def test_misspelt_fields_have_suggestions():
     recording = pc.simulate(FALL, 0.1)
-    for shown in (recording, recording["ball"]):
+    for shown in (recording, recording["ball"], pc.Simulation(FALL)["ball"]):
         with pytest.raises(AttributeError, match=r"no field 'positon': .*; did you mean 'positions'\?"):
             shown.positon  # noqa: B018
     with pytest.raises(AttributeError, match=r"no field 'enegry': .*; did you mean 'energy'\?"):

@@ -112,7 +112,8 @@ class Snapshot:
         """A field of a system, such as `simulation[wave].displacement`."""
         fields = self.__dict__.get("fields", {})
         if name not in fields:
-            raise AttributeError(f"no field {name!r}: there are {', '.join(fields)}")
+            known = () if name.startswith("_") else (*fields, *(each for each in dir(self) if each[0] != "_"))
+            raise AttributeError(f"no field {name!r}: there are {', '.join(fields)}{did_you_mean(name, known)}")
         values: FloatArray = fields[name]
         return values
 
