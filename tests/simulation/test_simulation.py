@@ -120,3 +120,14 @@ def test_a_step_that_becomes_unstable_is_replaced():
     simulation.run(2.0)
     assert simulation.time == pytest.approx(2.0, rel=1e-12)
     assert np.isfinite(simulation.positions).all()
+
+
+def test_states_are_short_as_text():
+    """Shapes in place of arrays, as of trajectories."""
+    body = pc.Particles(np.zeros((500, 2)), name="gas")
+    run = pc.Simulation(pc.Scene(body, pc.Gravity()), dt=0.1)
+    frame = next(iter(run.frames(duration=0.1)))
+    assert repr(frame) == f"Frame(0 s: {', '.join(f'{name} {each.shape}' for name, each in frame.fields.items())})"
+    assert repr(frame["gas"]).startswith("Snapshot(0 s: positions (500, 2), velocities (500, 2)")
+    run.step()
+    assert repr(run["gas"]).startswith("Part(0.1 s: positions (500, 2), velocities (500, 2)")

@@ -32,7 +32,7 @@ class FieldInfo:
     """Whether the field is part of the state, as opposed to derived fields."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Snapshot:
     """Snapshot of the fields of a scene, or of one item, at one time. The arrays are copies.
 
@@ -48,6 +48,10 @@ class Snapshot:
     """Fields by name."""
     scene: Scene | None = field(default=None, kw_only=True, repr=False)
     """Scene, if the snapshot is of the whole scene."""
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {np.shape(values)}" for name, values in self.fields.items())
+        return f"{type(self).__name__}({self.time:g} s: {shapes})"
 
     def __getitem__(self, key: ItemKey) -> Any:
         """A field by its name, such as `simulation[item]["u"]`; for a whole scene also the Snapshot of an item."""
@@ -118,7 +122,7 @@ class Snapshot:
         return values
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Frame(Snapshot):
     """Snapshot at the time of a frame, with the budgets of the last step at or before it.
 
@@ -140,7 +144,7 @@ class Frame(Snapshot):
     """Budgets of other conserved quantities, by name."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Part(Snapshot):
     """Present state of one item of a simulation, which can be modified between two steps.
 
