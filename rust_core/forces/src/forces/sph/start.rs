@@ -450,8 +450,8 @@ fn fastest(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
 
 /// Largest speed in a fall to the lowest wall below any fluid [m/s]: of the highest particle, or of the jets of an impact.
 ///
-/// The energy of the impact is that of the fall of the lowest particle, and that of the initial motion in any direction: a fluid
-/// that is thrown strikes some wall. It is zero where a fluid stands at rest on the wall already, as in a dam.
+/// The energy of the impact is that of the fall of the lowest particle and of the initial motion. A fluid that is thrown strikes
+/// some wall, whatever its direction. The energy is zero where a fluid stands at rest on the wall, as in a dam.
 fn plunge(scene: &Scene, gravity: f64, down: DVec3) -> Result<f64> {
     let sides = walls(scene, DVec3::ZERO)?;
     let bodies = || fluids(scene).map(|(body, _)| &scene.bodies[body]);
