@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, TypeAlias
 
@@ -47,7 +47,11 @@ class Record:
     @property
     def code(self) -> str:
         """Path of the first user function, which cannot be saved, such as ".wind"; empty if there is none."""
-        return _code(self)
+        return next((path for path, _ in self.functions()), "")
+
+    def functions(self) -> Iterator[tuple[str, object]]:
+        """User functions with their paths, such as ".wind"."""
+        return _functions(self, "")
 
     def packed(self, bodies: Named = _NONE) -> Tree:
         """The form of files and hashes: the arguments of the class. `bodies` as in `described`."""
@@ -88,15 +92,18 @@ def _inner(value: Any) -> Any:
     return Record.of(value) if _is_item(value) else value
 
 
-def _code(value: Any, path: str = "") -> str:
-    """The path of the first function in a value; empty if there is none."""
+def _functions(value: Any, path: str) -> Iterator[tuple[str, object]]:
+    """The functions in a value at a path, with their own paths."""
     if isinstance(value, Record):
         parts = [(f".{name}", each) for name, each in value.values.items()]
     elif isinstance(value, (tuple, dict)):
         parts = [(f"[{key!r}]", each) for key, each in (value.items() if isinstance(value, dict) else enumerate(value))]
     else:
-        return path if callable(value) else ""
-    return next(filter(None, (_code(each, path + part) for part, each in parts)), "")
+        if callable(value):
+            yield path, value
+        return
+    for part, each in parts:
+        yield from _functions(each, path + part)
 
 
 def _described(value: Any) -> object:

@@ -85,7 +85,8 @@ class Checkpoint(NamedTuple):
         """
         for section in ("forces", "systems"):
             for position, item in enumerate(getattr(self.scene, section)):
-                _require_pickles(Record.of(item), f"{section}[{position}]")
+                for path, function in Record.of(item).functions():
+                    _require_pickle(function, f"{section}[{position}]{path}")
 
 
 def _numbers(value: object, path: str) -> NDArray[np.generic]:
@@ -100,22 +101,12 @@ def _numbers(value: object, path: str) -> NDArray[np.generic]:
     return value
 
 
-def _require_pickles(record: Record, path: str) -> None:
+def _require_pickle(function: object, path: str) -> None:
     """Refuse a function that has no name by which another process could find it.
 
     Raises:
         SceneError: it has none.
     """
-    for name, value in record.values.items():
-        for position, each in enumerate(value if isinstance(value, tuple) else (value,)):
-            where = f"{path}.{name}[{position}]" if isinstance(value, tuple) else f"{path}.{name}"
-            if isinstance(each, Record):
-                _require_pickles(each, where)
-            elif callable(each):
-                _require_pickle(each, where)
-
-
-def _require_pickle(function: object, path: str) -> None:
     try:
         pickle.dumps(function)
     except Exception as error:

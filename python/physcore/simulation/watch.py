@@ -103,7 +103,7 @@ class Watch:
         """
         if self._present is None:
             state = engine.snapshot(self._world, self._scene)
-            self._values = self._decided(self._evaluate(state), state, None)
+            self._values = self._evaluated(state, None)
             self._present = state
 
     def restart(self) -> None:
@@ -122,7 +122,7 @@ class Watch:
         """
         assert self._present is not None
         step = Step(start, self._present, engine.snapshot(self._world, self._scene))
-        values = self._decided(self._evaluate(step.after), step.after, self._values)
+        values = self._evaluated(step.after, self._values)
         roots = [
             self._root(step, event, int(index), float(values[event].flat[index]))
             for event in range(len(self._events))
@@ -134,23 +134,22 @@ class Watch:
         self._keep([root for root in roots if last is None or root.time <= last.time])
         self._present, self._values, self.stop = step.after, values, stop
 
-    def _evaluate(self, state: Snapshot) -> tuple[FloatArray, ...]:
-        """The values of all events in a state."""
-        return tuple(self._valued(event, state) for event in range(len(self._events)))
-
-    def _decided(
-        self, values: Sequence[FloatArray], state: Snapshot, before: Sequence[FloatArray] | None
-    ) -> tuple[FloatArray, ...]:
+    def _evaluated(self, state: Snapshot, before: Sequence[FloatArray] | None) -> tuple[FloatArray, ...]:
         """The values of all events in a state; those before where a sign is unknown."""
-        shown = engine.shown(state, self._scene)
-        last = [None] * len(values) if before is None else before
+        shown = self._shown(state)
+        values = [self._valued(event, shown) for event in range(len(self._events))]
+        last: Sequence[FloatArray | None] = before or [None] * len(values)
         return tuple(decided(*each) for each in zip(self._events, values, [shown] * len(values), last, strict=True))
 
-    def _valued(self, event: int, state: Snapshot) -> FloatArray:
-        """The values of an event in a state; of periodic values those nearest to 0."""
+    def _shown(self, state: Snapshot) -> Snapshot:
+        """A state as the user sees it, in arrays that no function can change."""
         shown = engine.shown(state, self._scene)
         for array in shown.fields.values():
-            frozen(array)  # So that no function changes what is kept.
+            frozen(array)
+        return shown
+
+    def _valued(self, event: int, shown: Snapshot) -> FloatArray:
+        """The values of an event in a state as the user sees it; of periodic values those nearest to 0."""
         values = values_of(self._events[event], shown, self._paths[event])
         if self._values and values.shape != self._values[event].shape:
             raise SceneError(
@@ -192,7 +191,7 @@ class Watch:
             return step.interpolated(part, self._rates) if interpolates else self._fork.state(step, part)
 
         def value(part: float) -> float:
-            return float(self._valued(event, state(part)).flat[index])
+            return float(self._valued(event, self._shown(state(part))).flat[index])
 
         before = float(self._values[event].flat[index])
         part = crossed(value, (0.0, step.length), (before, after), RESOLUTION * step.after.time)
@@ -215,7 +214,8 @@ class Watch:
 
     def _fields(self, state: Snapshot) -> dict[str, FloatArray]:
         """The fields to keep, as the user sees them."""
-        return {name: engine.shown(state, self._scene).fields[name] for name in self._channels}
+        fields = engine.shown(state, self._scene).fields
+        return {name: fields[name] for name in self._channels}
 
     def _keep(self, roots: Sequence[_Root]) -> None:
         """Keep the roots of a step."""
