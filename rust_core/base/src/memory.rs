@@ -40,10 +40,8 @@ pub fn check(what: &str, needed: usize, held: usize, hint: impl FnOnce() -> Stri
     if needed.saturating_sub(held) <= SMALL {
         return Ok(());
     }
-    match available() {
-        Some(free) if (needed - held) as u64 > free.saturating_sub(HEADROOM as u64) => {
-            Err(refusal(what, needed, free.saturating_sub(HEADROOM as u64).saturating_add(held as u64), hint))
-        }
+    match available().map(|free| free.saturating_sub(HEADROOM as u64).saturating_add(held as u64)) {
+        Some(available) if needed as u64 > available => Err(refusal(what, needed, available, hint)),
         _ => Ok(()),
     }
 }

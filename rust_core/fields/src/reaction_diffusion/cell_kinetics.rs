@@ -30,7 +30,8 @@ pub struct RowKinetics<'a, T, L> {
 }
 
 impl<T: Real, L: RateLaw<T>> CellKinetics<T, L> {
-    /// Reads parameters, each a number or a field. `derive` turns the given values of a cell into those of [`RateLaw::new`].
+    /// Reads parameters, each a number or a field, by `read`. `derive` turns the given values of a cell into those of
+    /// [`RateLaw::new`].
     ///
     /// # Errors
     /// If a parameter is missing, of another shape, or not finite.
@@ -38,12 +39,13 @@ impl<T: Real, L: RateLaw<T>> CellKinetics<T, L> {
         item: &Item,
         grid: &Grid,
         names: &[&str],
+        read: fn(&Grid, &Item, &str) -> Result<RowTable<f64>>,
         derive: fn([f64; PARAMETERS]) -> [f64; PARAMETERS],
     ) -> Result<Self> {
         let varies = names.iter().any(|&name| matches!(item.values.get(name), Some(Value::Numbers(_))));
         let bytes = PARAMETERS * (size_of::<f64>() + size_of::<T>()) * grid.count();
         memory::check("the parameters of the reaction", if varies { bytes } else { 0 }, 0, || "a coarser grid".to_owned())?;
-        let given = names.iter().map(|name| grid.field(item, name)).collect::<Result<Vec<_>>>()?;
+        let given = names.iter().map(|name| read(grid, item, name)).collect::<Result<Vec<_>>>()?;
         let values = |row: usize, column: usize| {
             let mut values = [0.0; PARAMETERS];
             values.iter_mut().zip(&given).for_each(|(value, table)| *value = table.row(row)[column]);

@@ -188,15 +188,15 @@ impl<T: Real> Kinetics<T> {
         let any: fn([f64; PARAMETERS]) -> [f64; PARAMETERS] = |given| given;
         let kinetics = match item.kind.as_str() {
             "GrayScott" => {
-                let names = ["feed", "kill"];
-                names.iter().try_for_each(|name| grid.non_negative_field(item, name).map(|_| ()))?;
-                Self::GrayScott(CellKinetics::declared(item, grid, &names, |[feed, kill, ..]| [feed, feed + kill, 0.0, 0.0])?)
+                let loss = |[feed, kill, ..]: [f64; PARAMETERS]| [feed, feed + kill, 0.0, 0.0];
+                Self::GrayScott(CellKinetics::declared(item, grid, &["feed", "kill"], Grid::non_negative_field, loss)?)
             }
             "FitzHughNagumo" => {
-                Self::FitzHughNagumo(CellKinetics::declared(item, grid, &["epsilon", "beta", "gamma", "current"], any)?)
+                let names = ["epsilon", "beta", "gamma", "current"];
+                Self::FitzHughNagumo(CellKinetics::declared(item, grid, &names, Grid::field, any)?)
             }
-            "Brusselator" => Self::Brusselator(CellKinetics::declared(item, grid, &["a", "b"], any)?),
-            "Schnakenberg" => Self::Schnakenberg(CellKinetics::declared(item, grid, &["a", "b"], any)?),
+            "Brusselator" => Self::Brusselator(CellKinetics::declared(item, grid, &["a", "b"], Grid::field, any)?),
+            "Schnakenberg" => Self::Schnakenberg(CellKinetics::declared(item, grid, &["a", "b"], Grid::field, any)?),
             "Reaction" => {
                 let species = match item.values.get("species") {
                     Some(Value::Texts(names)) if !names.is_empty() => names.clone(),

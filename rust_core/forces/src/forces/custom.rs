@@ -65,10 +65,6 @@ impl<V: Vector> Custom<V> {
         })
     }
 
-    fn positions(&self, at: &StateView<'_, V>) -> Vec<DVec3> {
-        self.members.iter().map(|&index| at.properties.origin + at.position.get(index).widen()).collect()
-    }
-
     fn velocities(&self, at: &StateView<'_, V>) -> Vec<DVec3> {
         self.members.iter().map(|&index| at.velocity.get(index).widen()).collect()
     }
@@ -100,7 +96,7 @@ impl<V: Vector> Custom<V> {
 
     /// Gradients of the force on the movable particles, by position and by velocity.
     fn gradients(&self, at: &StateView<'_, V>) -> Result<[Gradient; 2]> {
-        let (time, positions, velocities) = (at.time, self.positions(at), self.velocities(at));
+        let (time, positions, velocities) = (at.time, at.places(&self.members), self.velocities(at));
         let root: Vec<f64> = self.members.iter().map(|&index| at.properties.mass[index].recip().sqrt()).collect();
         if root.iter().all(|&root| root == 0.0) {
             return Ok([Gradient::NONE; 2]);
@@ -129,7 +125,7 @@ impl<V: Vector> Custom<V> {
             return Ok(0.0);
         }
         let path = || self.path(POTENTIAL);
-        let energy = potential.call(&[Argument::Vectors(&self.positions(at))], "one energy", &[]);
+        let energy = potential.call(&[Argument::Vectors(&at.places(&self.members))], "one energy", &[]);
         let energy = energy.map_err(|failure| failure.at(path()))?.first().copied().unwrap_or(f64::NAN);
         if energy.is_finite() { Ok(energy) } else { Err(Error::undefined(path(), "a finite energy", format!("{energy} J"))) }
     }
@@ -173,7 +169,7 @@ impl<V: Vector> Force<V> for Custom<V> {
         if self.members.is_empty() {
             return Ok(());
         }
-        let forces = self.forces(at.time, &self.positions(at), &self.velocities(at))?;
+        let forces = self.forces(at.time, &at.places(&self.members), &self.velocities(at))?;
         for (&index, force) in self.members.iter().zip(forces) {
             self.force.set(index, V::narrow(force));
         }

@@ -4,8 +4,6 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
@@ -64,11 +62,6 @@ impl<V: Vector> Drag<V> {
         Ok(parts.into_iter().filter(|&part| part != (0.0, 0.0)).map(part).collect())
     }
 
-    /// Positions of particles [m].
-    fn positions(named: &[usize], at: &StateView<'_, V>) -> Vec<DVec3> {
-        named.iter().map(|&index| at.properties.origin + at.position.get(index).widen()).collect()
-    }
-
     /// Affected movable particles, each with its number among the named ones, if the wind depends on the place.
     fn affected(&self) -> impl Iterator<Item = (usize, usize)> {
         let everyone = if self.named.is_empty() { 0..self.members.len() } else { 0..0 };
@@ -116,7 +109,7 @@ impl<V: Vector> Force<V> for Drag<V> {
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, _executor: &Executor) -> Result<()> {
-        self.wind.update(at.time, || Self::positions(&self.named, at))?;
+        self.wind.update(at.time, || at.places(&self.named))?;
         for (point, &index) in self.named.iter().enumerate() {
             self.local.set(index, V::narrow(self.wind.value(point)));
         }
@@ -136,7 +129,7 @@ impl<V: Vector> Force<V> for Drag<V> {
     /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|. In a wind that depends on the place, the stiffness is at most
     /// the damping times the norm of the gradient of the wind.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
-        let wind = self.wind.with_gradients(at.time, || Self::positions(&self.named, at))?;
+        let wind = self.wind.with_gradients(at.time, || at.places(&self.named))?;
         for (point, index) in self.affected() {
             let (wind, gradient) = wind.at(point);
             let speed = (at.velocity.get(index).widen() - wind).length();

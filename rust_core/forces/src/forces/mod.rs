@@ -74,6 +74,11 @@ impl<V: Vector> StateView<'_, V> {
         self.position.axis(axis)[index].to_f64() + residual
     }
 
+    /// Positions of some particles in the scene [m].
+    pub fn places(&self, particles: &[usize]) -> Vec<DVec3> {
+        particles.iter().map(|&index| self.properties.origin + self.position.get(index).widen()).collect()
+    }
+
     /// The exact position of a particle relative to the origin [m].
     #[inline]
     pub fn exact_point(&self, index: usize) -> DVec3 {

@@ -53,15 +53,11 @@ impl<V: Vector> FunctionField<V> {
         }
     }
 
-    fn positions(&self, at: &StateView<'_, V>) -> Vec<DVec3> {
-        self.members.iter().map(|&index| at.properties.origin + at.position.get(index).widen()).collect()
-    }
-
     fn prepare(&mut self, at: &StateView<'_, V>) -> Result<()> {
         if self.members.is_empty() {
             return Ok(());
         }
-        let fields = self.function.at(at.time, &self.positions(at))?;
+        let fields = self.function.at(at.time, &at.places(&self.members))?;
         for (&index, field) in self.members.iter().zip(fields) {
             self.values[index] = self.charges[index].to_f64() * field;
         }
@@ -118,7 +114,7 @@ impl<V: Vector> Force<V> for ElectricFunction<V> {
         if self.field.members.is_empty() {
             return Ok(());
         }
-        let energy = potential.call(&[Argument::Vectors(&self.field.positions(at))], "one energy", &[]);
+        let energy = potential.call(&[Argument::Vectors(&at.places(&self.field.members))], "one energy", &[]);
         let energy = energy.map_err(|failure| failure.at(self.path.clone()))?.first().copied().unwrap_or(f64::NAN);
         if !energy.is_finite() {
             return Err(Error::undefined(self.path.clone(), "a finite energy", format!("{energy} J")));
@@ -129,7 +125,7 @@ impl<V: Vector> Force<V> for ElectricFunction<V> {
 
     /// Norm of the gradient of the field by central differences, times the charge.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
-        let norms = self.field.function.gradient_norms(at.time, &self.field.positions(at))?;
+        let norms = self.field.function.gradient_norms(at.time, &at.places(&self.field.members))?;
         for (&index, norm) in self.field.members.iter().zip(norms) {
             let stiffness = norm * self.field.charges[index].to_f64().abs();
             if stiffness > 0.0 {
@@ -183,7 +179,7 @@ impl<V: Vector> Force<V> for MagneticFunction<V> {
         if self.0.members.is_empty() {
             return Ok(());
         }
-        let fields = self.0.function.at(at.time, &self.0.positions(at))?;
+        let fields = self.0.function.at(at.time, &at.places(&self.0.members))?;
         for (&index, field) in self.0.members.iter().zip(fields) {
             bound.gyration(index, self.0.charges[index].to_f64().abs() * field.length());
         }
