@@ -11,8 +11,6 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
 
 pub mod contacts;
-pub mod rods;
-pub mod self_contact;
 pub mod simulation;
 pub mod sparse;
 pub mod systems;

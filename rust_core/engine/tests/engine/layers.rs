@@ -24,7 +24,7 @@ const LAYERS: [(&str, &[&[&str]]); 4] = [
     ),
     ("fields", &[&["reaction_diffusion", "schrodinger", "wave"]]),
     ("forces", &[&["neighbors"], &["matter"], &["boundaries"], &["forces"]]),
-    ("engine", &[&["sparse"], &["contacts", "rods"], &["self_contact"], &["systems"], &["simulation"]]),
+    ("engine", &[&["sparse"], &["contacts"], &["systems"], &["simulation"]]),
 ];
 
 /// Place of a module in its crate; None of another crate's module.

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::MatterSystem;
+use super::constraints::tearing::Tearing;
 use super::dynamics::{Dynamics, Treatment};
 use super::method::{Method, MethodProperties as MethodAbout};
-use super::tearing::Tearing;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::Space;
@@ -19,9 +19,9 @@ use crate::memory;
 use crate::neighbors;
 use crate::parallel::Executor;
 use crate::plan::Stages;
-use crate::rods::{self, Rods};
 use crate::scene::{self, Item, PARTICLES, Scene};
-use crate::self_contact::{self, SelfContacts};
+use crate::systems::matter::constraints::rods::{self, Rods};
+use crate::systems::matter::constraints::self_contact::{self, SelfContacts};
 
 mod precision;
 

@@ -18,11 +18,11 @@ use crate::ledger::{Class, Ledger};
 use crate::math::Real;
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
-use crate::rods::{self, Rods};
-use crate::self_contact::{ContactStep, InsidePosition, SelfContacts};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
-use crate::systems::matter::tearing::Tearing;
+use crate::systems::matter::constraints::rods::{self, Rods};
+use crate::systems::matter::constraints::self_contact::{ContactStep, InsidePosition, SelfContacts};
+use crate::systems::matter::constraints::tearing::Tearing;
 
 fn is_magnetic<V: Space>(force: &dyn Force<V>) -> bool {
     force.about().velocity == VelocityDependence::Gyroscopic

@@ -4,6 +4,7 @@ mod activity;
 mod budget;
 mod collisions;
 mod compile;
+mod constraints;
 mod coupled;
 mod displacement;
 mod dynamics;
@@ -16,7 +17,6 @@ mod projection;
 mod radau;
 mod rattle;
 mod stepper;
-mod tearing;
 mod test_particles;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -42,11 +42,11 @@ use crate::math::Real;
 use crate::matter::{Columns, EnergyTally, Matter, SINKS};
 use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
-use crate::rods::Rods;
 use crate::scene::{Body, Item, Scene};
-use crate::self_contact::SelfContacts;
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
+use crate::systems::matter::constraints::rods::Rods;
+use crate::systems::matter::constraints::self_contact::SelfContacts;
 use crate::systems::{
     Control, Element, Fault, FieldInfo, Interval, Mach, Quantity, RecordedSteps, Sample, System, unknown_integrator,
 };
@@ -313,7 +313,7 @@ impl<V: Space> History for MatterSystem<V> {
         std::mem::swap(&mut self.saved, &mut self.state);
         self.method.rollback();
         self.dynamics.self_contacts.iter_mut().for_each(History::rollback);
-        if self.dynamics.tearing.as_ref().is_some_and(tearing::Tearing::differs_from_saved) {
+        if self.dynamics.tearing.as_ref().is_some_and(constraints::tearing::Tearing::differs_from_saved) {
             self.dynamics.tearing.iter_mut().for_each(History::rollback);
             self.leave_out_broken();
         }

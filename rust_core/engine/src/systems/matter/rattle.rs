@@ -20,10 +20,10 @@ use crate::history::History;
 use crate::integrators::{Integrator, VelocityVerlet};
 use crate::matter::Matter;
 use crate::parallel::Executor;
-use crate::rods::Unsolved;
 use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::Interval;
+use crate::systems::matter::constraints::rods::Unsolved;
 
 /// Name of the class in Python.
 pub const NAME: &str = "RATTLE";

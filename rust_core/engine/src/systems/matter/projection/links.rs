@@ -4,7 +4,7 @@ use crate::forces::Space;
 use crate::forces::springs::Spring;
 use crate::math::{AXES, Real};
 use crate::matter::{Columns, Properties};
-use crate::rods;
+use crate::systems::matter::constraints::rods;
 
 /// Vector of a particle; a fourth component 0 fills a register.
 pub type Point<T> = [T; 4];

@@ -32,8 +32,8 @@ use limits::StrainLimit;
 use loads::Loads;
 use mesh::{ContactRule, Mesh};
 use nearby::Nearby;
-pub use resolution::{ContactStep, Unresolved};
-pub use walls::{InsidePosition, WallProjection};
+pub use resolution::ContactStep;
+pub use walls::InsidePosition;
 
 /// Kind of the items.
 pub const KIND: &str = "SelfContact";

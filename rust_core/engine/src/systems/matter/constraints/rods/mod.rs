@@ -327,11 +327,6 @@ impl Rods {
         redundant.into_iter().chain(removed).collect()
     }
 
-    /// Number of rods.
-    pub fn count(&self) -> usize {
-        self.network.links.len()
-    }
-
     /// Estimated duration of a step [ns]: a factorization and about six iterations.
     pub fn cost(&self) -> f64 {
         self.network.cost()
