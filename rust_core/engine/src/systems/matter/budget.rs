@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::constraints::Constraints;
 use super::dynamics::Dynamics;
 use crate::error::Result;
 use crate::forces::Space;
@@ -24,7 +25,13 @@ const SINKS: [(EnergySink, Class, &str); 5] = [
 ///
 /// # Errors
 /// If a user-defined function fails, or on an interrupt.
-pub fn energy<V: Space>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<Ledger> {
+pub fn energy<V: Space>(
+    dynamics: &Dynamics<V>,
+    constraints: &Constraints<V>,
+    matter: &Matter<V>,
+    time: f64,
+    executor: &Executor,
+) -> Result<Ledger> {
     let mut ledger = Ledger::new(matter.count(), matter.block);
     ledger.add_blocks(Class::Kinetic, "particles", |block| block.map(|index| kinetic(dynamics, matter, index)).sum());
     let at = dynamics.view_of(matter, time, executor);
@@ -32,9 +39,7 @@ pub fn energy<V: Space>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, e
         force.energy(&at, &mut ledger)?;
         executor.check()?;
     }
-    if let Some(tearing) = &dynamics.tearing {
-        ledger.add(Class::Dissipated, "tearing", tearing.dissipated());
-    }
+    constraints.iter().for_each(|constraint| constraint.energy(&mut ledger));
     for (sink, class, name) in SINKS {
         ledger.add(class, name, matter.tallied(sink));
     }

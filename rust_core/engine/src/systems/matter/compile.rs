@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::MatterSystem;
-use super::constraints::tearing::Tearing;
-use super::dynamics::{Dynamics, Treatment};
-use super::method::{Method, MethodProperties as MethodAbout};
+use super::constraints::{self, ConstraintProperties, ConstraintStage, Declaration, rods, self_contact};
+use super::dynamics::Dynamics;
+use super::method::{Method, MethodProperties as MethodAbout, Treatment};
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::Space;
@@ -20,8 +20,6 @@ use crate::neighbors;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::scene::{self, Item, PARTICLES, Scene};
-use crate::systems::matter::constraints::rods::{self, Rods};
-use crate::systems::matter::constraints::self_contact::{self, SelfContacts};
 
 mod precision;
 
@@ -46,7 +44,6 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let properties = properties::<V>(scene, &order);
     precision::check::<V>(scene, &springs, &properties)?;
     let springs = renumbered(springs, &order);
-    let mut rods = rods(scene, &springs, &properties, &about, executor)?;
     executor.check()?;
 
     let mut all: Vec<Box<dyn Force<V>>> = Vec::new();
@@ -61,30 +58,21 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
         let mut built = V::forces(scene, item, &properties, executor)?;
         refuse_forces(&about, item, &mut built, (&properties, &mut fusion))?;
         if item.kind == SOFT_SPHERES && about.springs != Treatment::Rods {
-            refuse_kinks(&about, "SoftSpheres")?;
+            about.refuse_kinks("SoftSpheres")?;
         }
         all.extend(built);
     }
-    let tearing = Tearing::declared(scene, &springs)?;
-    if tearing.is_some() && about.springs != Treatment::Rods {
-        refuse_kinks(&about, "springs that break")?;
-    }
-    let contacts = contacts(scene, &properties, rods.as_mut(), &about, executor)?;
-    let self_contacts = self_contacts(scene, &springs, &properties, &about)?;
+    let mut contacts = contacts(scene, &properties, &about)?;
+    let walls = contacts.as_mut();
+    let mut declaration = Declaration { scene, springs: &springs, properties: &properties, walls, method: &about, executor };
+    let constraints = constraints::build(&mut declaration)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
-    let (mut stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
-    if let Some(meshes) = &self_contacts {
-        // The other contacts, with walls, come first.
-        let at = if about.drifts_first { usize::from(contacts.is_some()) } else { stages.len() };
-        for (stage, note) in meshes.stages() {
-            stages.insert(at, stage.to_owned());
-            notes.push(format!("{stage}: {note}"));
-        }
-    }
+    let held: Vec<ConstraintProperties> = constraints.abouts().collect();
+    let (stages, mut notes) = sequence(&known, &held, &about, contacts.is_some());
 
     let alone = |force: &About| force.reach == Reach::Pointwise && !force.callback;
-    let independent = !about.sweeps && rods.is_none() && self_contacts.is_none() && known.iter().all(alone);
-    let exact = rods.is_some() || known.iter().any(|force| force.reach == Reach::Pairs);
+    let independent = !about.sweeps && !constraints.act() && known.iter().all(alone);
+    let exact = held.iter().any(|constraint| constraint.exact) || known.iter().any(|force| force.reach == Reach::Pairs);
     let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block(&about, independent), exact)?;
     if let Some(contacts) = &contacts {
         let pushed = contacts.project_inside(&mut state.position, &properties)?;
@@ -103,16 +91,9 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
     dynamics.angle = about.angle;
     dynamics.treatment = about.springs;
-    dynamics.springs = if rods.is_some() || projects || solves || tearing.is_some() { springs } else { Vec::new() };
-    dynamics.rods = rods;
-    dynamics.tearing = tearing;
-    dynamics.self_contacts = self_contacts;
+    dynamics.springs = if projects || solves { springs } else { Vec::new() };
     let dissipative = dynamics.velocity != VelocityDependence::None;
-    let nominal = if dissipative { about.order_dissipative } else { about.order };
-    // Some events are off by up to a whole step. A spring breaks at the end of a step. Contacts between meshes begin at the
-    // start of one. Contacts of rods with walls within a step are resolved together.
-    let rods_meet_walls = dynamics.rods.is_some() && dynamics.contacts.is_some();
-    let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() || rods_meet_walls { 1 } else { nominal };
+    let nominal = held.iter().map(|constraint| constraint.order).fold(about.orders[usize::from(dissipative)], u32::min);
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
     notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(DensityScheme::Continuity)));
     executor.check()?;
@@ -133,7 +114,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     };
     let is_field = |item: &&Item| forces::feels_charges(item) || !forces::is_between_pairs(item);
     let fields = scene.forces.iter().filter(is_field).cloned().collect();
-    Ok(MatterSystem::new(dynamics, state, method, stages, fields))
+    Ok(MatterSystem::new((dynamics, constraints), state, method, stages, fields))
 }
 
 /// Fluid of a scene, for a method that supports fluids.
@@ -144,12 +125,12 @@ fn fluid<V: Space>(
     executor: &Executor,
 ) -> Result<Option<Box<dyn Force<V>>>> {
     let Some(fluid) = V::fluid(scene, properties, executor)? else { return Ok(None) };
-    refuse_kinks(about, "a fluid")?;
+    about.refuse_kinks("a fluid")?;
     if [Treatment::Projections, Treatment::Solved].contains(&about.springs) {
         return Err(cannot_take(about, sph::KIND));
     }
     let continuity = fluid.density().is_some_and(|density| density.scheme() == DensityScheme::Continuity);
-    if let (true, Some(reason)) = (continuity, about.refuses_fields) {
+    if let (true, Some(reason)) = (continuity, about.refusals.fields) {
         let fits = |other: &Facts| other.refuses_fields.is_none() && !other.gyrates;
         let fit: Vec<_> = Facts::all().iter().filter(|other| fits(other)).map(|other| format!("{}()", other.name)).collect();
         let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
@@ -158,41 +139,11 @@ fn fluid<V: Space>(
     Ok(Some(fluid))
 }
 
-/// Contacts of a scene with walls, for a method that supports them. Rods resolve the contacts of their own particles.
-fn contacts<V: Space>(
-    scene: &Scene,
-    properties: &Properties<V>,
-    rods: Option<&mut Rods>,
-    about: &MethodAbout,
-    executor: &Executor,
-) -> Result<Option<Contacts<V>>> {
-    let Some(mut contacts) = Contacts::build(scene, properties)? else { return Ok(None) };
-    if about.springs != Treatment::Rods || about.order != 2 {
-        refuse_kinks(about, "boundaries")?;
-    }
-    if let Some(rods) = rods {
-        rods.meet_walls(V::DIMENSION, executor)?;
-        contacts.leave_out(rods.particles());
-        if let Some((path, friction)) = contacts.friction(properties, rods.particles()) {
-            return Err(Error::parameter(format!("{path}.friction"), "0 with rods", friction)
-                .with_hint("the friction of what rods hold is not computed; name bodies without rods with on="));
-        }
-    }
-    Ok(Some(contacts))
-}
-
-/// Contacts between meshes of a scene and strain limits of its springs, for a method that supports them.
-fn self_contacts<V: Space>(
-    scene: &Scene,
-    springs: &[Spring],
-    properties: &Properties<V>,
-    about: &MethodAbout,
-) -> Result<Option<SelfContacts>> {
-    let contacts = SelfContacts::build(scene, springs, properties)?;
-    if let (Some(_), None) = (&contacts, about.impulses) {
-        let expected =
-            "VelocityVerlet(), BackwardEuler(), BDF2(), XPBD() or ProjectiveDynamics() for SelfContact and strain limits";
-        return Err(Error::parameter("integrator", expected, about.name));
+/// Contacts of a scene with walls, for a method that supports them.
+fn contacts<V: Space>(scene: &Scene, properties: &Properties<V>, about: &MethodAbout) -> Result<Option<Contacts<V>>> {
+    let contacts = Contacts::build(scene, properties)?;
+    if contacts.is_some() && (about.springs != Treatment::Rods || about.orders[0] != 2) {
+        about.refuse_kinks("boundaries")?;
     }
     Ok(contacts)
 }
@@ -224,8 +175,13 @@ fn cannot_take(about: &MethodAbout, kind: &str) -> Error {
     })
 }
 
-/// Names of the stages of a step in their order, and notes on the layouts of the forces.
-fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) -> (Vec<String>, Vec<String>) {
+/// Names of the stages of a step in their order, and notes on the layouts of the forces and on the constraints.
+fn sequence(
+    known: &[About],
+    constraints: &[ConstraintProperties],
+    about: &MethodAbout,
+    contacts: bool,
+) -> (Vec<String>, Vec<String>) {
     let (mut stages, mut notes): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
     for About { name, layout, remarks, reach, .. } in known {
         if !layout.is_empty() {
@@ -240,49 +196,17 @@ fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) ->
         }
     }
     stages.push(about.name.to_owned());
-    if rods {
-        stages.push("rods".to_owned());
-    }
+    // If positions are final before the evaluation of forces, contacts and constraints come first.
+    let mut place = if about.drifts_first() { 0 } else { stages.len() };
     if contacts {
-        // If positions are final before the evaluation of forces, contacts come first.
-        stages.insert(if about.drifts_first { 0 } else { stages.len() }, "contacts".to_owned());
+        stages.insert(place, "contacts".to_owned());
+        place += 1;
+    }
+    for ConstraintStage { name, note, last } in constraints.iter().flat_map(|about| &about.stages) {
+        stages.insert(if *last { stages.len() } else { place }, (*name).to_owned());
+        notes.extend(note.iter().map(|note| format!("{name}: {note}")));
     }
     (stages, notes)
-}
-
-/// Rods among springs. Refuses rods that the method does not hold, and rods between fixed particles that have to part.
-fn rods<V: Space>(
-    scene: &Scene,
-    springs: &[Spring],
-    properties: &Properties<V>,
-    about: &MethodAbout,
-    executor: &Executor,
-) -> Result<Option<Rods>> {
-    if !about.holds_rods && springs.iter().any(rods::is_rod) {
-        let hint = "their stiffness is infinite, and it takes springs as forces; RATTLE holds lengths to rounding";
-        return Err(Error::parameter("integrator", "RATTLE() or XPBD() for rods", about.name).with_hint(hint));
-    }
-    let velocity = |end: u32| {
-        let caller = properties.caller[end as usize] as usize;
-        scene.bodies.iter().flat_map(|body| &body.velocities).nth(caller).copied()
-    };
-    let parting = |spring: &&Spring| {
-        let [one, other] = spring.ends;
-        spring.ends.iter().all(|&end| properties.is_fixed(end as usize)) && velocity(one) != velocity(other)
-    };
-    if let Some(rod) = springs.iter().filter(|spring| rods::is_rod(spring)).find(parting) {
-        let ends = rod.ends.map(|end| properties.caller[end as usize]);
-        let found = format!("a rod between the fixed particles {} and {}, whose velocities differ", ends[0], ends[1]);
-        return Err(Error::parameter("scene", "rods whose ends can keep their distance", found));
-    }
-    if about.springs == Treatment::Rods { Rods::new(springs, properties, executor) } else { Ok(None) }
-}
-
-/// Refuses a method of smooth motion for a scene with kinks in its motion.
-fn refuse_kinks(about: &MethodAbout, found: &str) -> Result<()> {
-    let Some(reason) = about.smooth_only else { return Ok(()) };
-    let expected = format!("an explicit one, such as VelocityVerlet(), for a scene with {found}");
-    Err(Error::parameter("integrator", expected, about.name).with_hint(reason))
 }
 
 /// Memory of a particle besides its state [bytes]: its properties, and during compilation its index in two orders.
@@ -302,22 +226,22 @@ const ELEMENT: usize = 1700;
 fn footprint<V: Space>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
     let springs = springs::count(scene)?;
     let independent = springs == 0 && !forces::are_between_neighbors(scene) && !about.sweeps;
-    let registers = if independent { about.readable } else { about.registers };
+    let registers = if independent { about.memory.readable } else { about.memory.registers };
     // State with its copy, and workspace of sweeps.
-    let columns = 2 * (2 + registers) + about.own + if independent { 0 } else { 6 };
+    let columns = 2 * (2 + registers) + about.memory.own + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
     let pairs =
         [(forces::are_between_neighbors(scene), NEIGHBOR), (sph::is_in(scene), FLUID), (forces::are_at_a_distance(scene), FAR)];
     let pairs: usize = pairs.into_iter().filter(|(holds, _)| *holds).map(|(_, bytes)| bytes).sum();
     let particles = scene.count() * (columns * vector + PROPERTIES + pairs);
-    let spring = SPRING + if about.holds_rods && about.springs == Treatment::Rods { ROD } else { 0 };
+    let spring = SPRING + if about.springs == Treatment::Rods { ROD } else { 0 };
     Ok(particles + springs * spring + self_contact::elements(scene)? * ELEMENT)
 }
 
 /// Advice on a better integrator; None under gravity alone, or where contacts reduce every method's order.
 fn advice(about: &MethodAbout, dissipative: bool, bends: bool) -> Option<String> {
-    match (about.order, dissipative) {
-        _ if !bends || about.order > BlanesMoan6::ORDER => None,
+    match (about.orders[0], dissipative) {
+        _ if !bends || about.orders[0] > BlanesMoan6::ORDER => None,
         // Methods for stiff matter are not chosen for their order.
         _ if matches!(about.springs, Treatment::Projections | Treatment::Solved) => None,
         (1, false) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
@@ -330,10 +254,10 @@ fn advice(about: &MethodAbout, dissipative: bool, bends: bool) -> Option<String>
             100.0 * worth::<BlanesMoan4>(about).min(1.0),
             BlanesMoan4::NAME
         )),
-        (_, true) if about.order_dissipative < about.order => Some(format!(
+        (_, true) if about.orders[1] < about.orders[0] => Some(format!(
             "forces depend on velocity: {} is only of order {} here; RungeKutta4 keeps order 4, VelocityVerlet gives order 2 with one evaluation instead of {}",
             about.name,
-            about.order_dissipative,
+            about.orders[1],
             about.evaluations
         )),
         _ => None,

@@ -5,14 +5,15 @@ use crate::contacts::Before;
 use crate::error::Result;
 use crate::forces::Space;
 use crate::forces::{DensityScheme, Rates};
-use crate::matter::{Blocks, Columns, Matter, SINKS, Span};
-use crate::parallel::{BlockedSlice, Executor, Split};
+use crate::matter::{Blocks, Columns, SINKS, Span};
+use crate::parallel::{BlockedSlice, Split};
 use crate::simd::LANES;
 use crate::systems::Interval;
 use crate::systems::matter::activity::Activity;
+use crate::systems::matter::constraints::DriftVelocity;
 use crate::systems::matter::displacement::displace;
-use crate::systems::matter::dynamics::{Dynamics, Impulses};
 use crate::systems::matter::kernels::{self, Evaluation, StageAction, kicked};
+use crate::systems::matter::step::MatterStep;
 use crate::systems::matter::stepper::Stepper;
 
 /// Buffers of the sweeps.
@@ -45,92 +46,74 @@ impl<V: Space> Workspace<V> {
     }
 }
 
-/// Advances `matter` in place. The activity at the end is NaN if a position is not finite.
+/// Advances coupled matter in place. The activity at the end is NaN if a position is not finite.
 pub fn advance<V: Space>(
     stepper: &Stepper<V>,
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
+    step: &mut MatterStep<'_, V>,
     interval: Interval,
     activity: &mut Activity,
-    executor: &Executor,
 ) -> Result<()> {
-    let method = &stepper.facts;
-    let stages = method.stages();
-    // The last stage's sweep also computes the state of the next step's first stage, unless an operation intervenes at the
-    // end of the step.
-    let drifts = method.drift_kick.filter(|_| dynamics.scheme == Some(DensityScheme::Continuity));
-    let sums = dynamics.scheme == Some(DensityScheme::Summation) && !method.ends_with_forces;
-    let moves_on = workspace.before.is_none() && !sums && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
-    for step in 0..interval.steps {
-        dynamics.begin_self_contacts(matter);
-        if let Some([position, velocity]) = &mut workspace.before {
-            position.copy_from(&matter.position);
-            velocity.copy_from(&matter.velocity);
-        }
-        if step == 0 || !moves_on {
-            sweep(stepper, dynamics, matter, workspace, interval, 0.0, StageAction::StageState, executor)?;
-        }
-        if method.drifts_first {
-            collisions(stepper, dynamics, matter, workspace, interval.h, executor)?;
-        }
-        for stage in 0..stages {
-            let time = interval.time(step, method.nodes[stage]);
-            if let Some(drift_kick) = drifts {
-                drift(
-                    dynamics,
-                    matter,
-                    workspace,
-                    Some(drift_kick.velocity),
-                    (time, drift_kick.drifts[stage] * interval.h),
-                    executor,
-                )?;
-            }
-            let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
-            sweep(stepper, dynamics, matter, workspace, interval, time, StageAction::StageUpdate(stage, next), executor)?;
-        }
-        activity.push(workspace.activity.iter().sum());
-        if let Some(&last) = drifts.and_then(|drift_kick| drift_kick.drifts.get(stages)) {
-            drift(dynamics, matter, workspace, None, (interval.time(step, 1.0), last * interval.h), executor)?;
-        }
-        if sums {
-            dynamics.sum_density(matter, interval.time(step, 1.0), executor)?;
-        }
-        if executor.stopped() {
+    for index in 0..interval.steps {
+        take(stepper, step, interval, index)?;
+        activity.push(step.workspace.activity.iter().sum());
+        if step.executor.stopped() {
             break;
         }
     }
     Ok(())
 }
 
+/// Takes one step of an interval.
+pub fn take<V: Space>(stepper: &Stepper<V>, step: &mut MatterStep<'_, V>, interval: Interval, index: u64) -> Result<()> {
+    let (method, h) = (&stepper.facts, interval.h);
+    let (stages, scheme) = (method.stages(), step.dynamics.scheme);
+    // The last stage's sweep also computes the state of the next step's first stage, unless an operation intervenes at the
+    // end of the step.
+    let drifts = method.drift_kick.filter(|_| scheme == Some(DensityScheme::Continuity));
+    let sums = scheme == Some(DensityScheme::Summation) && !method.ends_with_forces;
+    let intervenes = step.workspace.before.is_some() || step.constraints.act() || sums;
+    let moves_on = !intervenes && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
+    let drift = method.drift_kick.filter(|_| method.drifts_first);
+    let drift = drift.map(|drift_kick| DriftVelocity::Register(drift_kick.velocity));
+    step.begin(h, drift);
+    if index == 0 || !moves_on {
+        sweep(stepper, step, h, 0.0, StageAction::StageState)?;
+    }
+    if let Some(drift) = drift {
+        step.drifted(h, drift, stepper.collide)?;
+    }
+    for stage in 0..stages {
+        let time = interval.time(index, method.nodes[stage]);
+        if let Some(drift_kick) = drifts {
+            advance_density(step, Some(drift_kick.velocity), (time, drift_kick.drifts[stage] * h))?;
+        }
+        let next = if stage + 1 < stages { Some(stage + 1) } else { (index + 1 < interval.steps && moves_on).then_some(0) };
+        sweep(stepper, step, h, time, StageAction::StageUpdate(stage, next))?;
+    }
+    if let Some(&last) = drifts.and_then(|drift_kick| drift_kick.drifts.get(stages)) {
+        advance_density(step, None, (interval.time(index, 1.0), last * h))?;
+    }
+    if sums {
+        step.dynamics.sum_density(step.matter, interval.time(index, 1.0), step.executor)?;
+    }
+    step.end(h, drift)
+}
+
 /// Evaluates the dynamics at the state and fills the persistent registers.
-pub fn begin<V: Space>(
-    stepper: &Stepper<V>,
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
-    interval: Interval,
-    executor: &Executor,
-) -> Result<()> {
-    sweep(stepper, dynamics, matter, workspace, interval, interval.start, StageAction::Begin, executor)
+pub fn begin<V: Space>(stepper: &Stepper<V>, step: &mut MatterStep<'_, V>, interval: Interval) -> Result<()> {
+    sweep(stepper, step, interval.h, interval.start, StageAction::Begin)
 }
 
 /// Advances density over the preceding drift of `h` seconds, which ends at `time`. The velocity of the drift is in a
 /// register, or the present one. Tallies the dissipated energy, and shifts particles.
-fn drift<V: Space>(
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
-    velocity: Option<usize>,
-    (time, h): (f64, f64),
-    executor: &Executor,
-) -> Result<()> {
+fn advance_density<V: Space>(step: &mut MatterStep<'_, V>, velocity: Option<usize>, (time, h): (f64, f64)) -> Result<()> {
     if h == 0.0 {
         return Ok(());
     }
+    let MatterStep { dynamics, matter, workspace, executor, .. } = step;
     let velocity = velocity.map_or(&matter.velocity, |register| &matter.registers[register]);
     dynamics.drift_density(matter, velocity.view(), h, executor)?;
-    let dynamics = &*dynamics;
+    let dynamics = &**dynamics;
     executor.for_each_block(matter.blocks(), &|blocks: Blocks<'_, V>| {
         dynamics.diffused(&blocks.range(), &mut blocks.tallies[0].energy);
     });
@@ -138,24 +121,15 @@ fn drift<V: Space>(
 }
 
 /// One pass over all blocks: evaluates the forces, if the action needs them, and acts on the state.
-#[expect(clippy::too_many_arguments, reason = "what a sweep works on")]
-pub fn sweep<V: Space>(
-    stepper: &Stepper<V>,
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
-    interval: Interval,
-    time: f64,
-    action: StageAction,
-    executor: &Executor,
-) -> Result<()> {
+fn sweep<V: Space>(stepper: &Stepper<V>, step: &mut MatterStep<'_, V>, h: f64, time: f64, action: StageAction) -> Result<()> {
+    let MatterStep { dynamics, matter, workspace, executor, .. } = step;
     let evaluates = !matches!(action, StageAction::StageState);
     if evaluates {
         dynamics.prepare(matter, time, executor)?;
     }
     std::mem::swap(&mut matter.position, &mut workspace.position);
     std::mem::swap(&mut matter.velocity, &mut workspace.velocity);
-    let dynamics = &*dynamics;
+    let dynamics = &**dynamics;
     let ends_step = matches!(action, StageAction::StageUpdate(stage, _) if stage + 1 == stepper.facts.stages());
     let ends_run = ends_step && matches!(action, StageAction::StageUpdate(_, None));
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
@@ -180,41 +154,18 @@ pub fn sweep<V: Space>(
             let damping = damping.as_mut().map(Span::reborrow);
             dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power, damping });
             if let (true, Some(before)) = (stepper.facts.gyrates && dynamics.magnetic, kicked(&stepper.facts, &blocks, action)) {
-                kernels::gyrate(dynamics, &range, &at, before, interval.h, &mut force);
+                kernels::gyrate(dynamics, &range, &at, before, h, &mut force);
             }
         }
         let evaluation = Evaluation { force, power, damping };
-        activity.items[0] = stepper.stage(dynamics, Some(&at), &mut blocks, &evaluation, interval.h, action);
+        activity.items[0] = stepper.stage(dynamics, Some(&at), &mut blocks, &evaluation, h, action);
         if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, before) {
-            contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &dynamics.properties, interval.h);
+            contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &dynamics.properties, h);
         }
         if ends_run {
             activity.items[0] += kernels::out_of_range(dynamics, &blocks);
         }
     });
-    Ok(())
-}
-
-/// Resolves all contacts within the drift.
-pub fn collisions<V: Space>(
-    stepper: &Stepper<V>,
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &Workspace<V>,
-    h: f64,
-    executor: &Executor,
-) -> Result<()> {
-    if let (Some(collide), Some(contacts), Some([position, velocity])) = (stepper.collide, &dynamics.contacts, &workspace.before)
-    {
-        let dynamics = &*dynamics;
-        executor.for_each_block(matter.blocks(), &|mut block: Blocks<'_, V>| {
-            let before = Before::part(position, velocity, &block.range());
-            collide(dynamics, contacts, &mut block, &before, h);
-        });
-    }
-    if let Some(drift_kick) = stepper.facts.drift_kick {
-        dynamics.resolve_self_contacts(matter, h, Impulses::Register(drift_kick.velocity), executor)?;
-    }
     Ok(())
 }
 

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::MatterSystem;
 use super::compile::out_of_range;
+use super::constraints::Constraint;
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::sph::Gauges;
@@ -16,12 +17,9 @@ use crate::systems::{FieldInfo, System};
 /// Names and units of the fields of all matter, and of fluids.
 const MOTION: [(&str, &str); 2] = [("positions", "m"), ("velocities", "m/s")];
 const FLUID: [(&str, &str); 2] = [("densities", "kg/m³"), ("pressures", "Pa")];
-/// Names and units of the fields of boundaries and bodies, and of probes, with their integrals over time. Then those of
-/// springs: with rods, and if springs can break.
+/// Names and units of the fields of boundaries and bodies, and of probes, with their integrals over time.
 const WALLS: [(&str, &str); 2] = [("wall_forces", "N"), ("wall_impulses", "N·s")];
 const PROBES: [(&str, &str); 2] = [("probe_pressures", "Pa"), ("probe_impulses", "Pa·s")];
-const TENSION: (&str, &str) = ("tensions", "N");
-const BROKEN: (&str, &str) = ("broken", "1");
 
 /// Flattens vectors, component by component.
 fn flat<V: Space>(vectors: &[[f64; AXES]]) -> Vec<f64> {
@@ -29,15 +27,13 @@ fn flat<V: Space>(vectors: &[[f64; AXES]]) -> Vec<f64> {
 }
 
 impl<V: Space> MatterSystem<V> {
-    /// Names and units of the fields of this matter.
+    /// Names and units of the fields of this matter, without those of constraints.
     fn names(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let fluid = self.dynamics.scheme.is_some().then_some(FLUID);
-        let tension = self.dynamics.rods.is_some().then_some(TENSION);
-        let broken = self.dynamics.tearing.is_some().then_some(BROKEN);
         let walls = self.gauges().map(|_| WALLS);
         let probes = self.gauges().filter(|gauges| !gauges.pressures().is_empty()).map(|_| PROBES);
         let fluid = fluid.into_iter().chain(walls).chain(probes).flatten();
-        MOTION.into_iter().chain(fluid).chain(tension).chain(broken)
+        MOTION.into_iter().chain(fluid)
     }
 
     /// Gauges of the fluids.
@@ -45,15 +41,13 @@ impl<V: Space> MatterSystem<V> {
         self.dynamics.forces().iter().filter_map(|force| force.density()).find_map(|density| density.gauges())
     }
 
-    /// Descriptions of the fields. Fields of a fluid exist only with a fluid, tensions with rods, broken springs if springs
-    /// can break.
+    /// Descriptions of the fields, those of constraints last.
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
         let info = |(name, unit): (&'static str, &'static str)| {
             let count = self.state.count();
             let moves = MOTION.contains(&(name, unit));
             let shape = match name {
                 _ if moves => vec![count, V::DIMENSION],
-                "tensions" | "broken" => vec![self.dynamics.springs.len()],
                 "wall_forces" | "wall_impulses" => vec![self.gauges().map_or(0, |gauges| gauges.forces().len()), V::DIMENSION],
                 "probe_pressures" | "probe_impulses" => vec![self.gauges().map_or(0, |gauges| gauges.pressures().len())],
                 _ => vec![count],
@@ -63,20 +57,33 @@ impl<V: Space> MatterSystem<V> {
             let continuity = name == "densities" && self.dynamics.scheme == Some(DensityScheme::Continuity);
             FieldInfo { name: name.to_owned(), unit, shape, rate, state: moves || continuity }
         };
-        self.names().map(info).collect()
+        let own = self.constraints.iter().flat_map(Constraint::fields);
+        let own = own.map(|(name, unit, shape)| FieldInfo { name: name.to_owned(), unit, shape, rate: None, state: false });
+        self.names().map(info).chain(own).collect()
+    }
+
+    /// Values of a field of constraints.
+    fn values_of_constraints(&self, mut field: usize) -> Vec<f64> {
+        for constraint in self.constraints.iter() {
+            let count = constraint.fields().len();
+            if field < count {
+                return self.forced(0.0, &SERIAL, |state| constraint.read(field, state));
+            }
+            field -= count;
+        }
+        Vec::new()
     }
 
     /// Values of a field.
     pub(super) fn values(&self, field: usize) -> Vec<f64> {
         let (state, properties) = (&self.state, &self.dynamics.properties);
+        let names = self.names().count();
+        if field >= names {
+            return self.values_of_constraints(field - names);
+        }
         match self.names().nth(field).map_or("", |(name, _)| name) {
             "positions" => self.vectors(|index| properties.origin + state.exact_position(index)),
             "velocities" => self.vectors(|index| state.velocity.get(index).widen()),
-            "tensions" => self.dynamics.tensions_of_springs(&self.dynamics.view_of(state, 0.0, &SERIAL)),
-            "broken" => {
-                let broken = self.dynamics.tearing.as_ref().map_or(&[][..], |tearing| tearing.broken());
-                broken.iter().map(|&torn| f64::from(u8::from(torn))).collect()
-            }
             "wall_forces" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(gauges.forces())),
             "wall_impulses" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(gauges.impulses())),
             "probe_pressures" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressures().to_vec()),

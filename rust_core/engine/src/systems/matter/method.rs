@@ -1,11 +1,13 @@
 //! Methods: the time stepping of matter, and its stability limits.
 
 use super::activity::Activity;
+use super::constraints::{Constraints, DriftVelocity};
 use super::coupled::Workspace;
-use super::dynamics::{Angle, Dynamics, Impulses, Treatment};
+use super::dynamics::Dynamics;
+use super::step::MatterStep;
 use super::stepper::Stepper;
 use super::{coupled, independent};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::Integrator;
@@ -15,9 +17,32 @@ use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::{Control, Interval, RecordedSteps};
 
+/// Angle by which a method turns velocities in a magnetic field in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Angle {
+    /// 2 atan(|q B| h/2m).
+    Boris,
+    /// |q B| h/m.
+    Exact,
+}
+
+/// Treatment of springs by a method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Treatment {
+    /// Springs are forces.
+    Forces,
+    /// Springs are forces; springs of infinite stiffness are rods that the method keeps at their lengths.
+    Rods,
+    /// Springs are forces whose derivatives the method uses to solve its equations.
+    Solved,
+    /// Springs are projections: the method moves particles onto them, so that they add no force.
+    Projections,
+}
+
 /// Data of a method's steps.
 pub struct Job<'a, V: Space> {
     pub dynamics: &'a mut Dynamics<V>,
+    pub constraints: &'a mut Constraints<V>,
     /// Initial state, which does not change.
     pub from: &'a Matter<V>,
     pub state: &'a mut Matter<V>,
@@ -28,41 +53,73 @@ pub struct Job<'a, V: Space> {
     pub interval: Interval,
 }
 
+impl<'a, V: Space> Job<'a, V> {
+    /// Coupled matter with the activity to record, and the interval; None for independent particles.
+    pub fn coupled(self, executor: &'a Executor) -> Option<(MatterStep<'a, V>, &'a mut Activity, Interval)> {
+        let Self { dynamics, constraints, state, record, workspace, interval, .. } = self;
+        Some((MatterStep { dynamics, constraints, matter: state, workspace: workspace?, executor }, record.0, interval))
+    }
+}
+
+/// Vectors that a method stores per particle.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MethodMemory {
+    /// Number of registers in use between stages, and of registers that can be read after a step.
+    pub registers: usize,
+    pub readable: usize,
+    /// Number of further vectors.
+    pub own: usize,
+    /// Whether the force by the damping of springs is kept apart; see [`Integrator::CORRECTED_WEIGHT`].
+    pub damping: bool,
+}
+
+/// Reasons why a method refuses parts of a scene; None if it does not.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MethodRefusals {
+    /// Fields that diffuse.
+    pub fields: Option<&'static str>,
+    /// Contacts and fluids, whose motion is not smooth.
+    pub kinks: Option<&'static str>,
+}
+
 /// Properties of a method.
 #[derive(Debug, Clone, Copy)]
 pub struct MethodProperties {
     /// Name of the class in Python.
     pub name: &'static str,
-    /// Order of convergence without velocity-dependent forces, and with dissipation.
-    pub order: u32,
-    pub order_dissipative: u32,
+    /// Orders of convergence: without velocity-dependent forces, and with dissipation.
+    pub orders: [u32; 2],
     /// Number of evaluations of the forces per step.
     pub evaluations: usize,
-    /// Number of registers in use between stages, and of registers that can be read after a step.
-    pub registers: usize,
-    pub readable: usize,
-    /// Number of further vectors that the method stores per particle.
-    pub own: usize,
-    /// Whether contacts come first; see [`Integrator::DRIFTS_FIRST`].
-    pub drifts_first: bool,
+    pub memory: MethodMemory,
     /// Whether each stage is a sweep over all particles, even if these are independent.
     pub sweeps: bool,
-    /// Corrected weight; see [`Integrator::CORRECTED_WEIGHT`].
-    pub corrected_weight: f64,
     /// Angle by which the method turns velocities in magnetic fields, if it does; see [`Integrator::GYRATES`].
     pub angle: Option<Angle>,
     /// Limit of the time step; see [`Integrator::limit`].
     pub limit: fn(f64) -> f64,
     /// Treatment of springs.
     pub springs: Treatment,
-    /// Whether the method holds springs of infinite stiffness at their lengths.
-    pub holds_rods: bool,
-    /// Reason why the method cannot advance a field that diffuses, if it cannot.
-    pub refuses_fields: Option<&'static str>,
-    /// Reason why the method accepts neither contacts nor fluids, if it is for smooth motion alone.
-    pub smooth_only: Option<&'static str>,
-    /// Velocity that contacts between meshes change, if the method supports these.
-    pub impulses: Option<Impulses>,
+    /// Velocity of the drift that constraints change; None if the method carries no constraints.
+    pub drift: Option<DriftVelocity>,
+    pub refusals: MethodRefusals,
+}
+
+impl MethodProperties {
+    /// Whether contacts are resolved within the drift, before the evaluation of forces; see [`Integrator::DRIFTS_FIRST`].
+    pub fn drifts_first(&self) -> bool {
+        matches!(self.drift, Some(DriftVelocity::Register(_)))
+    }
+
+    /// Refuses a method of smooth motion for a scene with kinks in its motion.
+    ///
+    /// # Errors
+    /// If the method is for smooth motion alone.
+    pub fn refuse_kinks(&self, found: &str) -> Result<()> {
+        let Some(reason) = self.refusals.kinks else { return Ok(()) };
+        let expected = format!("an explicit one, such as VelocityVerlet(), for a scene with {found}");
+        Err(Error::parameter("integrator", expected, self.name).with_hint(reason))
+    }
 }
 
 /// Time-stepping method for matter. Its history is the data that it stores itself from step to step, besides the registers.
@@ -75,7 +132,7 @@ pub trait Method<V: Space>: History + Send + Sync {
     fn error(&self, state: &Matter<V>, h: f64) -> Option<f64>;
     /// Control of the step size by the estimated error.
     fn control(&self) -> Control {
-        Control::pair(self.about().order)
+        Control::pair(self.about().orders[0])
     }
     /// Whether the method is unconditionally unstable on an oscillator.
     fn gains_energy(&self) -> bool;
@@ -125,24 +182,23 @@ impl<V: Space> History for Explicit<V> {}
 impl<V: Space> Method<V> for Explicit<V> {
     fn about(&self) -> MethodProperties {
         let facts = &self.stepper.facts;
+        let drift = facts.drift_kick.filter(|_| facts.drifts_first);
         MethodProperties {
             name: facts.name,
-            order: facts.order,
-            order_dissipative: facts.order_dissipative,
+            orders: [facts.order, facts.order_dissipative],
             evaluations: facts.stages(),
-            registers: facts.registers,
-            readable: facts.readable,
-            own: 0,
-            drifts_first: facts.drifts_first,
+            memory: MethodMemory {
+                registers: facts.registers,
+                readable: facts.readable,
+                own: 0,
+                damping: facts.corrected_weight != 0.0,
+            },
             sweeps: false,
-            corrected_weight: facts.corrected_weight,
             angle: self.angle,
             limit: facts.limit,
             springs: Treatment::Forces,
-            holds_rods: false,
-            refuses_fields: facts.refuses_fields,
-            smooth_only: None,
-            impulses: facts.drift_kick.filter(|_| facts.drifts_first).map(|drift_kick| Impulses::Register(drift_kick.velocity)),
+            drift: drift.map(|drift_kick| DriftVelocity::Register(drift_kick.velocity)),
+            refusals: MethodRefusals { fields: facts.refuses_fields, kinks: None },
         }
     }
 
@@ -174,23 +230,22 @@ impl<V: Space> Method<V> for Explicit<V> {
         bound.sharp_limit(&self.stepper.facts)
     }
 
-    fn begin(&mut self, Job { dynamics, from, state, workspace, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
-        if let Some(workspace) = workspace {
-            return coupled::begin(&self.stepper, dynamics, state, workspace, interval, executor);
+    fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
+        if job.workspace.is_none() {
+            independent::begin(&self.stepper, job.dynamics, job.from, job.state, job.interval);
+            return Ok(());
         }
-        independent::begin(&self.stepper, dynamics, from, state, interval);
-        Ok(())
+        let Some((mut step, _, interval)) = job.coupled(executor) else { return Ok(()) };
+        coupled::begin(&self.stepper, &mut step, interval)
     }
 
-    fn advance(
-        &mut self,
-        Job { dynamics, from, state, record, workspace, interval }: Job<'_, V>,
-        executor: &Executor,
-    ) -> Result<()> {
-        if let Some(workspace) = workspace {
-            return coupled::advance(&self.stepper, dynamics, state, workspace, interval, record.0, executor);
+    fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
+        if job.workspace.is_none() {
+            let Job { dynamics, from, state, record, interval, .. } = job;
+            independent::advance(&self.stepper, dynamics, from, state, interval, record, executor);
+            return Ok(());
         }
-        independent::advance(&self.stepper, dynamics, from, state, interval, record, executor);
-        Ok(())
+        let Some((mut step, activity, interval)) = job.coupled(executor) else { return Ok(()) };
+        coupled::advance(&self.stepper, &mut step, interval, activity)
     }
 }

@@ -16,6 +16,7 @@ mod method;
 mod projection;
 mod radau;
 mod rattle;
+mod step;
 mod stepper;
 mod test_particles;
 
@@ -24,9 +25,11 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use activity::Activity;
+use constraints::{ConstrainedStep, Constraint, Constraints, ForcedState};
 use coupled::Workspace;
-use dynamics::{Dynamics, Treatment};
+use dynamics::Dynamics;
 use implicit::Implicit;
+use method::Treatment;
 use method::{Explicit, Job, Method, MethodProperties};
 use projection::{PROJECTIVE, ProjectionMethod, Projective, Sweeps, XPBD};
 use radau::GaussRadau15;
@@ -38,15 +41,13 @@ use crate::forces::{self, Validity};
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::{Class, Ledger};
-use crate::math::Real;
+use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergyTally, Matter, SINKS};
 use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
 use crate::scene::{Body, Item, Scene};
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
-use crate::systems::matter::constraints::rods::Rods;
-use crate::systems::matter::constraints::self_contact::SelfContacts;
 use crate::systems::{
     Control, Element, Fault, FieldInfo, Interval, Mach, Quantity, RecordedSteps, Sample, System, unknown_integrator,
 };
@@ -128,6 +129,7 @@ fn compiled<V: Space>(scene: &Scene, method: impl Method<V> + 'static, executor:
 /// Particles with their dynamics.
 struct MatterSystem<V: Space> {
     dynamics: Dynamics<V>,
+    constraints: Constraints<V>,
     state: Matter<V>,
     /// State at the start of the last batch.
     saved: Matter<V>,
@@ -147,7 +149,7 @@ impl<V: Space> MatterSystem<V> {
     /// Number of particles per block, for independent or coupled particles.
     fn block(about: &MethodProperties, independent: bool) -> usize {
         let column = INDEPENDENT_COLUMN / size_of::<V::Scalar>();
-        match (independent, about.registers) {
+        match (independent, about.memory.registers) {
             (false, _) => COUPLED_BLOCK,
             (true, 0..=2) => column,
             // More registers per particle, fewer particles in the same cache.
@@ -156,26 +158,31 @@ impl<V: Space> MatterSystem<V> {
     }
 
     /// Creates a system at a given state.
-    fn new(dynamics: Dynamics<V>, mut state: Matter<V>, method: Box<dyn Method<V>>, stages: Stages, fields: Vec<Item>) -> Self {
+    fn new(
+        (dynamics, constraints): (Dynamics<V>, Constraints<V>),
+        mut state: Matter<V>,
+        method: Box<dyn Method<V>>,
+        stages: Stages,
+        fields: Vec<Item>,
+    ) -> Self {
         let about = method.about();
-        let independent = dynamics.is_independent() && !about.sweeps && dynamics.self_contacts.is_none();
+        let independent = dynamics.is_independent() && !about.sweeps && !constraints.act();
         // Registers that live only between the stages of a step need not outlive a block that runs through whole steps.
-        let registers = if independent { about.readable } else { about.registers };
+        let registers = if independent { about.memory.readable } else { about.memory.registers };
         state.registers = vec![Columns::zeros(state.count()); registers];
         let count = state.count() as f64;
         let per_particle = if dynamics.is_fused() && dynamics.contacts.is_none() { 1.0 } else { 8.0 };
         let per_stage = 500.0 + count * per_particle + 6.0 * dynamics.pairs() as f64;
         // Estimates in nanoseconds on a typical core.
-        let rods = dynamics.rods.as_ref().map_or(0.0, Rods::cost);
-        let meshes = dynamics.self_contacts.as_ref().map_or(0.0, |contacts| 2000.0 * contacts.elements() as f64);
-        let cost = 1e-9 * (about.evaluations as f64 * (per_stage + rods) + meshes);
+        let constrained: f64 = constraints.abouts().map(|constraint| constraint.cost).sum();
+        let cost = 1e-9 * about.evaluations as f64 * (per_stage + constrained);
         let blocks = state.tallies.len();
-        let contacts = dynamics.contacts.is_some() || dynamics.self_contacts.is_some();
-        let damped = about.corrected_weight != 0.0 && dynamics.damps_springs();
-        let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, contacts, damped));
+        let damped = about.memory.damping && dynamics.damps_springs();
+        let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some(), damped));
         let mut system = Self {
             saved: state.clone(),
             dynamics,
+            constraints,
             state,
             activity: Activity::default(),
             workspace,
@@ -200,7 +207,8 @@ impl<V: Space> MatterSystem<V> {
     fn limit_holds(&self, time: f64) -> bool {
         let at = self.dynamics.view_of(&self.state, time, &SERIAL);
         let forces = self.dynamics.forces();
-        self.dynamics.rods.is_none() && forces.iter().all(|force| force.validity(&at, Horizon::Certified) != Validity::Now)
+        !self.constraints.abouts().any(|constraint| constraint.varies)
+            && forces.iter().all(|force| force.validity(&at, Horizon::Certified) != Validity::Now)
     }
 
     /// Two coincident particles, in the caller's order; None if there are none.
@@ -240,18 +248,29 @@ impl<V: Space> MatterSystem<V> {
         [&state.position, &state.velocity, &state.residual].into_iter().chain(persistent)
     }
 
+    /// Calls a function with the state and the accelerations by all forces but those of constraints.
+    fn forced<T>(&self, time: f64, executor: &Executor, call: impl FnOnce(&ForcedState<'_, V>) -> T) -> T {
+        let at = self.dynamics.view_of(&self.state, time, executor);
+        let accelerations = || self.dynamics.accelerations(&at).map(Vector::widen).collect();
+        call(&ForcedState { at: &at, walls: self.dynamics.contacts.as_ref(), accelerations: &accelerations })
+    }
+
+    /// Data of steps over an interval.
+    fn job(&mut self, interval: Interval, record: RecordedSteps) -> (&mut dyn Method<V>, Job<'_, V>) {
+        let Self { dynamics, constraints, state, saved, activity, workspace, method, .. } = self;
+        let (record, workspace) = ((activity, record), workspace.as_mut());
+        (&mut **method, Job { dynamics, constraints, from: saved, state, record, workspace, interval })
+    }
+
     /// Evaluates the forces at the present state, and fills the persistent registers.
     fn evaluate(&mut self, time: f64, executor: &Executor) -> Result<()> {
-        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
-        let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
-        let record = (activity, RecordedSteps::LastStep);
-        method.begin(Job { dynamics, from: saved, state, record, workspace: workspace.as_mut(), interval }, executor)
+        let (method, job) = self.job(Interval { start: time, first: 0, h: 0.0, steps: 0 }, RecordedSteps::LastStep);
+        method.begin(job, executor)
     }
 
     /// Takes steps.
     fn take(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
-        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
-        let job = Job { dynamics, from: saved, state, record: (activity, record), workspace: workspace.as_mut(), interval };
+        let (method, job) = self.job(interval, record);
         method.advance(job, executor).and_then(|()| executor.check())
     }
 
@@ -259,37 +278,35 @@ impl<V: Space> MatterSystem<V> {
     fn take_and_tear(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         for index in 0..interval.steps {
             self.take(Interval { first: interval.first + index, steps: 1, ..interval }, record, executor)?;
-            if self.dynamics.tear(&self.state) {
-                self.certified = OnceLock::new();
+            if self.constraints.tear(&self.state) {
+                let energy = self.leave_out_broken();
+                self.constraints.iter_mut().for_each(|constraint| constraint.lose(energy));
                 self.evaluate(interval.time(index, 1.0), executor)?;
             }
         }
         Ok(())
     }
 
-    /// Removes broken springs and the forces that depend on them, after a rollback or from a checkpoint.
-    fn leave_out_broken(&mut self) {
-        self.dynamics.leave_out_broken(&self.state);
+    /// Removes broken springs and all that depends on them; returns the energy of forces that depended on them [J].
+    fn leave_out_broken(&mut self) -> f64 {
+        let Some(breakage) = self.constraints.breakage() else { return 0.0 };
+        let energy = self.dynamics.leave_out(&breakage, &self.state);
+        self.constraints.iter_mut().for_each(|constraint| constraint.leave_out(&breakage));
         self.method.take_springs(&self.dynamics);
         self.certified = OnceLock::new();
+        energy
     }
 
     fn capture_histories(&self, archive: &mut Archive) {
         self.method.capture(archive);
-        self.dynamics.tearing.iter().for_each(|tearing| tearing.capture(archive));
-        self.dynamics.self_contacts.iter().for_each(|contacts| contacts.capture(archive));
+        self.constraints.capture(archive);
         self.dynamics.forces().iter().for_each(|force| force.capture(archive));
     }
 
     fn restore_histories(&mut self, archive: &mut Archive) -> Result<()> {
         self.method.restore(archive)?;
-        if let Some(tearing) = &mut self.dynamics.tearing {
-            tearing.restore(archive)?;
-            self.leave_out_broken();
-        }
-        if let Some(contacts) = &mut self.dynamics.self_contacts {
-            contacts.restore(archive)?;
-        }
+        self.constraints.restore(archive)?;
+        self.leave_out_broken();
         self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(archive))
     }
 }
@@ -298,8 +315,7 @@ impl<V: Space> MatterSystem<V> {
 impl<V: Space> History for MatterSystem<V> {
     fn save(&mut self) {
         self.method.save();
-        self.dynamics.tearing.iter_mut().for_each(History::save);
-        self.dynamics.self_contacts.iter_mut().for_each(History::save);
+        self.constraints.save();
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.save());
         if self.workspace.is_some() {
             self.saved.copy_from(&self.state);
@@ -312,9 +328,9 @@ impl<V: Space> History for MatterSystem<V> {
     fn rollback(&mut self) {
         std::mem::swap(&mut self.saved, &mut self.state);
         self.method.rollback();
-        self.dynamics.self_contacts.iter_mut().for_each(History::rollback);
-        if self.dynamics.tearing.as_ref().is_some_and(constraints::tearing::Tearing::differs_from_saved) {
-            self.dynamics.tearing.iter_mut().for_each(History::rollback);
+        let before = self.constraints.breakage();
+        self.constraints.rollback();
+        if self.constraints.breakage() != before {
             self.leave_out_broken();
         }
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.rollback());
@@ -350,21 +366,11 @@ impl<V: Space> System for MatterSystem<V> {
     fn stages(&self) -> Vec<Stages> {
         let known = self.dynamics.forces().iter().map(|force| force.about()).filter(|about| !about.findings.is_empty());
         let findings = known.map(|about| format!("{}: {}", about.name, about.findings));
-        let rods = self.dynamics.rods.iter().flat_map(Rods::notes);
-        let meshes = self.dynamics.self_contacts.iter().flat_map(SelfContacts::notes);
+        let constraints = self.constraints.iter().flat_map(Constraint::notes);
         vec![Stages {
             pairs: self.dynamics.pairs(),
             limit_varies: self.limit_varies(Horizon::Certified, 0.0),
-            notes: self
-                .stages
-                .notes
-                .iter()
-                .cloned()
-                .chain(findings)
-                .chain(self.method.note())
-                .chain(rods)
-                .chain(meshes)
-                .collect(),
+            notes: self.stages.notes.iter().cloned().chain(findings).chain(self.method.note()).chain(constraints).collect(),
             ..self.stages.clone()
         }]
     }
@@ -373,7 +379,8 @@ impl<V: Space> System for MatterSystem<V> {
         let workspace = self.workspace.as_ref().map_or(0, Workspace::bytes);
         let properties = self.state.count() * (5 * size_of::<f64>() + 2 * size_of::<V::Scalar>());
         let own = self.method.bytes() + self.activity.bytes();
-        self.dynamics.bytes() + self.state.bytes() + self.saved.bytes() + own + workspace + properties
+        let constraints: usize = self.constraints.abouts().map(|constraint| constraint.bytes).sum();
+        self.dynamics.bytes() + constraints + self.state.bytes() + self.saved.bytes() + own + workspace + properties
     }
 
     fn cost(&self) -> f64 {
@@ -382,7 +389,7 @@ impl<V: Space> System for MatterSystem<V> {
 
     fn iterates(&self) -> bool {
         let solves = matches!(self.method.about().springs, Treatment::Solved | Treatment::Projections);
-        solves || self.dynamics.self_contacts.is_some()
+        solves || self.constraints.abouts().any(|constraint| constraint.iterates)
     }
 
     /// Maximum number of steps of a batch: as many as fit into [`BATCH`], but enough that the copies of the state cost less
@@ -404,8 +411,11 @@ impl<V: Space> System for MatterSystem<V> {
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
         self.resume();
+        if let Some(drift) = self.method.about().drift {
+            let mut initial = ConstrainedStep::new(&self.dynamics, &mut self.state, (0.0, drift), executor);
+            self.constraints.iter_mut().try_for_each(|constraint| constraint.initialize(&mut initial))?;
+        }
         self.saved.copy_from(&self.state);
-        self.dynamics.check_self_contacts(&self.state, executor)?;
         self.evaluate(time, executor)?;
         executor.check()
     }
@@ -413,9 +423,10 @@ impl<V: Space> System for MatterSystem<V> {
     fn advance(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         self.save();
         self.activity.clear();
-        let outcome = match self.dynamics.tearing {
-            None => self.take(interval, record, executor),
-            Some(_) => self.take_and_tear(interval, record, executor),
+        let outcome = if self.constraints.iter().any(Constraint::tears) {
+            self.take_and_tear(interval, record, executor)
+        } else {
+            self.take(interval, record, executor)
         };
         if outcome.is_err() {
             self.rollback();
@@ -441,8 +452,12 @@ impl<V: Space> System for MatterSystem<V> {
             return Ok(known);
         }
         let properties = &self.dynamics.properties;
-        let empty = self.method.bound(SpectralBound::new(&properties.mass, &properties.body, horizon));
-        let bound = self.dynamics.bound(&self.dynamics.view_of(&self.state, time, executor), empty)?;
+        let mut bound = self.method.bound(SpectralBound::new(&properties.mass, &properties.body, horizon));
+        self.forced(time, executor, |state| {
+            self.dynamics.bound(state.at, &mut bound)?;
+            self.constraints.iter().for_each(|constraint| constraint.bound(state, &mut bound));
+            Ok(())
+        })?;
         executor.check()?;
         if horizon == Horizon::Sharp {
             return Ok(self.method.sharp_limit(bound));
@@ -454,11 +469,12 @@ impl<V: Space> System for MatterSystem<V> {
     fn limit_varies(&self, horizon: Horizon, time: f64) -> bool {
         let at = self.dynamics.view_of(&self.state, time, &SERIAL);
         let forces = self.dynamics.forces();
-        self.dynamics.rods.is_some() || forces.iter().any(|force| force.validity(&at, horizon) != Validity::Always)
+        self.constraints.abouts().any(|constraint| constraint.varies)
+            || forces.iter().any(|force| force.validity(&at, horizon) != Validity::Always)
     }
 
     fn error(&self, h: f64) -> Option<(f64, u32)> {
-        Some((self.method.error(&self.state, h)?, self.method.about().order))
+        Some((self.method.error(&self.state, h)?, self.method.about().orders[0]))
     }
 
     fn control(&self, _order: u32) -> Control {
@@ -466,7 +482,7 @@ impl<V: Space> System for MatterSystem<V> {
     }
 
     fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
-        budget::energy(&self.dynamics, &self.state, time, executor)
+        budget::energy(&self.dynamics, &self.constraints, &self.state, time, executor)
     }
 
     fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {

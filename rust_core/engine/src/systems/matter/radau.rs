@@ -15,9 +15,9 @@ use block::{LaneMemory, Largest, RadauBlock, Task};
 
 use super::activity::Activity;
 use super::coupled::Workspace;
-use super::dynamics::{Dynamics, Treatment};
+use super::dynamics::Dynamics;
 use super::kernels;
-use super::method::{Job, Method, MethodProperties};
+use super::method::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
 use crate::error::{Error, Result};
 use crate::forces::Rates;
 use crate::forces::Space;
@@ -229,23 +229,19 @@ impl<V: Space<Scalar = f64>> Method<V> for GaussRadau15 {
         let vectors = 1 + 2 * rule::COEFFICIENTS + 2 * LaneMemory::ROWS;
         MethodProperties {
             name: rule::NAME,
-            order: rule::ORDER,
-            order_dissipative: rule::ORDER,
+            orders: [rule::ORDER, rule::ORDER],
             // For a step with two iterations, as most steps are at the default tolerance.
             evaluations: 1 + 2 * rule::COEFFICIENTS,
-            registers: 0,
-            readable: 0,
-            own: vectors,
-            drifts_first: false,
+            memory: MethodMemory { own: vectors, ..MethodMemory::default() },
             sweeps: true,
-            corrected_weight: 0.0,
             angle: None,
             limit: rule::limit,
             springs: Treatment::Forces,
-            holds_rods: false,
-            refuses_fields: None,
-            smooth_only: Some("its steps are polynomials of degree 9, which contacts, SoftSpheres and fluids would break"),
-            impulses: None,
+            drift: None,
+            refusals: MethodRefusals {
+                fields: None,
+                kinks: Some("its steps are polynomials of degree 9, which contacts, SoftSpheres and fluids would break"),
+            },
         }
     }
 

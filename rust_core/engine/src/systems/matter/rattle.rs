@@ -9,21 +9,17 @@
 //! 24 (1983); E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed., 2006, section VII.1.4; for the
 //! composition M. Suzuki, Phys. Lett. A 146, 319 (1990).
 
-use super::coupled::{self, Workspace};
-use super::dynamics::{Dynamics, Treatment};
-use super::kernels::StageAction;
-use super::method::{Explicit, Job, Method, MethodProperties};
-use super::stepper::Stepper;
+use super::coupled;
+use super::method::{Explicit, Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::history::History;
-use crate::integrators::{Integrator, VelocityVerlet};
+use crate::integrators::VelocityVerlet;
 use crate::matter::Matter;
 use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::Interval;
-use crate::systems::matter::constraints::rods::Unsolved;
 
 /// Name of the class in Python.
 pub const NAME: &str = "RATTLE";
@@ -54,73 +50,24 @@ impl<V: Space> Rattle<V> {
     }
 }
 
-/// Takes one step of velocity Verlet with rods, of `h` seconds from `time` on.
-fn step<V: Space>(
-    verlet: &Stepper<V>,
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
-    (time, h): (f64, f64),
-    executor: &Executor,
-) -> Result<()> {
-    let interval = Interval { start: time, first: 0, h, steps: 1 };
-    let half = VelocityVerlet::DRIFT_KICK.map(|drift_kick| (h, drift_kick.velocity));
-    if let Some([position, velocity]) = &mut workspace.before {
-        position.copy_from(&matter.position);
-        velocity.copy_from(&matter.velocity);
-    }
-    dynamics.rods.iter_mut().for_each(|rods| rods.start(matter));
-    coupled::sweep(verlet, dynamics, matter, workspace, interval, time, StageAction::StageState, executor)?;
-    coupled::collisions(verlet, dynamics, matter, workspace, h, executor)?;
-    let Dynamics { rods, contacts, properties, .. } = dynamics;
-    if let Some(rods) = rods {
-        held(rods.hold_positions(matter, half), &properties.caller, executor)?;
-        if let (Some(contacts), Some(drift)) = (&*contacts, half) {
-            held(rods.hold_gaps(matter, (contacts, properties), drift, executor), &properties.caller, executor)?;
-        }
-    }
-    coupled::sweep(verlet, dynamics, matter, workspace, interval, time + h, StageAction::StageUpdate(0, None), executor)?;
-    let Dynamics { rods, contacts, properties, .. } = dynamics;
-    if let Some(rods) = rods {
-        rods.turn(|index| matter.exact_position(index), executor);
-        let outcome = match contacts {
-            Some(contacts) => rods.hold_velocities_at_walls(matter, (contacts, properties), h, executor),
-            None => rods.hold_velocities(matter),
-        };
-        held(outcome, &properties.caller, executor)?;
-    }
-    Ok(())
-}
-
-/// Reports an interrupt, after which a projection has no meaning, or the divergence of a step whose rods have no solution.
-fn held(outcome: std::result::Result<(), Unsolved>, caller: &[u32], executor: &Executor) -> Result<()> {
-    executor.check()?;
-    let Err(Unsolved { particle, residual }) = outcome else { return Ok(()) };
-    let index = caller[particle] as usize;
-    let cause = format!(
-        "does not satisfy its rods: they turn too far within a step, or walls leave them no room, and a residual of {residual:.1e} rounding errors is left"
-    );
-    Err(Error::unsolved(index, cause))
-}
-
 impl<V: Space> History for Rattle<V> {}
 
 impl<V: Space> Method<V> for Rattle<V> {
     fn about(&self) -> MethodProperties {
-        let composed = self.parts.len() > 1;
+        let verlet = self.verlet.about();
         MethodProperties {
             name: NAME,
-            order: if composed { 4 } else { 2 },
             // Forces that depend on velocity are evaluated at a prediction, which no composition of steps corrects.
-            order_dissipative: 2,
+            orders: [if self.parts.len() > 1 { 4 } else { 2 }, 2],
             evaluations: self.parts.len(),
             sweeps: true,
-            corrected_weight: 0.0,
+            memory: MethodMemory { damping: false, ..verlet.memory },
             springs: Treatment::Rods,
-            holds_rods: true,
-            smooth_only: Some("it advances rods, springs and fields, and no density; with order=2 boundaries too"),
-            impulses: None,
-            ..self.verlet.about()
+            refusals: MethodRefusals {
+                kinks: Some("it advances rods, springs and fields, and no density; with order=2 boundaries too"),
+                ..verlet.refusals
+            },
+            ..verlet
         }
     }
 
@@ -151,33 +98,19 @@ impl<V: Space> Method<V> for Rattle<V> {
     }
 
     fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
-        if let Some(rods) = &mut job.dynamics.rods {
-            rods.begin(job.state, executor)?;
-        }
         self.verlet.begin(job, executor)
     }
 
     fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
-        let Job { dynamics, state, record, workspace, interval, .. } = job;
-        let Some(workspace) = workspace else { return Ok(()) };
-        // After a rollback or a restoration, the directions belong to another state.
-        if let Some(rods) = &mut dynamics.rods {
-            rods.turn(|index| state.exact_position(index), executor);
-        }
+        let Some((mut step, activity, interval)) = job.coupled(executor) else { return Ok(()) };
         for index in 0..interval.steps {
             let mut node = 0.0;
             for part in self.parts {
-                step(
-                    &self.verlet.stepper,
-                    dynamics,
-                    state,
-                    workspace,
-                    (interval.time(index, node), part * interval.h),
-                    executor,
-                )?;
+                let part_of = Interval { start: interval.time(index, node), first: 0, h: part * interval.h, steps: 1 };
+                coupled::take(&self.verlet.stepper, &mut step, part_of, 0)?;
                 node += part;
             }
-            record.0.push(workspace.activity.iter().sum());
+            activity.push(step.workspace.activity.iter().sum());
             if executor.stopped() {
                 break;
             }

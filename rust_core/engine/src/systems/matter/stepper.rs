@@ -14,7 +14,8 @@ type StageFunction<V> =
     fn(&Dynamics<V>, &Facts, Option<&StateView<'_, V>>, &mut Blocks<'_, V>, &Evaluation<'_, V>, f64, StageAction) -> f64;
 type LinearStepper<V> = fn(&Dynamics<V>, &mut Blocks<'_, V>, f64, u64);
 type PointForceStepper<V> = fn(&Dynamics<V>, InverseSquare<'_, <V as Vector>::Scalar>, &mut Blocks<'_, V>, f64, u64);
-type Collide<V> = fn(&Dynamics<V>, &Contacts<V>, &mut Blocks<'_, V>, &Before<'_, V>, f64);
+/// Contacts of a block within the drift, with the registers of the integrator.
+pub type Collide<V> = fn(&Dynamics<V>, &Contacts<V>, &mut Blocks<'_, V>, &Before<'_, V>, f64);
 
 /// Integrator in the form that sweeps call.
 #[derive(Debug)]

@@ -3,14 +3,14 @@
 //! At the end of each step, every spring of strain (r − L)/L > s breaks. It exerts no force from then on, and its energy ½ k
 //! (r − L)² is dissipated. A step in which a spring breaks is of order 1.
 
-use std::collections::BTreeSet;
-
-use glam::DVec3;
-
+use super::{Breakage, Constraint, ConstraintField, ConstraintProperties, Declaration, ForcedState};
 use crate::error::Result;
+use crate::forces::Space;
 use crate::forces::springs::{self, Spring};
 use crate::history::{Archive, History};
-use crate::scene::Scene;
+use crate::ledger::{Class, Ledger};
+use crate::matter::Matter;
+use crate::systems::matter::method::Treatment;
 
 /// Springs that can break, and springs that are broken.
 #[derive(Debug, Clone, Default)]
@@ -31,11 +31,12 @@ struct Broken {
 }
 
 impl Tearing {
-    /// Tearing of a scene with these springs; None if none of them can break.
+    /// Tearing of a scene; None if no spring can break.
     ///
     /// # Errors
-    /// If a network does not have one breaking strain ≥ 0 for each of its springs.
-    pub fn declared(scene: &Scene, springs: &[Spring]) -> Result<Option<Self>> {
+    /// If a network does not have one breaking strain ≥ 0 for each of its springs, or the method is for smooth motion alone.
+    pub fn declared<V: Space>(declared: &Declaration<'_, V>) -> Result<Option<Self>> {
+        let Declaration { scene, springs, method, .. } = declared;
         let strains = springs::strains(scene, "breaking_strain")?;
         let limits: Vec<(u32, f64)> = springs
             .iter()
@@ -44,63 +45,14 @@ impl Tearing {
             .filter(|((_, strain), _)| strain.is_finite())
             .map(|((spring, strain), index)| (index, (spring.rest_length * (1.0 + strain)).powi(2)))
             .collect();
-        let now = Broken { springs: vec![false; springs.len()], energy: 0.0 };
-        let tearing = Self { whole: springs.to_vec(), limits, saved: now.clone(), now };
-        Ok((!tearing.limits.is_empty()).then_some(tearing))
-    }
-
-    /// Breaks the springs that are too long at these positions; returns whether there are any.
-    pub fn tear(&mut self, position: impl Fn(usize) -> DVec3) -> bool {
-        let mut torn = false;
-        for &(index, limit) in &self.limits {
-            let Spring { ends: [one, other], stiffness, rest_length, .. } = self.whole[index as usize];
-            let square = (position(other as usize) - position(one as usize)).length_squared();
-            let broken = &mut self.now.springs[index as usize];
-            if square > limit && !*broken {
-                *broken = true;
-                torn = true;
-                self.now.energy += 0.5 * stiffness * (square.sqrt() - rest_length).powi(2);
-            }
+        if limits.is_empty() {
+            return Ok(None);
         }
-        torn
-    }
-
-    /// All springs; the broken ones have neither stiffness nor damping.
-    pub fn springs(&self) -> Vec<Spring> {
-        let broken = |spring: &Spring| Spring { stiffness: 0.0, damping: 0.0, ..*spring };
-        self.whole.iter().zip(&self.now.springs).map(|(spring, &torn)| if torn { broken(spring) } else { *spring }).collect()
-    }
-
-    /// Whether each spring, as declared, is broken.
-    pub fn broken(&self) -> &[bool] {
-        &self.now.springs
-    }
-
-    /// Ends of the broken springs, in ascending order.
-    pub fn sides(&self) -> BTreeSet<[u32; 2]> {
-        let broken = self.whole.iter().zip(&self.now.springs).filter(|(_, broken)| **broken);
-        broken.map(|(Spring { ends: [one, other], .. }, _)| [*one.min(other), *one.max(other)]).collect()
-    }
-
-    /// Adds the energy of the forces that depended on the springs that broke last [J].
-    pub fn lose(&mut self, energy: f64) {
-        self.now.energy += energy;
-    }
-
-    /// Energy of the broken springs and of the forces that depended on them [J].
-    pub fn dissipated(&self) -> f64 {
-        self.now.energy
-    }
-
-    /// Whether the broken springs differ from those of the saved state.
-    pub fn differs_from_saved(&self) -> bool {
-        self.now.springs != self.saved.springs
-    }
-
-    /// Memory [bytes].
-    pub fn bytes(&self) -> usize {
-        let broken = size_of_val(self.now.springs.as_slice()) + size_of_val(self.saved.springs.as_slice());
-        broken + size_of_val(self.whole.as_slice()) + size_of_val(self.limits.as_slice())
+        if method.springs != Treatment::Rods {
+            method.refuse_kinks("springs that break")?;
+        }
+        let now = Broken { springs: vec![false; springs.len()], energy: 0.0 };
+        Ok(Some(Self { whole: springs.to_vec(), limits, saved: now.clone(), now }))
     }
 }
 
@@ -122,5 +74,67 @@ impl History for Tearing {
         let numbers = archive.read(1 + self.now.springs.len())?;
         self.now = Broken { energy: numbers[0], springs: numbers[1..].iter().map(|&number| number != 0.0).collect() };
         Ok(())
+    }
+}
+
+impl<V: Space> Constraint<V> for Tearing {
+    fn about(&self) -> ConstraintProperties {
+        let broken = size_of_val(self.now.springs.as_slice()) + size_of_val(self.saved.springs.as_slice());
+        ConstraintProperties {
+            stages: Vec::new(),
+            // A spring breaks at the end of a step.
+            order: 1,
+            varies: false,
+            exact: false,
+            iterates: false,
+            cost: 0.0,
+            bytes: broken + size_of_val(self.whole.as_slice()) + size_of_val(self.limits.as_slice()),
+        }
+    }
+
+    fn energy(&self, ledger: &mut Ledger) {
+        ledger.add(Class::Dissipated, "tearing", self.now.energy);
+    }
+
+    fn fields(&self) -> Vec<ConstraintField> {
+        vec![("broken", "1", vec![self.now.springs.len()])]
+    }
+
+    fn read(&self, _field: usize, _state: &ForcedState<'_, V>) -> Vec<f64> {
+        self.now.springs.iter().map(|&broken| f64::from(u8::from(broken))).collect()
+    }
+
+    fn tears(&self) -> bool {
+        true
+    }
+
+    fn tear(&mut self, matter: &Matter<V>) -> bool {
+        let mut torn = false;
+        for &(index, limit) in &self.limits {
+            let Spring { ends: [one, other], stiffness, rest_length, .. } = self.whole[index as usize];
+            let square = (matter.exact_position(other as usize) - matter.exact_position(one as usize)).length_squared();
+            let broken = &mut self.now.springs[index as usize];
+            if square > limit && !*broken {
+                *broken = true;
+                torn = true;
+                self.now.energy += 0.5 * stiffness * (square.sqrt() - rest_length).powi(2);
+            }
+        }
+        torn
+    }
+
+    fn breakage(&self) -> Option<Breakage> {
+        let lost = |spring: &Spring| Spring { stiffness: 0.0, damping: 0.0, ..*spring };
+        let pairs = || self.whole.iter().zip(&self.now.springs);
+        let ends = |Spring { ends: [one, other], .. }: &Spring| [*one.min(other), *one.max(other)];
+        Some(Breakage {
+            springs: pairs().map(|(spring, &torn)| if torn { lost(spring) } else { *spring }).collect(),
+            broken: self.now.springs.clone(),
+            sides: pairs().filter(|(_, torn)| **torn).map(|(spring, _)| ends(spring)).collect(),
+        })
+    }
+
+    fn lose(&mut self, energy: f64) {
+        self.now.energy += energy;
     }
 }

@@ -17,11 +17,12 @@ mod stiffness;
 
 use glam::DVec3;
 
-use super::coupled::{BlocksWithForces, Workspace};
-use super::dynamics::{Dynamics, Impulses, Treatment};
+use super::constraints::DriftVelocity;
+use super::coupled::BlocksWithForces;
+use super::dynamics::Dynamics;
 use super::kernels;
-use super::method::{Job, Method, MethodProperties};
-use crate::contacts::Before;
+use super::method::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use super::step::MatterStep;
 use crate::error::{Error, Result};
 use crate::forces::Rates;
 use crate::forces::Space;
@@ -115,34 +116,50 @@ impl Implicit {
     }
 
     /// Takes one step from `time` on; returns the activity at its end.
-    fn step<V: Space>(
-        &mut self,
-        dynamics: &mut Dynamics<V>,
-        matter: &mut Matter<V>,
-        workspace: &mut Workspace<V>,
-        (time, h): (f64, f64),
-        executor: &Executor,
-    ) -> Result<f64> {
-        dynamics.begin_self_contacts(matter);
-        let (equation, two_step) = self.equation(dynamics, matter, (time, h));
-        let (displacements, counts) = self.newton.solve(dynamics, &equation, executor)?;
+    fn step<V: Space>(&mut self, step: &mut MatterStep<'_, V>, (time, h): (f64, f64)) -> Result<f64> {
+        step.begin(h, self.drift());
+        let (equation, two_step) = self.equation(step.dynamics, step.matter, (time, h));
+        let (displacements, counts) = self.newton.solve(step.dynamics, &equation, step.executor)?;
         self.taken.iter_mut().zip([1, counts[0], counts[1]]).for_each(|(sum, count)| *sum += count);
         if self.scheme == Scheme::Midpoint {
             for (index, &u) in displacements.iter().enumerate() {
-                workspace.position.set(index, V::narrow(equation.from[index] + equation.position * u));
-                workspace.velocity.set(index, V::narrow(u / h));
+                step.workspace.position.set(index, V::narrow(equation.from[index] + equation.position * u));
+                step.workspace.velocity.set(index, V::narrow(u / h));
             }
-            integrate(dynamics, matter, workspace, (time + 0.5 * h, [h, 0.0]), executor)?;
+            integrate(step, (time + 0.5 * h, [h, 0.0]))?;
         }
-        if let Some([position, velocity]) = &mut workspace.before {
-            position.copy_from(&matter.position);
-            velocity.copy_from(&matter.velocity);
+        self.move_particles(step, &equation, &displacements);
+        // Velocities without contacts, to find out whether there are any.
+        step.workspace.velocity.copy_from(&step.matter.velocity);
+        let changed = step.drifted(h, DriftVelocity::End, None)?;
+        let MatterStep { matter, workspace, .. } = &*step;
+        let mut velocities = (0..matter.count()).map(|index| (workspace.velocity.get(index), matter.velocity.get(index)));
+        let touched = changed || velocities.any(|(before, after)| before != after);
+        self.before = if touched { 0.0 } else { h };
+        step.end(h, self.drift())?;
+        if self.scheme != Scheme::Midpoint {
+            let shares = if two_step { [0.5 * h, 0.5 * h] } else { [h, 0.0] };
+            step.workspace.position.copy_from(&step.matter.position);
+            step.workspace.velocity.copy_from(&step.matter.velocity);
+            integrate(step, (time + h, shares))?;
         }
-        for index in (0..matter.count()).filter(|&index| !dynamics.properties.is_fixed(index)) {
+        let MatterStep { dynamics, matter, workspace, executor, .. } = step;
+        let dynamics = &**dynamics;
+        let work = (matter.blocks(), BlockedSlice::new(&mut workspace.activity, 1));
+        executor.for_each_block(work, &|(blocks, sum): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
+            sum.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
+        });
+        Ok(workspace.activity.iter().sum())
+    }
+
+    /// Moves all particles by the displacements that solve an equation.
+    fn move_particles<V: Space>(&self, step: &mut MatterStep<'_, V>, equation: &Equation, displacements: &[DVec3]) {
+        let (matter, properties) = (&mut *step.matter, &step.dynamics.properties);
+        for index in (0..matter.count()).filter(|&index| !properties.is_fixed(index)) {
             let (u, v) = (displacements[index], matter.velocity.get(index).widen());
             let velocity = match self.scheme {
-                Scheme::Midpoint => 2.0 * u / h - v,
-                _ => equation.rate * u / h + equation.offset[index],
+                Scheme::Midpoint => 2.0 * u / equation.h - v,
+                _ => equation.rate * u / equation.h + equation.offset[index],
             };
             matter.velocity.set(index, V::narrow(velocity));
             if self.scheme == Scheme::Bdf2 {
@@ -154,33 +171,20 @@ impl Implicit {
             let moved = equation.from[index] + displacements[index];
             matter.set_exact_position(index, moved);
         }
-        let bounced = collide(dynamics, matter, workspace, h, executor);
-        let touched = dynamics.resolve_self_contacts(matter, h, Impulses::End, executor)? || bounced;
-        self.before = if touched { 0.0 } else { h };
-        if self.scheme != Scheme::Midpoint {
-            let shares = if two_step { [0.5 * h, 0.5 * h] } else { [h, 0.0] };
-            workspace.position.copy_from(&matter.position);
-            workspace.velocity.copy_from(&matter.velocity);
-            integrate(dynamics, matter, workspace, (time + h, shares), executor)?;
-        }
-        let work = (matter.blocks(), BlockedSlice::new(&mut workspace.activity, 1));
-        executor.for_each_block(work, &|(blocks, sum): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
-            sum.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
-        });
-        Ok(workspace.activity.iter().sum())
+    }
+
+    /// Velocity of the drift. The midpoint rule keeps the energy of modes faster than a step; impulses on its paths would
+    /// raise it.
+    fn drift(&self) -> Option<DriftVelocity> {
+        (self.scheme != Scheme::Midpoint).then_some(DriftVelocity::End)
     }
 }
 
 /// Adds the power at the state of the workspace times `share` [s], and the power of the last evaluation times `last` [s].
-fn integrate<V: Space>(
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
-    (time, [share, last]): (f64, [f64; 2]),
-    executor: &Executor,
-) -> Result<()> {
+fn integrate<V: Space>(step: &mut MatterStep<'_, V>, (time, [share, last]): (f64, [f64; 2])) -> Result<()> {
+    let MatterStep { dynamics, matter, workspace, executor, .. } = step;
     dynamics.prepare_at([&workspace.position, &workspace.velocity], time, executor)?;
-    let dynamics = &*dynamics;
+    let dynamics = &**dynamics;
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
     let work = BlocksWithForces::new(matter.blocks(), workspace.force.span());
     executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
@@ -191,23 +195,6 @@ fn integrate<V: Space>(
         kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), share, last, true);
     });
     Ok(())
-}
-
-/// Resolves contacts on the path of a step; returns whether there were any.
-fn collide<V: Space>(
-    dynamics: &Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
-    h: f64,
-    executor: &Executor,
-) -> bool {
-    let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) else { return false };
-    workspace.velocity.copy_from(&matter.velocity);
-    executor.for_each_block(matter.blocks(), &|mut blocks: Blocks<'_, V>| {
-        let before = Before::part(position, velocity, &blocks.range());
-        contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
-    });
-    (0..matter.count()).any(|index| workspace.velocity.get(index) != matter.velocity.get(index))
 }
 
 /// History: the size of the step before. BDF2's registers belong to matter.
@@ -236,24 +223,16 @@ impl<V: Space> Method<V> for Implicit {
         let registers = if self.scheme == Scheme::Bdf2 { 2 } else { 0 };
         MethodProperties {
             name: self.name,
-            order,
-            order_dissipative: order,
+            orders: [order, order],
             // For a step whose equation is solved in about three iterations.
             evaluations: 4,
-            registers,
-            readable: registers,
-            own: 6,
-            drifts_first: false,
+            memory: MethodMemory { registers, readable: registers, own: 6, damping: false },
             sweeps: true,
-            corrected_weight: 0.0,
             angle: None,
             limit: |_| f64::INFINITY,
             springs: Treatment::Solved,
-            holds_rods: false,
-            refuses_fields: None,
-            smooth_only: None,
-            // The midpoint rule keeps the energy of modes faster than a step; impulses on its paths would raise it.
-            impulses: (self.scheme != Scheme::Midpoint).then_some(Impulses::End),
+            drift: self.drift(),
+            refusals: MethodRefusals::default(),
         }
     }
 
@@ -310,11 +289,9 @@ impl<V: Space> Method<V> for Implicit {
     }
 
     fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
-        let Job { dynamics, state, record, workspace, interval, .. } = job;
-        let Some(workspace) = workspace else { return Ok(()) };
+        let Some((mut step, activity, interval)) = job.coupled(executor) else { return Ok(()) };
         for index in 0..interval.steps {
-            let kinetic = self.step(dynamics, state, workspace, (interval.time(index, 0.0), interval.h), executor)?;
-            record.0.push(kinetic);
+            activity.push(self.step(&mut step, (interval.time(index, 0.0), interval.h))?);
             if executor.stopped() {
                 break;
             }

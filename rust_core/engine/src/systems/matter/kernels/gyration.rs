@@ -13,7 +13,8 @@ use crate::forces::{PART, StateView, Strength};
 use crate::math::{AXES, Real};
 use crate::matter::Span;
 use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
-use crate::systems::matter::dynamics::{Angle, Dynamics};
+use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::method::Angle;
 
 /// Particles of a part of a block, with the accelerations by the linear force [m/s²].
 struct Gyration<'a, V: Space> {

@@ -14,18 +14,18 @@ pub use links::colored;
 pub use projective::{NAME as PROJECTIVE, Projective};
 pub use sweep::{NAME as XPBD, Sweeps};
 
-use super::coupled::Workspace;
-use super::dynamics::{Dynamics, Impulses, Treatment};
+use super::constraints::DriftVelocity;
+use super::dynamics::Dynamics;
 use super::kernels;
-use super::method::{Job, Method, MethodProperties};
-use crate::contacts::Before;
+use super::method::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use super::step::MatterStep;
 use crate::error::Result;
 use crate::forces::Rates;
 use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::{Facts, Integrator, SemiImplicitEuler};
 use crate::math::Real;
-use crate::matter::{Blocks, Columns, Matter, Power, SINKS};
+use crate::matter::{Columns, Matter, Power, SINKS};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::stability::{Limit, LimitCache, SpectralBound};
@@ -69,44 +69,32 @@ impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
     }
 
     /// Takes one step of `h` seconds; returns the activity at its end.
-    fn step(
-        &mut self,
-        dynamics: &mut Dynamics<V>,
-        matter: &mut Matter<V>,
-        workspace: &mut Workspace<V>,
-        (time, h): (f64, f64),
-        executor: &Executor,
-    ) -> Result<f64> {
-        dynamics.prepare(matter, time, executor)?;
-        dynamics.begin_self_contacts(matter);
-        self.predict(dynamics, matter, workspace, (time, h), executor);
+    fn step(&mut self, step: &mut MatterStep<'_, V>, (time, h): (f64, f64)) -> Result<f64> {
+        step.dynamics.prepare(step.matter, time, step.executor)?;
+        step.begin(h, Some(DriftVelocity::End));
+        self.predict(step, (time, h));
+        let MatterStep { dynamics, matter, executor, .. } = step;
         self.projector.project(dynamics, matter, &mut self.displacement, h, executor)?;
         executor.check()?;
-        if let Some([position, velocity]) = &mut workspace.before {
-            position.copy_from(&matter.position);
-            velocity.copy_from(&matter.velocity);
-        }
         for index in 0..matter.count() {
             let change = self.displacement.get(index).widen();
             // Fixed particles keep the exact bits of their velocities.
             if !dynamics.properties.is_fixed(index) {
                 matter.velocity.set(index, V::narrow(change / h));
             }
-            matter.set_exact_position(index, matter.exact_position(index) + change);
+            let moved = matter.exact_position(index) + change;
+            matter.set_exact_position(index, moved);
         }
-        finish(dynamics, matter, workspace, (time, h), executor)?;
-        Ok(workspace.activity.iter().sum())
+        step.drifted(h, DriftVelocity::End, None)?;
+        step.end(h, Some(DriftVelocity::End))?;
+        finish(step, (time, h));
+        Ok(step.workspace.activity.iter().sum())
     }
 
     /// Sets the displacements to y = h v + h² a, and integrates the power of the forces at the start.
-    fn predict(
-        &mut self,
-        dynamics: &Dynamics<V>,
-        matter: &mut Matter<V>,
-        workspace: &mut Workspace<V>,
-        (time, h): (f64, f64),
-        executor: &Executor,
-    ) {
+    fn predict(&mut self, step: &mut MatterStep<'_, V>, (time, h): (f64, f64)) {
+        let MatterStep { dynamics, matter, workspace, executor, .. } = step;
+        let dynamics = &**dynamics;
         workspace.position.copy_from(&matter.position);
         workspace.velocity.copy_from(&matter.velocity);
         let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
@@ -127,22 +115,10 @@ impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
     }
 }
 
-/// Resolves contacts, integrates the power of springs at the end of the step, and records the activity.
-fn finish<V: Space>(
-    dynamics: &mut Dynamics<V>,
-    matter: &mut Matter<V>,
-    workspace: &mut Workspace<V>,
-    (time, h): (f64, f64),
-    executor: &Executor,
-) -> Result<()> {
-    if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) {
-        executor.for_each_block(matter.blocks(), &|mut blocks: Blocks<'_, V>| {
-            let before = Before::part(position, velocity, &blocks.range());
-            contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
-        });
-    }
-    dynamics.resolve_self_contacts(matter, h, Impulses::End, executor)?;
-    let dynamics = &*dynamics;
+/// Integrates the power of springs at the end of the step, and records the activity.
+fn finish<V: Space>(step: &mut MatterStep<'_, V>, (time, h): (f64, f64)) {
+    let MatterStep { dynamics, matter, workspace, executor, .. } = step;
+    let dynamics = &**dynamics;
     workspace.position.copy_from(&matter.position);
     workspace.velocity.copy_from(&matter.velocity);
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time + h);
@@ -154,30 +130,22 @@ fn finish<V: Space>(
         kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), h, 0.0, false);
         activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
     });
-    Ok(())
 }
 
 /// Common properties of all projectors: one sweep over all particles, of order 1, explicit in forces other than springs.
 fn about(name: &'static str, evaluations: usize) -> MethodProperties {
     MethodProperties {
         name,
-        order: 1,
-        order_dissipative: 1,
+        orders: [1, 1],
         evaluations,
-        registers: 0,
-        readable: 0,
         // Displacements.
-        own: 1,
-        drifts_first: false,
+        memory: MethodMemory { own: 1, ..MethodMemory::default() },
         sweeps: true,
-        corrected_weight: 0.0,
         angle: None,
         limit: SemiImplicitEuler::limit,
         springs: Treatment::Projections,
-        holds_rods: false,
-        refuses_fields: None,
-        smooth_only: None,
-        impulses: Some(Impulses::End),
+        drift: Some(DriftVelocity::End),
+        refusals: MethodRefusals::default(),
     }
 }
 
@@ -228,16 +196,15 @@ impl<V: Space, P: Projector<V>> Method<V> for ProjectionMethod<V, P> {
     }
 
     fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
-        let Job { dynamics, state, record, workspace, interval, .. } = job;
-        let Some(workspace) = workspace else { return Ok(()) };
+        let Some((mut step, recorded, interval)) = job.coupled(executor) else { return Ok(()) };
         let parts = self.projector.substeps();
-        for step in 0..interval.steps {
+        for index in 0..interval.steps {
             let mut activity = 0.0;
             for part in 0..parts {
-                let time = interval.time(step, part as f64 / parts as f64);
-                activity = self.step(dynamics, state, workspace, (time, interval.h / parts as f64), executor)?;
+                let time = interval.time(index, part as f64 / parts as f64);
+                activity = self.step(&mut step, (time, interval.h / parts as f64))?;
             }
-            record.0.push(activity);
+            recorded.push(activity);
             if executor.stopped() {
                 break;
             }

@@ -60,7 +60,7 @@ pub fn count(item: &Item, name: &str) -> Result<usize> {
 
 impl<V: Space> Projector<V> for Sweeps<V::Scalar> {
     fn about(&self) -> MethodProperties {
-        MethodProperties { holds_rods: true, ..about(NAME, self.substeps) }
+        about(NAME, self.substeps)
     }
 
     fn substeps(&self) -> usize {

@@ -22,9 +22,10 @@
 use glam::DVec3;
 
 use super::network::{Network, Rod, Unsolved, along};
-use super::{SHIFT, SHIFT_OF_TENSIONS, add, count_reactions, resolution};
+use super::{ConstrainedStep, SHIFT, SHIFT_OF_TENSIONS, count_reactions, resolution};
 use crate::contacts::{ContactGap, Contacts};
 use crate::error::Error;
+use crate::forces::Space;
 use crate::math::{Real, Vector};
 use crate::matter::{Matter, Properties};
 use crate::parallel::{Executor, SERIAL};
@@ -114,21 +115,20 @@ impl Supports {
         }
     }
 
-    /// Keeps the particles outside walls after a drift of `h` seconds with the velocity in a register. At the end of the
-    /// drift the rods, with these directions, have their lengths.
+    /// Keeps the particles outside walls after the drift of a step, at the end of which the rods, with these directions, have
+    /// their lengths.
     ///
     /// # Errors
     /// If rods and walls contradict each other.
-    pub fn hold_positions<V: Vector>(
+    pub fn hold_positions<V: Space>(
         &mut self,
-        matter: &mut Matter<V>,
+        step: &mut ConstrainedStep<'_, V>,
         walls: &RodWalls<'_, V>,
         directions: &[DVec3],
-        (h, half): (f64, usize),
-        executor: &Executor,
     ) -> Result<(), Unsolved> {
+        let h = step.h;
         self.contacts.clear();
-        let from: Vec<DVec3> = walls.particles.iter().map(|&particle| matter.exact_position(particle as usize)).collect();
+        let from: Vec<DVec3> = walls.particles.iter().map(|&particle| step.matter.exact_position(particle as usize)).collect();
         let mobile = |particle: &usize| self.network.inverse_mass[*particle] > 0.0;
         let near: Vec<(usize, Vec<ContactGap>)> = (0..from.len())
             .filter(mobile)
@@ -139,7 +139,7 @@ impl Supports {
         }
         let mut contacts = Vec::new();
         for (particle, gaps) in near {
-            let velocity = matter.registers[half].get(walls.particles[particle] as usize).widen();
+            let velocity = step.drift_velocity(walls.particles[particle] as usize);
             for (place, gap) in gaps.into_iter().enumerate() {
                 let row = self.rods + self.axes * particle + place;
                 let before = walls.gap(gap.wall, particle, self.start[particle][0]).distance;
@@ -152,40 +152,38 @@ impl Supports {
         self.settle(
             &mut contacts,
             &from,
-            (SHIFT, executor),
+            (SHIFT, step.executor),
             |_, rod, _, ends| rod.excess(ends, epsilon),
             |contact, x| (gap(contact, x).distance - contact.gap, gap(contact, x).slack),
             |contact, x| gap(contact, x).distance < -gap(contact, x).slack,
         )?;
         for (particle, &index) in walls.particles.iter().enumerate() {
-            let kick = self.network.changes[particle] / h;
-            add(&mut matter.registers[half], index as usize, kick);
-            add(&mut matter.velocity, index as usize, 2.0 * kick);
-            matter.set_exact_position(index as usize, self.network.vectors[particle]);
+            step.pull(index as usize, self.network.changes[particle]);
+            step.matter.set_exact_position(index as usize, self.network.vectors[particle]);
         }
         for contact in contacts.iter_mut().filter(|contact| contact.active) {
             contact.impulse = -self.network.multipliers[contact.row] / h * contact.normal;
-            push_out(matter, walls, contact);
+            push_out(step.matter, walls, contact);
         }
-        count_reactions(&self.network, self.rods, walls.particles, matter, 1.0 / h);
+        count_reactions(&self.network, self.rods, walls.particles, step.matter, 1.0 / h);
         contacts.retain(|contact| contact.active);
         self.contacts = contacts;
         Ok(())
     }
 
-    /// Removes velocities along rods, with these directions, and into walls at the end of a step of `h` seconds. Tallies the
+    /// Removes velocities along rods, with these directions, and into walls at the end of a step. Tallies the
     /// energy that contacts dissipated in the step. Returns whether there are any contacts.
     ///
     /// # Errors
     /// If rods and walls contradict each other.
-    pub fn hold_velocities<V: Vector>(
+    pub fn hold_velocities<V: Space>(
         &mut self,
-        matter: &mut Matter<V>,
+        step: &mut ConstrainedStep<'_, V>,
         walls: &RodWalls<'_, V>,
         directions: &[DVec3],
-        h: f64,
-        executor: &Executor,
     ) -> Result<bool, Unsolved> {
+        let (h, executor) = (step.h, step.executor);
+        let matter = &mut *step.matter;
         let mut contacts = self.touching(matter, walls, h);
         if contacts.is_empty() {
             return Ok(false);

@@ -13,7 +13,7 @@ impl SelfContacts {
     /// # Errors
     /// The particles of an edge that passes through a triangle.
     pub fn check(&mut self, position: impl Fn(usize) -> DVec3, executor: &Executor) -> std::result::Result<(), [u32; 2]> {
-        self.begin(|index| [position(index), DVec3::ZERO]);
+        self.record(|index| [position(index), DVec3::ZERO]);
         let x = &self.start;
         let longest = self.mesh.edges.iter().map(|&[a, b]| (x[a as usize] - x[b as usize]).length()).fold(0.0, f64::max);
         let around =

@@ -1,12 +1,12 @@
 //! Contacts and strain limits as a scene declares them: the bodies that meet, their rules, their triangles and free edges.
 
+use super::super::{Declaration, MESHES, refuse};
 use super::limits::StrainLimit;
 use super::mesh::{ContactRule, NONE};
 use super::{KIND, SelfContacts};
 use crate::error::{Error, Result};
-use crate::forces::springs::{self, Spring};
-use crate::math::Vector;
-use crate::matter::Properties;
+use crate::forces::Space;
+use crate::forces::springs;
 use crate::scene::{Body, Item, Scene, Value};
 
 /// Triangles and free edges of a body, with the springs along the sides of each.
@@ -17,11 +17,12 @@ pub struct BodySurface {
 }
 
 impl SelfContacts {
-    /// Builds the contacts and strain limits that a scene with these springs declares; None if there are none.
+    /// Builds the contacts and strain limits that a scene declares; None if there are none.
     ///
     /// # Errors
-    /// If a value is wrong, or two items concern the same bodies.
-    pub fn build<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<Option<Self>> {
+    /// If a value is wrong, two items concern the same bodies, or the method does not carry them.
+    pub fn declared<V: Space>(declared: &Declaration<'_, V>) -> Result<Option<Self>> {
+        let Declaration { scene, springs, properties, .. } = declared;
         let items: Vec<&Item> = scene.constraints.iter().filter(|item| item.kind == KIND).collect();
         let limits = StrainLimit::declared(scene, springs)?;
         let Some(path) = items.first().map(|item| item.path.as_str()).or((!limits.is_empty()).then_some("strain_limit")) else {
@@ -68,7 +69,8 @@ impl SelfContacts {
         let inverse_mass = properties.mass.iter().map(|mass| 1.0 / mass).collect();
         let start = properties.relative(&scene.positions());
         let mut contacts = Self { rules, table, surfaces, limits, inverse_mass, start, ..Self::default() };
-        contacts.leave_out(&[]);
+        contacts.leave_out_broken(&[]);
+        refuse(MESHES, declared.method)?;
         Ok(Some(contacts))
     }
 }

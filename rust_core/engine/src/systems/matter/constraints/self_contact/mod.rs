@@ -11,7 +11,10 @@
 
 use glam::DVec3;
 
+use super::ConstraintStage;
+
 mod advancement;
+mod constraint;
 mod crossing;
 mod declaration;
 mod distance;
@@ -32,8 +35,8 @@ use limits::StrainLimit;
 use loads::Loads;
 use mesh::{ContactRule, Mesh};
 use nearby::Nearby;
-pub use resolution::ContactStep;
-pub use walls::InsidePosition;
+use resolution::ContactStep;
+use walls::InsidePosition;
 
 /// Kind of the items.
 pub const KIND: &str = "SelfContact";
@@ -70,7 +73,7 @@ pub struct SelfContacts {
 
 impl SelfContacts {
     /// Removes broken springs, and the triangles and free edges along them.
-    pub fn leave_out(&mut self, broken: &[bool]) {
+    fn leave_out_broken(&mut self, broken: &[bool]) {
         let whole = |springs: &[u32]| springs.iter().all(|&spring| !broken.get(spring as usize).copied().unwrap_or(false));
         self.limited = self.limits.iter().filter(|limit| whole(&[limit.spring])).copied().collect();
         let bodies: Vec<mesh::BodyMesh> = self
@@ -89,38 +92,32 @@ impl SelfContacts {
     }
 
     /// Records the positions [m] and velocities [m/s] at the start of a step.
-    pub fn begin(&mut self, state: impl Fn(usize) -> [DVec3; 2]) {
+    fn record(&mut self, state: impl Fn(usize) -> [DVec3; 2]) {
         self.start_velocities.resize(self.start.len(), DVec3::ZERO);
         for (index, (start, velocity)) in self.start.iter_mut().zip(&mut self.start_velocities).enumerate() {
             [*start, *velocity] = state(index);
         }
     }
 
-    /// Velocities at the start of the step [m/s].
-    pub fn start_velocities(&self) -> &[DVec3] {
-        &self.start_velocities
-    }
-
-    /// Positions at the start of the step [m].
-    pub fn start(&self) -> &[DVec3] {
-        &self.start
-    }
-
     /// Names and descriptions of the parts in use.
-    pub fn stages(&self) -> Vec<(&'static str, String)> {
+    fn stages(&self) -> Vec<ConstraintStage> {
         let contact = ("self-contact", format!("a tree of {} triangles and free edges", self.elements()));
         let limits = ("strain limits", format!("{} springs, which are rods at their longest", self.limits.len()));
         let parts = [(self.elements() > 0, contact), (!self.limits.is_empty(), limits)];
-        parts.into_iter().filter(|(used, _)| *used).map(|(_, part)| part).collect()
+        parts
+            .into_iter()
+            .filter(|(used, _)| *used)
+            .map(|(_, (name, note))| ConstraintStage { name, note: Some(note), last: false })
+            .collect()
     }
 
     /// Number of triangles and free edges.
-    pub fn elements(&self) -> usize {
+    fn elements(&self) -> usize {
         self.mesh.elements.len()
     }
 
     /// Notes for the plan on the steps so far.
-    pub fn notes(&self) -> Vec<String> {
+    fn remarks(&self) -> Vec<String> {
         let merged = format!(
             "self-contact: in {} steps some particles moved on together, because no impulses kept them apart; shorter steps do",
             self.merged
@@ -134,7 +131,7 @@ impl SelfContacts {
     }
 
     /// Memory [bytes].
-    pub fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         self.mesh.bytes()
             + self.nearby.bytes()
             + self.loads.bytes()
