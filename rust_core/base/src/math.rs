@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use crate::aligned::{Aligned, filled};
 
 mod coordinate;
+pub mod spline;
 
 pub use coordinate::Coordinate;
 
