@@ -11,7 +11,7 @@ import numpy as np
 
 from physcore.checks import FloatArray, number, shown, text
 from physcore.errors import SceneError
-from physcore.scene.edges import Condition, Dirichlet, Neumann
+from physcore.scene.edges import Condition, Dirichlet, Neumann, Sides
 from physcore.scene.grid import Field, Grid, GridSystem
 from physcore.scene.items import Equation
 from physcore.systems.kinetics import KINETICS, Kinetics, Reaction
@@ -156,7 +156,7 @@ class ReactionDiffusion(GridSystem):
         return f"ReactionDiffusion({label}{kinetics}, {cells} cells)"
 
 
-def _edges(grid: Grid, given: object, names: Sequence[str]) -> tuple[Condition, ...] | dict[str, tuple[Condition, ...]]:
+def _edges(grid: Grid, given: object, names: Sequence[str]) -> Sides | dict[str, Sides]:
     """The validated edge conditions: of all species, or by species if these differ.
 
     A mapping whose keys name both sides and species is one of sides, unless its values are mappings.
