@@ -292,7 +292,7 @@ def test_a_wrong_shape_comes_with_a_cure_that_works(give, cure):
         pc.Simulation(pc.Scene(body, pc.Drag(1.0, wind=lambda t, x: give(x))), dt=0.1)
     assert str(caught.value).partition("return ")[2].rstrip(")") == (cure or "").rstrip(")")
     if cure is not None:
-        cured = lambda t, x: eval(cure, {"np": np, "value": give(x)})  # noqa: E731, S307
+        cured = lambda t, x: eval(cure, {"np": np, "value": give(x)})  # noqa: E731
         pc.Simulation(pc.Scene(body, pc.Drag(1.0, wind=cured)), dt=0.1).step(3)
 
 

@@ -62,7 +62,7 @@ def test_pericenters_follow_at_the_period_to_the_order_of_the_method(integrator,
 
 
 def test_adaptive_steps_find_each_limit_once():
-    """The limit at the end of a step is that at the start of the next one: events cost no call of a force's function."""
+    """The limit at the end of a step is that at the start of the next one: events cost no call of a force."""
 
     def run(*events: pc.Event) -> tuple[int, int, str]:
         calls = []
