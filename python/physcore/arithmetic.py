@@ -8,12 +8,16 @@ functions; `tests/test_arithmetic.py` checks this.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore import _core
 from physcore.checks import FloatArray
+
+SWEEPS = 4
+"""Number of rotations in each plane; from sweep to sweep what is left is squared."""
 
 
 def exp(x: ArrayLike) -> FloatArray:
@@ -100,6 +104,17 @@ def row_space(rows: FloatArray, smallest: float) -> FloatArray:
         basis.append(row / lengths(row))
         _remove(rows, basis[-1])
     return np.array(basis) if basis else rows[:0]
+
+
+def along_own_axes(points: FloatArray) -> FloatArray:
+    """Points (N, D) in coordinates along their principal axes, relative to their mean, by Jacobi's rotations."""
+    turned: FloatArray = points - points.mean(axis=0)
+    for one, other in list(combinations(range(points.shape[1]), 2)) * SWEEPS:
+        x, y = turned[:, one], turned[:, other]
+        angle = 0.5 * arctan2(2.0 * (x * y).sum(), (x * x).sum() - (y * y).sum())
+        sine, cosine = sin(angle), cos(angle)
+        turned[:, one], turned[:, other] = cosine * x + sine * y, cosine * y - sine * x
+    return turned
 
 
 def _remove(rows: FloatArray, direction: FloatArray) -> None:

@@ -489,6 +489,23 @@ def test_more_frames_than_a_format_shows_play_slower_and_it_says_so(tmp_path: Pa
     assert (film.rate, film.frames) == (50.0, 7)
 
 
+DAYS = pc.units.system(length=pc.units.AU, time=pc.units.day, mass=pc.units.solar_mass)
+
+
+@pytest.mark.parametrize(
+    ("units", "second"), [(pc.units.SI, "s"), (DAYS, "d"), (pc.units.dimensionless, "unit of time")]
+)
+def test_frames_that_last_for_seconds_are_warned_of(units: Any, second: str, tmp_path: Path) -> None:
+    path, scene = tmp_path / "film.gif", pc.Scene(dust(3), units=units)
+    message = rf"lasts 5 s, because 0\.2 are recorded per {second}, .* speed=150 for 30 .* or speed=1 if this is meant"
+    with pytest.warns(pc.SceneWarning, match=message):
+        assert pc.film(scene, path, duration=10.0, fps=0.2).rate == 0.2
+    assert pc.film(scene, path, duration=10.0, fps=0.2, speed=1.0).rate == 0.2
+    assert pc.film(scene, path, duration=10.0, fps=0.2, speed=150.0).rate == pytest.approx(30.0)
+    assert pc.film(scene, path, duration=2.0, fps=0.5).rate == 0.5
+    assert pc.film(scene, tmp_path / "film.png", duration=10.0, fps=0.2).frames == 1
+
+
 @pytest.mark.parametrize("item", [SCENES["particles"], "recording"])
 def test_an_unknown_argument_is_called_that(item: Any, tmp_path: Path) -> None:
     item = recorded(SCENES["particles"], shift) if item == "recording" else item

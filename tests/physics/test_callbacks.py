@@ -259,7 +259,7 @@ NO_FORCES = {
     "objects": (lambda x: x.astype(object), "an array of object, made of ndarray"),
     "booleans": (lambda x: x > 0.0, "an array of bool, made of ndarray"),
     "a dictionary": (lambda x: {"force": x}, "an array of object, made of dict"),
-    "nothing": (lambda x: None, "None"),
+    "nothing": (lambda x: None, r"None \(does it end with return\?\)$"),
     "ragged": (lambda x: [[1.0, 2.0], [3.0]], r"what is no regular array \(setting an array element"),
     "one row": (lambda x: x[0], r"the shape \(2,\)"),
     "turned": (lambda x: np.zeros((2, 3)), r"the shape \(2, 3\)"),
@@ -273,6 +273,33 @@ def test_what_is_not_an_array_of_real_forces_is_refused_with_what_was_found(give
     expected = r"^forces\[0\]\.function: expected forces of shape \(2, 2\), of real numbers, got "
     with pytest.raises(pc.SceneError, match=expected + found):
         pc.Simulation(scene, dt=0.1)
+
+
+@pytest.mark.parametrize(
+    ("give", "cure"),
+    [
+        (lambda x: x[0], "np.broadcast_to(value, (3, 2))"),
+        (lambda x: 1.0, "np.broadcast_to(value, (3, 2))"),
+        (lambda x: x.T, "value.T"),
+        (lambda x: x.ravel(), "value.reshape((3, 2))"),
+        (lambda x: x[:, :1], None),
+        (lambda x: x[:2], None),
+    ],
+)
+def test_a_wrong_shape_comes_with_a_cure_that_works(give, cure):
+    body = pc.Particles([[1.0, 0.0], [0.0, 1.0], [2.0, 3.0]])
+    with pytest.raises(pc.SceneError, match=r"forces\[0\]\.wind: expected velocities of shape \(3, 2\)") as caught:
+        pc.Simulation(pc.Scene(body, pc.Drag(1.0, wind=lambda t, x: give(x))), dt=0.1)
+    assert str(caught.value).partition("return ")[2].rstrip(")") == (cure or "").rstrip(")")
+    if cure is not None:
+        cured = lambda t, x: eval(cure, {"np": np, "value": give(x)})  # noqa: E731
+        pc.Simulation(pc.Scene(body, pc.Drag(1.0, wind=cured)), dt=0.1).step(3)
+
+
+def test_energies_that_are_not_summed_come_with_a_cure():
+    force = pc.CustomForce(lambda time, x, v: -x, potential=lambda x: 0.5 * (x * x).sum(axis=1))
+    with pytest.raises(pc.SceneError, match=r"potential: expected one energy, .* \(2,\) \(.* the sum of these\)$"):
+        pc.Simulation(pc.Scene(pc.Particles([[1.0, 0.0], [0.0, 1.0]]), force), dt=0.1)
 
 
 @pytest.mark.parametrize("precision", ["f32", "f64"])

@@ -67,6 +67,21 @@ def test_a_run_above_the_limit_is_stopped_with_a_diagnosis(integrator, precision
     assert error.last_good.time == run.time
 
 
+@pytest.mark.parametrize("factor", [150.0, 1e4])
+@pytest.mark.filterwarnings("ignore:dt = :physcore.StabilityWarning")
+def test_a_step_far_beyond_the_limit_is_told_the_limit_at_the_start(factor):
+    """The limit did not fall: the step that is named holds."""
+    scene = pc.Scene(pc.rope(20, 1.0, 1e4, mass=0.01, pinned="start"), pc.Gravity((0.0, -9.81)))
+    limit = float(pc.stability_limit(scene, pc.VelocityVerlet()))
+    with pytest.raises(pc.SimulationDiverged) as caught:
+        pc.Simulation(scene, integrator="VelocityVerlet", dt=factor * limit).step(1000)
+    hint = caught.value.hint
+    assert "at the start, set by springs; take dt = " in hint
+    held = float(hint.rpartition("take dt = ")[2].split()[0])
+    assert 0.5 * limit < held <= limit
+    pc.Simulation(scene, integrator="VelocityVerlet", dt=held).step(1000)
+
+
 @pytest.mark.parametrize("kind", ["well", "spring"])
 @pytest.mark.parametrize("integrator", STABLE, ids=name)
 def test_a_slow_growth_is_noticed_however_far_it_has_come(integrator, kind):

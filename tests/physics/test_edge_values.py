@@ -301,9 +301,28 @@ def test_plans_and_files_know_the_values(tmp_path):
         again.step(5)
         run.step(5)
         assert again.state_hash() == run.state_hash()
-    driven = pc.Simulation(pc.Scene(pc.Wave(grid, 1.0, edges=pc.Dirichlet(lambda t: t))))
-    with pytest.raises(FileError, match=r"systems\[0\]"):
+    driven = pc.Simulation(pc.Scene(pc.Wave(grid, 1.0, edges={"y-": pc.Dirichlet(lambda t: t)})))
+    with pytest.raises(FileError, match=r"systems\[0\]\.edges\['y-'\]\.value: a Wave cannot be saved"):
         driven.save(tmp_path / "driven")
+
+
+@pytest.mark.parametrize("kind", [pc.Dirichlet, pc.Neumann])
+@pytest.mark.parametrize(
+    ("make", "path"),
+    [
+        (lambda side: pc.Wave(GRID, 1.0, edges=side), "edges"),
+        (lambda side: dish(side), "edges"),
+        (lambda side: dish({"v": side}), "edges['v']"),
+    ],
+)
+def test_functions_that_fail_later_are_named_by_their_sides(kind, make, path):
+    late = kind(lambda t: 1.0 if t < 0.05 else np.nan)
+    for side in ("x-", "x+", "y-", "y+"):
+        run = pc.Simulation(pc.Scene(make({side: late})), dt=0.01)
+        with pytest.raises((SceneError, pc.SimulationDiverged)) as caught:
+            run.step(20)
+        assert f"systems[0].{path}[{side!r}].{kind.key}" in str(caught.value)
+        assert run.steps <= 5
 
 
 def test_species_named_as_axes_are_told_from_sides():
@@ -360,20 +379,6 @@ def dish(edges):
 def test_what_does_not_fit_is_refused_with_its_path(make, message):
     with pytest.raises(SceneError, match=message):
         make()
-
-
-@pytest.mark.parametrize("wave", [False, True])
-def test_functions_that_fail_later_are_named(wave):
-    def late(t):
-        return 1.0 if t < 0.05 else np.nan
-
-    edges = {"x-": pc.Dirichlet(late)}
-    item = pc.Wave(GRID, 1.0, edges=edges) if wave else dish({"u": edges})
-    run = pc.Simulation(pc.Scene(item), dt=0.01)
-    path = r"systems\[0\]\.edges\[0\]\.value" if wave else r"systems\[0\]\.edges\.u\[0\]\.value"
-    with pytest.raises((SceneError, pc.SimulationDiverged), match=path):
-        run.step(20)
-    assert run.steps <= 5
 
 
 @pytest.mark.parametrize("value", [1.0, lambda time: 1.0], ids=["number", "function"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from functools import partial
 
 import numpy as np
 import pytest
@@ -118,16 +119,37 @@ def test_a_periodic_axis_has_no_edge():
         grid.edges({"x-": pc.Absorbing(10), "x+": pc.Absorbing(20)}, "edges", WORDS, "fixed")
 
 
-@pytest.mark.parametrize("condition", [pc.Dirichlet(1.0), pc.Neumann(0.5)])
-def test_a_value_at_edges_needs_an_edge(condition):
+@pytest.mark.parametrize(
+    ("condition", "kept"),
+    [
+        (pc.Dirichlet(1.0), pc.Dirichlet(1.0)),
+        (pc.Neumann(0.5), pc.Neumann(0.5)),
+        (pc.Absorbing(8), "absorbing"),
+        ("absorbing", "absorbing"),
+    ],
+)
+def test_a_condition_at_edges_needs_an_edge(condition, kept):
     """On an axis that is not periodic it is kept; on a grid without edges it would be dropped."""
     partly, closed = (pc.Grid((3, 2), 1.0, periodic=axes) for axes in ((True, False), True))
-    assert pc.Wave(partly, 1.0, edges=condition).edges == ("periodic", "periodic", condition, condition)
+    assert pc.Wave(partly, 1.0, edges=condition).edges == ("periodic", "periodic", kept, kept)
     assert pc.Wave(closed, 1.0, edges="free").edges == ("periodic",) * 4
     with pytest.raises(pc.SceneError, match=r"^Wave\.edges: the grid is periodic along all axes"):
         pc.Wave(closed, 1.0, edges=condition)
     with pytest.raises(pc.SceneError, match=r"^Wave\.edges\['x-'\]: the grid is periodic there"):
         pc.Wave(pc.Grid(50, 0.02, periodic=True), 1.0, edges=(condition, condition))
+
+
+@pytest.mark.parametrize("kind", [pc.Wave, pc.Schrodinger])
+def test_an_absorbing_layer_needs_an_absorbing_edge(kind):
+    system, layer = partial(kind, pc.Grid((3, 2), 1.0), 1.0), pc.Absorbing(12)
+    assert system(edges={"x": "absorbing"}, absorbing=layer).absorbing == layer
+    assert system(edges={"x": layer}).absorbing == layer
+    with pytest.raises(pc.SceneError, match=r'absorbing: no edge is absorbing; give edges="absorbing"'):
+        system(absorbing=layer)
+    with pytest.raises(pc.SceneError, match=r"absorbing: edges have Absorbing\(cells=12"):
+        system(edges=layer, absorbing=pc.Absorbing(13))
+    with pytest.raises(pc.SceneError, match=r"absorbing: must be Absorbing\(…\), got 12"):
+        system(absorbing=12)
 
 
 def test_items_with_arrays_are_short_as_text():

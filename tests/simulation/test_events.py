@@ -61,6 +61,27 @@ def test_pericenters_follow_at_the_period_to_the_order_of_the_method(integrator,
     assert (np.abs(np.log2(coarse / fine) - order) < 0.5).all()
 
 
+def test_adaptive_steps_find_each_limit_once():
+    """The limit at the end of a step is that at the start of the next one: events cost no call of a force."""
+
+    def run(*events: pc.Event) -> tuple[int, int, str]:
+        calls = []
+
+        def spring(time: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+            calls.append(time)
+            return -x * (1.0 + 50.0 * x[:, :1] ** 2)
+
+        scene = pc.Scene(pc.Particles([[1.0, 0.5]]), pc.CustomForce(spring))
+        simulation = pc.Simulation(scene, integrator="VelocityVerlet", dt=pc.AdaptiveStep())
+        calls.clear()
+        simulation.run(2.0, events=events)
+        return simulation.steps, len(calls), simulation.state_hash()
+
+    plain = run()
+    assert plain[0] > 20
+    assert run(pc.Event(lambda state: 1.0)) == plain
+
+
 @pytest.mark.parametrize("numerics", [{"dt": pc.AdaptiveStep(tolerance=1e-9), "integrator": "DormandPrince5"}, {}])
 def test_pericenters_are_found_between_adaptive_steps_too(numerics):
     """The steps of the run, of GaussRadau15 by rounding alone, are as accurate as this."""

@@ -40,6 +40,15 @@ def test_the_number_of_threads_comes_from_the_environment(monkeypatch):
         pc.Simulation(large)
 
 
+@pytest.mark.parametrize("variable", ["PHYSCORE_NUM_THREADS", "PHYSCORE_SIMD", "PHYSCORE_TRACEBACKS"])
+def test_an_empty_variable_counts_as_unset(variable, monkeypatch):
+    scene = pc.Scene(pc.Particles(np.zeros((1_000_000, 2))))
+    monkeypatch.delenv(variable, raising=False)
+    plan = pc.Simulation(scene).plan
+    monkeypatch.setenv(variable, "")
+    assert pc.Simulation(scene).plan == plan
+
+
 def test_a_second_thread_gets_a_clear_error_and_the_first_one_goes_on():
     simulation, plain = running(0, HANGING), running(0, HANGING)
     worker = threading.Thread(target=simulation.step, args=(2000,))

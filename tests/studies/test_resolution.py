@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.systems.resolution import front_speed, wave_number
+from physcore.simulation.gaps import narrow
+from physcore.systems.resolution import front_speed, spikes, wave_number
 
 
 def symptoms(run: pc.Recording | pc.Simulation) -> set[str]:
@@ -134,6 +135,110 @@ def test_a_container_with_room_for_few_rows_is_noted():
     water = pc.Fluid(pc.block((0.0, 0.0), (0.3, 1.0), 0.1), 0.1)
     plan = pc.Simulation(pc.Scene(water, pc.Gravity(), pc.Box((0.0, 0.0), (0.3, 3.0)))).plan
     assert any("3 rows of particles" in note and "a spacing of 0.05 m" in note for note in plan.notes)
+
+
+def test_a_slanted_jet_of_few_rows_is_noted():
+    for angle in (0.0, 0.3, 1.1):
+        along = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+        jets = [pc.Fluid(pc.block((0.0, 0.0), (2.0, height), 0.05) @ along, 0.05) for height in (0.15, 0.5)]
+        scenes = (pc.Scene(jet, pc.Floor(-5.0), pc.Gravity((0.0, -9.81))) for jet in jets)
+        thin, thick = (pc.Simulation(scene).plan.notes for scene in scenes)
+        assert any("3 rows of particles" in note and "a spacing of 0.025 m" in note for note in thin)
+        assert not any("rows of particles" in note for note in thick)
+
+
+def sluice(rows: float) -> tuple[float, list[str]]:
+    """The flow through a slot of 0.1 m below a gate [m²/s], and the plan's notes on gaps."""
+    spacing = 0.1 / rows
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.6, 0.6), spacing), spacing)
+    gate, tank = pc.Box((0.6, 0.1), (0.7, 3.0), inside=False), pc.Box((0.0, 0.0), (4.0, 3.0))
+    recording = pc.simulate(pc.Scene(water, gate, tank, pc.Gravity((0.0, -9.81))), 0.6, fps=10.0)
+    passed = 0.36 * (recording.positions[:, :, 0] > 0.65).mean(axis=1)
+    return (passed[6] - passed[2]) / 0.4, [note for note in recording.plan.notes if "gap" in note]
+
+
+@pytest.mark.parametrize(("rows", "least", "most"), [(2, 0.15, 0.8), (3, 0.05, 0.4), (6, -0.02, 0.05)])
+def test_a_narrow_gap_lets_less_through_as_the_plan_says(rows, least, most):
+    """Of the flow of 12 and 16 rows, 0.181 m²/s; a particle more or less that has passed is a flow of h²/0.4 s."""
+    flow, notes = sluice(rows)
+    assert least <= 1.0 - flow / 0.181 <= most
+    expected = f"boundaries[0] and boundaries[1]: {rows} particles fit into the gap of 0.1 m between them"
+    assert all(note.startswith(expected) and "a spacing of 0.013 m keeps 5 %" in note for note in notes)
+    assert len(notes) == (rows < 6)
+
+
+PEG = pc.Sphere((0.0, 0.0), 0.3)
+
+
+@pytest.mark.parametrize(
+    ("boundaries", "width"),
+    [
+        ((PEG, pc.Sphere((0.8, 0.0), 0.3)), 0.2),
+        ((PEG, pc.Sphere((1.5, 0.0), 0.3)), None),
+        ((PEG, pc.Sphere((0.605, 0.0), 0.3)), None),  # closer than a tenth of a particle
+        ((PEG, pc.Capsule((0.5, -1.0), (0.5, 1.0), 0.05)), 0.15),
+        ((PEG, pc.Box((0.5, -1.0), (2.0, 1.0), inside=False)), 0.2),
+        ((PEG, pc.Box((-0.4, -0.35), (2.0, 2.0))), 0.05),
+        ((PEG, pc.Sphere((0.1, 0.0), 0.5, inside=True)), 0.1),
+        ((PEG, pc.Plane((0.0, -0.4), (0.0, 1.0))), 0.1),
+        ((PEG, pc.ConvexHull([[0.3, 0.3], [0.9, 0.3], [0.3, 0.9]])), 0.3 * math.sqrt(2.0) - 0.3),
+        ((pc.Floor(), pc.Plane((0.0, 0.25), (0.0, -2.0))), 0.25),
+        ((pc.Floor(on="other"), pc.Plane((0.0, 0.25), (0.0, -1.0))), None),
+        (
+            (pc.ConvexHull([[0, 0], [1, 0], [0, 1]]), pc.ConvexHull([[1.1, 0.1], [1.1, 1.1], [0.1, 1.1]])),
+            0.1 * math.sqrt(2.0),
+        ),
+    ],
+)
+def test_gaps_are_found_between_boundaries_of_every_kind(boundaries, width):
+    """To 2 % of a spacing."""
+    water = pc.Fluid(pc.block((2.0, 2.0), (3.0, 3.0), 0.1), 0.1)
+    notes = narrow(pc.Scene(water, pc.Particles([[2.0, 0.0]], name="other"), *boundaries))
+    assert len(notes) == (width is not None)
+    if width is not None:
+        assert float(notes[0].partition("the gap of ")[2].split()[0]) == pytest.approx(width, rel=0.05)
+
+
+def test_the_narrowest_gap_of_a_bed_of_pegs_is_noted_once():
+    water = pc.Fluid(pc.block((2.0, 2.0, 2.0), (2.6, 2.6, 2.6), 0.1), 0.1)
+    pegs = [pc.Sphere((0.5 * place, 0.0, 0.0), 0.1 + 0.01 * place) for place in range(5)]
+    [note] = narrow(pc.Scene(water, *pegs))
+    assert note.startswith("boundaries[3] and boundaries[4]: 2.3 particles fit into the gap of 0.23 m")
+    assert note.endswith("; 3 more have fewer than 6")
+
+
+@pytest.mark.parametrize(("width", "sharp"), [(0.7, True), (0.9, True), (1.2, False), (1.6, False)])
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_spike_levels_off_as_the_plan_says(width, sharp, dimension):
+    """A Gaussian: Σ u² falls at D/σ² along each axis. The figure is that of a Gaussian whose differences between
+    cells are the same; those of the sampled one depend on its place in a cell.
+    """
+    grid = pc.Grid((60,) * dimension, spacing=0.1)
+    places = [x - 3.02 for x in grid.coordinates] if dimension > 1 else [grid.coordinates[0] - 3.02]
+    spike = np.exp(-sum(x * x for x in places) / (2.0 * (0.1 * width) ** 2))
+    still = pc.Reaction(("u",), lambda u: (0.0 * u,))
+    item = pc.ReactionDiffusion(grid, still, {"u": 1.0}, {"u": 5.0 + spike})
+    duration = 1e-6
+    recording = pc.simulate(pc.Scene(item), duration, fps=1.0 / duration)
+    notes = [note for note in recording.plan.notes if "spikes" in note]
+    assert bool(notes) == sharp
+    squares = np.square(recording[item]["u"] - 5.0).reshape(2, -1).sum(axis=1)
+    rate = (1.0 - squares[1] / squares[0]) / duration / (dimension / (0.1 * width) ** 2)
+    stated = float(notes[0].partition("about ")[2].split()[0]) if notes else 1.0
+    assert rate == pytest.approx(stated, abs=0.06 if sharp else 0.1)
+
+
+def test_spikes_are_told_from_noise_and_from_wide_seeds():
+    cells = np.zeros((80, 80))
+    of = lambda values: spikes("v", values, 0.1)  # noqa: E731
+    noise = np.random.default_rng(0).normal(size=cells.shape)
+    assert of(cells) == of(noise) == of(1.0 + 0.01 * noise) == []
+    cells[40:44, 40:44] = 1.0
+    assert of(cells) == of(1.0 - cells) == []
+    cells[:] = 0.0
+    cells[40, 40] = cells[20, 60] = 1.0
+    assert "a width σ of at most 0.3 cells" in of(cells)[0]
+    assert "σ = 0.16 m" in of(1.0 - cells)[0]
 
 
 def accordion(angle: float, folds: int) -> pc.SpringNetwork:

@@ -128,7 +128,7 @@ def film(
             apart.
         speed: seconds of the simulation, or units of time of its scene, per second of the film. None: 1, or the nearest
             speed at which the format shows all frames. In real time, a warning tells if a GIF plays slower because it
-            has more than 50 frames per second.
+            has more than 50 frames per second, or if each frame lasts for seconds.
         hold: how long the last frame stays before the film restarts, or before it reverses [s]. A PNG is not affected.
         loop: the transition from the end to the start. "bounce" plays the film backward, "crossfade" blends the last
             half second into the first; None: no transition. A periodic motion needs neither: `recording.period`.

@@ -155,6 +155,32 @@ def holds_value(condition: Condition) -> bool:
     return isinstance(condition, Dirichlet) or condition == "fixed"
 
 
+class Sides(tuple[Condition, ...]):
+    """Edge conditions of the sides of a grid, in the order x−, x+, y−, y+, z−, z+."""
+
+    __slots__ = ()
+    names: ClassVar[tuple[str, ...]] = ("x-", "x+", "y-", "y+", "z-", "z+")
+    """Names of the sides."""
+
+
+def absorbing_layer(given: object, found: Absorbing | None, conditions: Sides, path: str) -> Absorbing:
+    """The layer of absorbing edges: that of the conditions, or the one that is given beside them.
+
+    Raises:
+        SceneError: the two differ, or a layer is given and no edge is absorbing.
+    """
+    if given is None:
+        return found or Absorbing()
+    if not isinstance(given, Absorbing):
+        raise SceneError(f"{path}: must be Absorbing(…), got {shown(given)}")
+    if found is not None and found != given:
+        raise SceneError(f"{path}: edges have {found} already, got {given}")
+    # Records hold a layer always.
+    if given != Absorbing() and "absorbing" not in conditions:
+        raise SceneError(f'{path}: no edge is absorbing; give edges="absorbing", or some, as {{"x-": "absorbing"}}')
+    return given
+
+
 def condition(
     given: object, periodic: bool, path: str, words: Collection[str], side: tuple[int, ...] | None
 ) -> Condition:

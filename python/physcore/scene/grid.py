@@ -28,7 +28,7 @@ from physcore.checks import (
     span,
 )
 from physcore.errors import SceneError
-from physcore.scene.edges import Absorbing, Condition, Valued, condition
+from physcore.scene.edges import Absorbing, Condition, Sides, Valued, condition
 from physcore.scene.items import System
 
 AXES = "xyz"
@@ -124,7 +124,7 @@ class Grid:
     @property
     def sides(self) -> tuple[str, ...]:
         """The names of the sides, "x-", "x+", and so on."""
-        return tuple(f"{axis}{end}" for axis in AXES[: self.dimension] for end in "-+")
+        return Sides.names[: 2 * self.dimension]
 
     @property
     def size(self) -> int:
@@ -185,7 +185,7 @@ class Grid:
 
     def edges(
         self, value: object, path: str, words: Collection[str], default: str, valued: bool = False
-    ) -> tuple[tuple[Condition, ...], Absorbing | None]:
+    ) -> tuple[Sides, Absorbing | None]:
         """The edge conditions, one for each side in the order x−, x+, y−, y+, z−, z+, and the absorbing layer.
 
         Args:
@@ -199,7 +199,7 @@ class Grid:
 
         Raises:
             SceneError: there is no such axis or word, a condition is given for a periodic axis, or layers differ. One
-                word for all sides is valid beside periodic axes.
+                condition for all sides is valid beside periodic axes; if all axes are, only "fixed" and "free" are.
         """
         sides = self.sides
         closed = dict(zip(sides, np.repeat(self.periodic, 2).tolist(), strict=True))
@@ -221,7 +221,7 @@ class Grid:
                 if closed[side] and not is_word(word, "periodic"):
                     raise SceneError(f"{path}[{side!r}]: the grid is periodic there, and has no edge")
         else:
-            if all(self.periodic) and isinstance(value, Valued):
+            if all(self.periodic) and (isinstance(value, (Valued, Absorbing)) or is_word(value, "absorbing")):
                 raise SceneError(f"{path}: the grid is periodic along all axes, and has no edge")
             found |= dict.fromkeys(sides, value)
         layers = {word for word in found.values() if isinstance(word, Absorbing)}
@@ -230,7 +230,7 @@ class Grid:
                 f"{path}: all absorbing edges must have one kind of layer, got {shown(sorted(layers, key=repr))}"
             )
         around = [self.cells[:axis] + self.cells[axis + 1 :] for axis in np.repeat(range(self.dimension), 2)]
-        conditions = tuple(
+        conditions = Sides(
             condition(each, closed[side], f"{path}[{side!r}]", words, cells if valued else None)
             for (side, each), cells in zip(found.items(), around, strict=True)
         )

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from physcore.checks import BoolArray
+from physcore.scene.edges import Sides
 from physcore.storage.archive import Tree
 from physcore.units.systems import Default
 
@@ -88,7 +89,7 @@ def _inner(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {name: _inner(each) for name, each in value.items()}
     if isinstance(value, tuple) and any(map(_is_item, value)):
-        return tuple(map(_inner, value))
+        return type(value)(map(_inner, value))
     return Record.of(value) if _is_item(value) else value
 
 
@@ -96,8 +97,11 @@ def _functions(value: Any, path: str) -> Iterator[tuple[str, object]]:
     """The functions in a value at a path, with their own paths."""
     if isinstance(value, Record):
         parts = [(f".{name}", each) for name, each in value.values.items()]
-    elif isinstance(value, (tuple, dict)):
-        parts = [(f"[{key!r}]", each) for key, each in (value.items() if isinstance(value, dict) else enumerate(value))]
+    elif isinstance(value, dict):
+        parts = [(f"[{key!r}]", each) for key, each in value.items()]
+    elif isinstance(value, tuple):
+        keys = Sides.names if isinstance(value, Sides) else range(len(value))
+        parts = [(f"[{key!r}]", each) for key, each in zip(keys, value, strict=False)]
     else:
         if callable(value):
             yield path, value

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from physcore.arithmetic import dots, lengths, row_space
+from physcore.arithmetic import along_own_axes, dots, lengths, row_space
 from physcore.boundaries import Box, Plane, Sphere
 from physcore.checks import FloatArray
 from physcore.forces import Dihedral, Drag, Gravity
@@ -17,10 +17,14 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import FAIR_DRIFT, verdict
+from physcore.simulation.gaps import narrow
 from physcore.simulation.recording import Recording
 
 ROWS = 6
 """Number of rows of particles across a fluid below which sloshing loses more than 5 % of its amplitude in a period."""
+
+MANY = 20_000
+"""Number of particles from which the principal axes of a fluid are found."""
 
 ROUNDING = 1e-12
 """Tolerance of a plane, relative to the extent of a body."""
@@ -68,7 +72,7 @@ def _untouched(recording: Recording) -> Iterator[str]:
 
 def of_scene(scene: Scene, numerics: Numerics) -> list[str]:
     """Notes on what a scene does not resolve, and on unstable equilibrium."""
-    notes = [*_edge_on(scene), *_thin(scene), *_at_rest(scene)]
+    notes = [*_edge_on(scene), *_thin(scene), *narrow(scene), *_at_rest(scene)]
     for system in scene.systems:
         path = str(scene.system(system))
         integrator = numerics.integrators.get(path, numerics.integrator)
@@ -82,7 +86,9 @@ def _thin(scene: Scene) -> Iterator[str]:
     for place, body in enumerate(scene.bodies):
         if not isinstance(body, Fluid):
             continue
-        extents = [np.ptp(body.positions, axis=0) + body.spacing, *sides]
+        some = body.positions[:: 1 + len(body) // MANY]
+        across = [np.ptp(turned, axis=0) for turned in (body.positions, along_own_axes(some))]
+        extents = [*(np.array(across) + body.spacing), *sides]
         thinnest = float(np.min(extents))
         rows = round(thinnest / body.spacing)
         if rows < ROWS:

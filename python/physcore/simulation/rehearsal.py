@@ -38,7 +38,7 @@ def steps_ahead(size: StepSize, dt: float, duration: float) -> float | None:
     try:
         while passed < duration and taken < most:
             interval, before = min(2.0 * interval, duration - passed), world.steps
-            course = (world.time, interval, 0)
+            course = (world.time, interval, 0, None)
             world.run(course, MOST, rule.safety, free_step(FRAMES_PER_SECOND), rule.tolerance)
             taken, passed = taken + world.steps - before, passed + interval
             rates = [rates[1], (world.steps - before) / interval]

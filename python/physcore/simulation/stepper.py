@@ -175,7 +175,7 @@ class Stepper:
     def _adapt(self, interval: float, fps: float, rule: AdaptiveStep, watch: Watch | None) -> None:
         """Advance by an interval [s] in steps that follow the motion."""
         before, most = self.substepped, MOST if watch is None else 1
-        course: tuple[float, float, int] | None = (self._world.time, interval, 0)
+        course: tuple[float, float, int, float | None] | None = (self._world.time, interval, 0, None)
         while course is not None and not stopped(watch):
             with self._watched(watch):
                 try:

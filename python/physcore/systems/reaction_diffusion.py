@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from physcore.checks import FloatArray, number, shown, text
 from physcore.errors import SceneError
-from physcore.scene.edges import Condition, Dirichlet, Neumann
+from physcore.scene.edges import Condition, Dirichlet, Neumann, Sides
 from physcore.scene.grid import Field, Grid, GridSystem
 from physcore.scene.items import Equation
 from physcore.systems.kinetics import KINETICS, Kinetics, Reaction
-from physcore.systems.resolution import SLOW, front_speed
+from physcore.systems.resolution import SLOW, front_speed, spikes
 
 Edge = Literal["free", "fixed"]
 Side: TypeAlias = Edge | Dirichlet | Neumann
@@ -128,11 +128,21 @@ class ReactionDiffusion(GridSystem):
         return self.reaction.signed
 
     def unresolved(self, integrator: str) -> list[str]:
+        """Notes on spikes of the initial fields that diffuse too slowly, and on fronts that the grid makes too fast."""
+        del integrator
+        return [*self._spikes(), *self._fronts()]
+
+    def _spikes(self) -> Iterator[str]:
+        """Notes on spikes of the initial fields of species that diffuse."""
+        for species, values in self.initial.items():
+            if self.diffusion[species] > 0.0 and np.ndim(values) > 0:
+                yield from spikes(f"initial[{species!r}]", np.asarray(values), self.grid.spacing)
+
+    def _fronts(self) -> list[str]:
         """A note on fronts of a single species into the empty state that the grid makes too fast.
 
         Such a front is pulled by the growth ahead of it, r = R'(0) > 0.
         """
-        del integrator
         diffusion = next(iter(self.diffusion.values()))
         if len(self.diffusion) != 1 or not diffusion > 0.0 or not isinstance(self.reaction, Reaction):
             return []
@@ -156,7 +166,7 @@ class ReactionDiffusion(GridSystem):
         return f"ReactionDiffusion({label}{kinetics}, {cells} cells)"
 
 
-def _edges(grid: Grid, given: object, names: Sequence[str]) -> tuple[Condition, ...] | dict[str, tuple[Condition, ...]]:
+def _edges(grid: Grid, given: object, names: Sequence[str]) -> Sides | dict[str, Sides]:
     """The validated edge conditions: of all species, or by species if these differ.
 
     A mapping whose keys name both sides and species is one of sides, unless its values are mappings.

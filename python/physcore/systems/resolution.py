@@ -7,11 +7,26 @@ from collections.abc import Callable
 
 import numpy as np
 
-from physcore.arithmetic import arctan2, exp
+from physcore.arithmetic import arctan2, exp, log
 from physcore.checks import FloatArray
 
 SLOW = 0.05
 """Largest error of the group velocity that is not noted."""
+
+
+FEW = 0.05
+"""Largest fraction of the cells that are spikes, as opposed to noise."""
+
+SHARP = 0.5
+"""Mean square of the differences between cells, in units of that of the field, above which spikes are narrower than a
+cell. It is that of a block of four cells.
+"""
+
+SINGLE = 1.9
+"""Mean square of the differences of spikes in single cells, whose width the grid does not tell; 2 without neighbors."""
+
+WIDE = 1.6
+"""Width σ [cells] of a Gaussian that diffuses at its rate but for `SLOW`: 2 (1 − exp(−s/2))/s at s = 1/(2σ²)."""
 
 
 def wave_number(values: FloatArray | np.ndarray[tuple[int, ...], np.dtype[np.complex128]]) -> float:
@@ -52,6 +67,32 @@ def note(what: str, number: float, speed: Callable[[float], float], spacing: flo
     return [
         f"{what}: {math.tau / number:.2g} cells in a wavelength, which travel at {relative:.2g} of their speed on this "
         f"grid in small steps; a spacing of {finer:.2g} m keeps {SLOW:.0%}"
+    ]
+
+
+def spikes(what: str, values: FloatArray, spacing: float) -> list[str]:
+    """A note on spikes of an initial field that are too sharp for diffusion on a grid: on those narrower than a cell.
+
+    Diffusion levels a Gaussian of width σ off at the rate D/σ², by the mean of k². On a grid it is the mean of
+    4 sin²(kh/2)/h², which is 2 (1 − exp(−s/2))/h² for s = h²/(2σ²), and the differences between cells give it. Noise,
+    which is in all cells, is left to the reactions that it starts.
+    """
+    heights = values - np.median(values)
+    heights /= np.abs(heights).max() or 1.0
+    total = float(np.square(heights).sum())
+    if total == 0.0 or total * total > FEW * values.size * float(np.square(np.square(heights)).sum()):
+        return []
+    steepest = max(float(np.square(np.diff(heights, axis=axis)).sum()) for axis in range(values.ndim)) / total
+    if steepest <= SHARP:
+        return []
+    mean = min(steepest, SINGLE)
+    square = -2.0 * float(log(1.0 - 0.5 * mean))
+    width = math.sqrt(0.5 / square)
+    cells = f"{width:.2f}" if steepest < SINGLE else f"at most {width:.1f}"
+    return [
+        f"{what}: spikes have a width σ of {cells} cells, and level off at about {mean / square:.2f} of their rate on "
+        f"this grid at first; σ = {WIDE * spacing:.2g} m, or a spacing of {width / WIDE * spacing:.2g} m, keeps "
+        f"{SLOW:.0%}"
     ]
 
 

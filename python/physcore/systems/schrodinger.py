@@ -14,7 +14,7 @@ from physcore.arithmetic import arctan2, cos, exp, sin
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, number, regular, require, shown, text
 from physcore.entrance import entrance
 from physcore.errors import SceneError, SceneWarning, warn
-from physcore.scene.edges import Absorbing, Condition
+from physcore.scene.edges import Absorbing, Condition, absorbing_layer
 from physcore.scene.grid import Field, Grid, GridSystem
 from physcore.scene.items import Equation
 from physcore.systems.resolution import note, wave_number
@@ -153,11 +153,7 @@ class Schrodinger(GridSystem):
     ) -> None:
         if not isinstance(grid, Grid):
             raise SceneError(f"Schrodinger.grid: must be a Grid, got {shown(grid)}")
-        if absorbing is not None and not isinstance(absorbing, Absorbing):
-            raise SceneError(f"Schrodinger.absorbing: must be Absorbing(…), got {shown(absorbing)}")
         words, layer = grid.edges(edges, "Schrodinger.edges", EDGES, "fixed")
-        if layer is not None and absorbing is not None and layer != absorbing:
-            raise SceneError(f"Schrodinger.absorbing: edges have {layer} already, got {absorbing}")
         self._set(
             grid=grid,
             wave_function=frozen(_pairs(wave_function, grid, "Schrodinger.wave_function")),
@@ -167,7 +163,7 @@ class Schrodinger(GridSystem):
             interaction=number(interaction, "Schrodinger.interaction"),
             edges=words,
             name=None if name is None else text(name, "Schrodinger.name"),
-            absorbing=layer or absorbing or Absorbing(),
+            absorbing=absorbing_layer(absorbing, layer, words, "Schrodinger.absorbing"),
         )
 
     def unresolved(self, integrator: str) -> list[str]:

@@ -26,7 +26,7 @@ from physcore.checks import (
     text,
 )
 from physcore.errors import SceneError, SceneWarning, warn
-from physcore.scene.edges import Absorbing, Condition, Dirichlet, Neumann
+from physcore.scene.edges import Absorbing, Condition, Dirichlet, Neumann, absorbing_layer
 from physcore.scene.grid import AXES, Field, Grid, GridSystem
 from physcore.systems.resolution import angle, note, wave_number
 
@@ -273,8 +273,6 @@ class Wave(GridSystem):
     ) -> None:
         if not isinstance(grid, Grid):
             raise SceneError(f"Wave.grid: must be a Grid, got {shown(grid)}")
-        if absorbing is not None and not isinstance(absorbing, Absorbing):
-            raise SceneError(f"Wave.absorbing: must be Absorbing(…), got {shown(absorbing)}")
         differences = count(order, "Wave.order")
         if differences not in ORDERS:
             raise SceneError(f"Wave.order: must be 2 or 4, got {differences}")
@@ -283,8 +281,6 @@ class Wave(GridSystem):
             raise SceneError("Wave.order: must be 2 beside absorbing edges, got 4")
         if order == 4 and any(isinstance(each, (Dirichlet, Neumann)) for each in words):
             raise SceneError("Wave.order: must be 2 beside edges with values, got 4")
-        if layer is not None and absorbing is not None and layer != absorbing:
-            raise SceneError(f"Wave.absorbing: edges have {layer} already, got {absorbing}")
         speeds = _checked(grid, speed, "Wave.speed")
         solid = None if walls is None else frozen(grid.mask(walls, "Wave.walls"))
         self._set(
@@ -299,7 +295,7 @@ class Wave(GridSystem):
             sources=_sources(sources, grid, speeds, solid, differences),
             order=differences,
             name=None if name is None else text(name, "Wave.name"),
-            absorbing=layer or absorbing or Absorbing(),
+            absorbing=absorbing_layer(absorbing, layer, words, "Wave.absorbing"),
         )
 
     @property

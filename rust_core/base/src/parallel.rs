@@ -170,12 +170,13 @@ impl ThreadPool {
     /// Default number of threads: `PHYSCORE_NUM_THREADS`, or all that this process may use.
     #[inline]
     pub fn default_threads() -> Result<usize> {
-        match std::env::var("PHYSCORE_NUM_THREADS") {
-            Ok(text) => match text.parse() {
-                Ok(threads) if threads >= 1 => Ok(threads),
-                _ => Err(Error::parameter("PHYSCORE_NUM_THREADS", "a whole number ≥ 1", format!("{text:?}"))),
-            },
-            Err(_) => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
+        let text = std::env::var("PHYSCORE_NUM_THREADS").unwrap_or_default();
+        if text.is_empty() {
+            return Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get));
+        }
+        match text.parse() {
+            Ok(threads) if threads >= 1 => Ok(threads),
+            _ => Err(Error::parameter("PHYSCORE_NUM_THREADS", "a whole number ≥ 1", format!("{text:?}"))),
         }
     }
 

@@ -49,7 +49,7 @@ impl Callback for PythonFunction {
 /// Reason for refusing a result.
 enum Reason {
     Raised(PyErr),
-    Refused { expected: String, found: String },
+    Refused { expected: String, found: String, hint: String },
 }
 
 impl From<PyErr> for Reason {
@@ -61,7 +61,7 @@ impl From<PyErr> for Reason {
 fn failure(reason: Reason) -> Failure {
     match reason {
         Reason::Raised(error) => Failure::Raised(Cause(Arc::new(error))),
-        Reason::Refused { expected, found } => Failure::Refused { expected, found },
+        Reason::Refused { expected, found, hint } => Failure::Refused { expected, found, hint },
     }
 }
 
@@ -69,9 +69,10 @@ fn failure(reason: Reason) -> Failure {
 /// sequence that converts to one.
 fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec<f64>, Reason> {
     let py = given.py();
-    let refused = |found: String| Reason::Refused { expected: format!("{expected}, of real numbers"), found };
+    let hinted = |found, hint| Reason::Refused { expected: format!("{expected}, of real numbers"), found, hint };
+    let refused = |found| hinted(found, String::new());
     if given.is_none() {
-        return Err(refused("None".to_owned()));
+        return Err(hinted("None".to_owned(), "does it end with return?".to_owned()));
     }
     if is_masked(given)? {
         return Err(refused("masked entries".to_owned()));
@@ -86,10 +87,25 @@ fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec
         return Err(refused(format!("an array of {}, made of {}", array.dtype(), given.get_type().name()?)));
     }
     if array.shape() != shape {
-        return Err(refused(format!("the shape {}", tuple(array.shape()))));
+        return Err(hinted(format!("the shape {}", tuple(array.shape())), remedy(array.shape(), shape)));
     }
     let numbers = numpy.call_method1("ascontiguousarray", (array, "float64"))?;
     Ok(numbers.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().iter().copied().collect())
+}
+
+/// Remedy of a result that has another shape than expected; empty if none is likely to be meant.
+fn remedy(given: &[usize], expected: &[usize]) -> String {
+    let (transposed, size) = (given.iter().rev().eq(expected), |shape: &[usize]| shape.iter().product::<usize>());
+    match expected {
+        [] if given.iter().all(|&length| length == 1) => "take its only entry, by value.item()".to_owned(),
+        [] => "one number is needed, such as the sum of these".to_owned(),
+        _ if expected.ends_with(given) => format!("return np.broadcast_to(value, {})", tuple(expected)),
+        _ if transposed => "return value.T".to_owned(),
+        _ if size(given) == size(expected) => {
+            format!("if the order is right, return value.reshape({})", tuple(expected))
+        }
+        _ => String::new(),
+    }
 }
 
 /// Whether any entry is masked; false if `numpy.ma` is not loaded.

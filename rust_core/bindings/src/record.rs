@@ -41,13 +41,13 @@ impl Reader {
     pub fn item(&mut self, record: &Bound<'_, PyAny>, path: String) -> PyResult<Item> {
         let Record { kind, name, on, members, values: given } = record.extract()?;
         let members = members.map(|given| array(&given, |&flag| flag)).transpose()?.map(|array| array.entries);
-        let mut values = BTreeMap::new();
+        let mut item = Item { path, kind, name, on, members, values: BTreeMap::new() };
         for (name, value) in given.iter().filter(|(_, value)| !value.is_none()) {
             let name: String = name.extract()?;
-            let value = self.value(&value, format!("{path}.{name}"))?;
-            values.insert(name, value);
+            let value = self.value(&value, item.path_of(&name))?;
+            item.values.insert(name, value);
         }
-        Ok(Item { path, kind, name, on, members, values })
+        Ok(item)
     }
 
     fn value(&mut self, value: &Bound<'_, PyAny>, path: String) -> PyResult<Value> {

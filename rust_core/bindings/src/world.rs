@@ -263,23 +263,23 @@ impl World {
         (parts, outcome.err())
     }
 
-    /// Take up to `steps` adaptive steps of a course: its start [s], its interval [s] and the position in it, 0 at the start.
-    /// Return the course, or None at its end, and the values of `step`.
+    /// Take up to `steps` adaptive steps of a course: its start [s], its interval [s], the position in it, 0 at the start, and
+    /// the largest admissible step there [s], None if unknown. Return the course, or None at its end, and the values of `step`.
     #[allow(clippy::type_complexity)]
     fn run(
         &self,
         py: Python<'_>,
-        course: (f64, f64, u64),
+        course: (f64, f64, u64, Option<f64>),
         steps: u64,
         safety: f64,
         free: f64,
         tolerance: Option<f64>,
-    ) -> PyResult<(Option<(f64, f64, u64)>, Option<(f64, f64, f64)>)> {
+    ) -> PyResult<(Option<(f64, f64, u64, Option<f64>)>, Option<(f64, f64, f64)>)> {
         let rule = StepSizeRule { safety, free, tolerance };
-        let (start, interval, position) = course;
-        let mut course = Course { start, interval, position };
+        let (start, interval, position, allowed) = course;
+        let mut course = Course { start, interval, position, allowed };
         let mach = self.change(py, |world| world.cross(&mut course, steps, &rule, &interrupted).map(|()| world.mach()))?;
-        let left = (!course.is_complete()).then_some((start, interval, course.position));
+        let left = (!course.is_complete()).then_some((start, interval, course.position, course.allowed));
         Ok((left, mach.map(|mach| (Mach::FAST, mach.fast, mach.sound))))
     }
 

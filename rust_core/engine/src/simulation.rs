@@ -96,6 +96,8 @@ pub struct Simulation {
     /// Number of steps taken so far.
     steps: u64,
     monitor: Monitor,
+    /// Certified limit of the time step at the start, once a step of given size was taken.
+    first: Option<Limit>,
     /// Largest Mach number that the monitor has recorded.
     mach: Option<Mach>,
 }
@@ -127,6 +129,7 @@ impl Simulation {
             segment: Segment::default(),
             steps: 0,
             monitor: Monitor::new(growth, numerics.vigilance),
+            first: None,
             mach: None,
         };
         simulation.system.begin(0.0, executor)?;
@@ -169,6 +172,7 @@ impl Simulation {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(Error::parameter("dt", "a finite number > 0", dt));
         }
+        self.remember_limit(interrupted)?;
         let (before, first) = ((self.segment, self.monitor), self.steps);
         if dt != self.segment.dt {
             self.segment = Segment { start: self.time(), steps: 0, dt };

@@ -23,6 +23,9 @@ from physcore.units.systems import SI, UnitSystem
 Quality = Literal["fast", "high"]
 KINDS = {".gif": "gif", ".webp": "webp", ".apng": "apng", ".png": "png"}
 """Suffixes of films that a page shows as images, with their types."""
+LONG = 2.0
+"""Duration of a frame from which on a film in real time is warned of [s]."""
+
 INLINE = 3_000_000
 """Largest size of a film that is embedded in a notebook [bytes]."""
 QUALITIES: tuple[Quality, ...] = get_args(Quality)
@@ -131,7 +134,7 @@ class Writer(Format, ABC):
         """Frame rate of a film that shows `fps` frames per second, or other unit of time of a scene, at a given speed.
 
         Without a speed, the film plays in real time, or a unit of time in a second. If the format cannot, it plays
-        slower, with a warning in real time.
+        slower, with a warning in real time. Frames that last for seconds are warned of.
 
         Raises:
             SceneError: the format does not support the frame rate at this speed.
@@ -154,6 +157,13 @@ class Writer(Format, ABC):
             raise SceneError(
                 f"fps: {cls.name} shows a frame for at most {cls.longest:.0f} s, got {1 / rate:g} s; "
                 f"play it faster: speed={30.0 / fps:.3g}"
+            )
+        if speed is None and cls.moving and rate * LONG < 1.0:
+            warn(
+                f"each frame of this film lasts {1.0 / rate:.3g} s, because {fps:.3g} are recorded per "
+                f"{units.time.symbol or 'unit of time'}, which takes a second: give it a speed, such as "
+                f"speed={30.0 / fps:.3g} for 30 frames per second, or speed=1 if this is meant",
+                SceneWarning,
             )
         return rate
 

@@ -54,6 +54,9 @@ def convergence(
 ) -> Convergence:
     """Estimate the errors of runs with increasing numbers of steps, from the differences between successive runs.
 
+    Once the order of the method was measured, the motion counts as smooth: a term of lower order that is too small to
+    change the measured order is not seen.
+
     An order that was not measured is assumed to be at least one, over no more than a halving of the step. With a
     difference d, the error of the coarser run is then at most 2d, and that of the finer run at most d. Because d may be
     small by chance, earlier differences are used too, reduced as for order one, if they are larger. For the coarser run

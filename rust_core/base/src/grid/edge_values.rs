@@ -10,6 +10,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::edges::SIDES;
 use super::{Edge, Edges, Padding};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real};
@@ -101,8 +102,9 @@ impl EdgeValues {
             let shape: Vec<usize> = grid.axes().filter(|&other| other != axis).map(|other| grid.cells[other]).collect();
             let held = condition.kind != NEUMANN;
             let key = if held { "value" } else { "gradient" };
+            let path = format!("{}['{}']", item.path_of(name), SIDES[index]);
             let value = match condition.kind.as_str() {
-                DIRICHLET | NEUMANN => SideValue::declared(condition, key, shape)?,
+                DIRICHLET | NEUMANN => SideValue::declared(condition, &path, key, shape)?,
                 _ if cells.all && cells.edges.0[axis][index % 2] == Edge::Fixed => SideValue::Numbers(vec![0.0]),
                 _ => continue,
             };
@@ -239,8 +241,8 @@ impl EdgeValues {
 }
 
 impl SideValue {
-    /// Reads the value of a side whose arrays have this shape.
-    fn declared(item: &Item, name: &str, shape: Vec<usize>) -> Result<Self> {
+    /// Reads the value of the side at `path`, whose arrays have this shape.
+    fn declared(item: &Item, path: &str, name: &str, shape: Vec<usize>) -> Result<Self> {
         match item.values.get(name) {
             Some(Value::Number(number)) if number.is_finite() => Ok(Self::Numbers(vec![*number])),
             Some(Value::Numbers(Array { shape: given, entries }))
@@ -250,9 +252,12 @@ impl SideValue {
             }
             Some(Value::Callback(function)) => {
                 let shape = if item.flag("uniform")? { Vec::new() } else { shape };
-                Ok(Self::Function { function: Arc::clone(function), path: format!("{}.{name}", item.path), shape })
+                Ok(Self::Function { function: Arc::clone(function), path: format!("{path}.{name}"), shape })
             }
-            other => Err(item.wrong(name, &format!("a finite number, a function or an array of shape {shape:?}"), other)),
+            other => {
+                let side = Item { path: path.to_owned(), ..Item::from(item.kind.as_str()) };
+                Err(side.wrong(name, &format!("a finite number, a function or an array of shape {shape:?}"), other))
+            }
         }
     }
 }

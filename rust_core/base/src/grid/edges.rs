@@ -31,6 +31,9 @@ const WORDS: [(&str, Edge); 6] = [
     (NEUMANN, Edge::Free),
 ];
 
+/// Names of the sides of a grid, in the order of the conditions.
+pub(super) const SIDES: [&str; 2 * AXES] = ["x-", "x+", "y-", "y+", "z-", "z+"];
+
 /// Boundary conditions of a grid, at the lower and the upper edge of each axis. Axes that the grid lacks have free edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edges(pub [[Edge; 2]; AXES]);

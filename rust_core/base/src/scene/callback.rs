@@ -38,6 +38,8 @@ pub enum Failure {
         expected: String,
         /// Description of the returned value.
         found: String,
+        /// Remedy; empty if obvious.
+        hint: String,
     },
 }
 
@@ -46,7 +48,7 @@ impl Failure {
     pub fn at(self, path: String) -> Error {
         match self {
             Self::Raised(cause) => Error::Callback { path, cause },
-            Self::Refused { expected, found } => Error::parameter(path, expected, found),
+            Self::Refused { expected, found, hint } => Error::parameter(path, expected, found).with_hint(hint),
         }
     }
 }

@@ -267,9 +267,15 @@ impl Item {
         if self.values.contains_key(name) { self.callback(name).map(Some) } else { Ok(None) }
     }
 
+    /// Path of a value, such as `forces[2].stiffness`; of an entry of a mapping, which has no kind, such as `initial['u']`.
+    pub fn path_of(&self, name: &str) -> String {
+        let Self { path, kind, .. } = self;
+        if kind.is_empty() { format!("{path}['{name}']") } else { format!("{path}.{name}") }
+    }
+
     /// Returns the error that a value is not as expected.
     pub fn wrong(&self, name: &str, expected: &str, found: Option<&Value>) -> Error {
         let found = found.map_or_else(|| "nothing".to_owned(), |value| format!("{value:?}"));
-        Error::parameter(format!("{}.{name}", self.path), expected, found)
+        Error::parameter(self.path_of(name), expected, found)
     }
 }

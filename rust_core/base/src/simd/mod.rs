@@ -108,15 +108,15 @@ impl Level {
         self <= Self::detect() && (HAS_PORTABLE || self > Self::Portable)
     }
 
-    /// Checks that `PHYSCORE_SIMD`, if set, names a level of this build and this CPU.
+    /// Checks that `PHYSCORE_SIMD`, if set and not empty, names a level of this build and this CPU.
     ///
     /// # Errors
     /// If it does not.
     #[inline]
     pub fn check() -> Result<()> {
-        let Ok(name) = std::env::var("PHYSCORE_SIMD") else { return Ok(()) };
+        let name = std::env::var("PHYSCORE_SIMD").unwrap_or_default();
         let present: Vec<_> = Self::ALL.into_iter().filter(|level| level.is_present()).map(Self::name).collect();
-        if present.contains(&name.as_str()) {
+        if name.is_empty() || present.contains(&name.as_str()) {
             return Ok(());
         }
         Err(Error::parameter("PHYSCORE_SIMD", format!("a level that is here: {}", present.join(" or ")), format!("{name:?}")))

@@ -44,12 +44,14 @@ pub struct Course {
     pub interval: f64,
     /// Position in units of the finest block, a 2⁻⁴⁰ of the interval. With error control, 0 until the end.
     pub position: u64,
+    /// Largest admissible step at the position [s], once it is known, without error control.
+    pub allowed: Option<f64>,
 }
 
 impl Course {
     /// A course from its start.
     pub fn new(start: f64, interval: f64) -> Self {
-        Self { start, interval, position: 0 }
+        Self { start, interval, position: 0, allowed: None }
     }
 
     /// Whether its end is reached.
@@ -112,7 +114,7 @@ impl Simulation {
     ) -> Result<()> {
         let varies = self.system.limit_varies(Horizon::Present, self.time());
         let (start, finest, mut left) = (course.start, course.interval / FINEST as f64, steps);
-        let mut allowed = self.allowed(rule, interrupted)?;
+        let mut allowed = course.allowed.map_or_else(|| self.allowed(rule, interrupted), Ok)?;
         self.expect(allowed.min(course.interval));
         let (mut halvings, mut since) = (Halvings::default(), 0);
         // Largest block that begins at a position of the binary tree.
@@ -135,7 +137,8 @@ impl Simulation {
                     // In this form a NaN limit rejects the step.
                     let suits = end >= h;
                     if suits || block == 1 {
-                        (course.position, halvings, allowed) = (course.position + block, Halvings::default(), end);
+                        (course.position, course.allowed, allowed) = (course.position + block, Some(end), end);
+                        halvings = Halvings::default();
                         self.count(h);
                         left -= 1;
                         false

@@ -290,6 +290,20 @@ impl Simulation {
         self.monitor.expect(energy);
     }
 
+    /// Remembers the limit of the time step before the very first step, for the hint of a divergence.
+    pub(super) fn remember_limit(&mut self, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        if self.steps > 0 {
+            return Ok(());
+        }
+        let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Certified, time, executor));
+        self.first = match limit {
+            Err(error @ (Error::Interrupted | Error::Callback { .. })) => return Err(error),
+            // The step itself fails too, if the state is out of range.
+            other => other.ok(),
+        };
+        Ok(())
+    }
+
     /// Divergence of a state whose neighbors cannot be searched.
     fn beyond_search(&self) -> Divergence {
         divergence(self.system.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
@@ -349,7 +363,11 @@ impl Simulation {
             return Ok(format!("no dt is {certain} with {method} here: take another integrator"));
         }
         let (most, name, term) = (limit.dt(), limit.name(), limit.term);
-        Ok(if dt > RUN_AWAY * most {
+        let first = self.first.filter(|first| first.dt() > 0.0 && dt >= RUN_AWAY * first.dt());
+        Ok(if let Some(first) = first {
+            let (most, name, term) = (first.dt(), first.name(), first.term);
+            format!("dt = {dt:.3e} s is beyond the {name} of {most:.3e} s at the start, set by {term}; take dt = {:.3e} s", 0.9 * most)
+        } else if dt > RUN_AWAY * most {
             let smaller = 0.25 * dt;
             format!("the {name} set by {term} had fallen to {most:.3e} s by then; try dt = {smaller:.3e} s, or AdaptiveStep()")
         } else if dt > most {

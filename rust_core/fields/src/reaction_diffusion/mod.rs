@@ -124,8 +124,8 @@ impl<T: Real> ReactionDiffusion<T> {
                 let slots = &mut field[(row * species + index) * length..][..length];
                 slots.iter_mut().zip(table.row(row)).for_each(|(slot, &value)| *slot = T::from_f64(value));
                 if let Some(cell) = slots.iter().position(|value| !value.is_finite()) {
-                    let path = format!("{name} at {}", grid.name(row * length + cell));
-                    return Err(initial.wrong(&path, &format!("a number that {} holds", T::NAME), None));
+                    let path = format!("{} at {}", initial.path_of(name), grid.name(row * length + cell));
+                    return Err(Error::parameter(path, format!("a number that {} holds", T::NAME), table.row(row)[cell]));
                 }
             }
         }

@@ -55,7 +55,8 @@ pub struct SpeciesFunction(pub fn(f64, f64) -> [f64; 2]);
 impl Callback for SpeciesFunction {
     fn call(&self, arguments: &[Argument<'_>], _what: &str, shape: &[usize]) -> std::result::Result<Vec<f64>, Failure> {
         let &[Argument::Array { numbers: us, .. }, Argument::Array { numbers: vs, .. }] = arguments else {
-            return Err(Failure::Refused { expected: "two arrays".to_owned(), found: format!("{arguments:?}") });
+            let (found, hint) = (format!("{arguments:?}"), String::new());
+            return Err(Failure::Refused { expected: "two arrays".to_owned(), found, hint });
         };
         assert_eq!(shape[0], 2);
         let rates: Vec<_> = us.iter().zip(vs).map(|(&u, &v)| self.0(u, v)).collect();

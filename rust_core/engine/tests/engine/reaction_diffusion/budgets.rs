@@ -72,11 +72,11 @@ fn what_does_not_fit_is_refused_with_its_path() {
         }
     };
     let negative = refused(&in_record("diffusion", "u", Value::Number(-1.0)), "RungeKutta4");
-    assert!(negative.starts_with("systems[0].diffusion.u: expected a number ≥ 0"), "{negative}");
+    assert!(negative.starts_with("systems[0].diffusion['u']: expected a number ≥ 0"), "{negative}");
     let large = refused(&in_record("initial", "v", Value::Number(1e300)), "RungeKutta4");
-    assert!(large.starts_with("systems[0].initial.v at cell (0, 0): expected a number that f32 holds"), "{large}");
+    assert!(large.starts_with("systems[0].initial['v'] at cell (0, 0): expected a number that f32 holds"), "{large}");
     let shape = refused(&in_record("initial", "v", field(&[8, 7], |_| 0.0)), "RungeKutta4");
-    assert!(shape.starts_with("systems[0].initial.v: expected an array of shape [8, 8]"), "{shape}");
+    assert!(shape.starts_with("systems[0].initial['v']: expected an array of shape [8, 8]"), "{shape}");
     let method = refused(&|_| (), "VelocityVerlet");
     assert!(method.contains("ExplicitEuler") && method.contains("RungeKuttaChebyshev"), "{method}");
 }

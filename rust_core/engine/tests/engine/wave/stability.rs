@@ -129,7 +129,7 @@ impl Callback for Until {
         if *time < self.0 {
             return Ok(vec![1.0]);
         }
-        Err(Failure::Refused { expected: what.to_owned(), found: "None".to_owned() })
+        Err(Failure::Refused { expected: what.to_owned(), found: "None".to_owned(), hint: String::new() })
     }
 }
 
