@@ -1,202 +1,106 @@
-//! Free surfaces and fragmentation of a fluid: their effect on the highest frequency of sound and on the wall pressure.
-//!
-//! **Sound.** Compression raises all frequencies. A fragment adds others. A lump that moves with v towards its neighbors is
-//! compressed at v·s, s = Σ Vⱼ ∇W, and at twice that rate if they approach it as fast: ω = 2c|s|. The larger of these frequencies
-//! is an estimate. The largest singular values of the sum over v·∇W are 1 to 20 % below it, in dam breaks, drops, jets and sprays
-//! along walls.
-//!
-//! **Walls.** Negative pressure would hold a particle at a mirror to its own image, and would hold a drop stretched between a
-//! wall and an obstacle. Therefore a separating wall or obstacle at a free surface, where air enters between them, exerts no
-//! pressure below that at rest.
+//! Detection of free surfaces and of lumps, by the sums of the kernel gradient.
 
 use glam::DVec3;
 
-use super::BLOCK;
-use super::images::WallCondition;
-use super::kernel::{self, FluidWave, KernelShape, SmoothingKernel};
-use super::laws::{GRADIENT_SUMS, KINDS, KernelGradientSum};
-use super::start::{Material, Materials};
+use super::images::{ImagePressure, WallCondition};
+use super::kernel::{self, KernelShape, SmoothingKernel};
+use super::material::Material;
+use super::records::volume;
 use super::walls::FluidWalls;
-use crate::error::Result;
-use crate::forces::neighbor_list::NeighborList;
-use crate::history::{Archive, History};
 use crate::math::{AXES, Real, Vector};
-use crate::neighbors::sums::Records;
-use crate::parallel::{BlockedSlice, Executor};
+use crate::neighbors::NeighborList;
+use crate::neighbors::sums::{Pair, PairLaw, Records};
+use crate::parallel::Executor;
+use crate::simd::Number;
 
 /// Ratio of Σ Vⱼ |∇W| to its value inside, below which a particle is at a free surface. The ratio is two thirds in the uppermost
 /// row, and 0.94 or more in the second. For ∇·r, which is about the same, E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417,
 /// take 0.75 to 0.8.
 const SURFACE: f64 = 0.8;
 
-/// Wall factor: the fraction of a particle's pressure that acts on its images and on obstacles.
+/// Kernel gradient sums: Σ Vⱼ ∇W along each axis [1/m], 0 inside the fluid and largest at a free surface; and Σ Vⱼ |∇W| [1/m],
+/// which grows with compression.
 #[derive(Debug, Clone, Copy)]
-pub struct WallFactor {
-    /// Factors in the kick between two drifts, and in the next drift, in halves.
-    kick: u8,
-    drift: u8,
+struct KernelGradientSum<T, K> {
+    kernel: SmoothingKernel<T, K>,
+}
+
+/// Number of sums of [`KernelGradientSum`].
+const GRADIENT_SUMS: usize = AXES + 1;
+
+impl<V: Vector, K: KernelShape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {
+    #[inline(always)]
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; GRADIENT_SUMS] {
+        let (distance, zero) = (pair.distance, N::constant(0.0));
+        let weight = self.kernel.slope(volume::<V, N>(&pair.other), distance);
+        let mut terms = [zero; GRADIENT_SUMS];
+        for axis in 0..V::DIMENSION {
+            terms[axis] = weight * pair.separation[axis];
+        }
+        // Padding of the lists has infinite distance.
+        terms[AXES] = (zero - weight * distance).masked(weight.less(zero));
+        terms
+    }
+}
+
+impl<V: Vector, K: KernelShape> ImagePressure<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {}
+
+/// Surroundings of a particle.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings {
+    /// Size of Σ Vⱼ ∇W [1/m], 0 inside the fluid.
+    pub imbalance: f64,
+    /// Ratio of Σ Vⱼ |∇W| to its value in a lattice.
+    pub closeness: f64,
+}
+
+impl Surroundings {
     /// Whether the particle is at a free surface.
-    at_surface: bool,
-}
-
-impl WallFactor {
-    /// The factor of a particle inside the fluid.
-    const INTERIOR: Self = Self { kick: 2, drift: 2, at_surface: false };
-
-    /// Updates the factors after a drift. `pulls` is set for a pressure below that at rest, and `stretched` for a separation from
-    /// walls and obstacles.
-    #[inline(always)]
-    pub fn drifted(&mut self, pulls: bool, stretched: bool) {
-        let next = if self.at_surface && pulls && stretched { 0 } else { 2 };
-        // Each half of a kick belongs to its adjacent drift, so that separation dissipates no energy.
-        (self.kick, self.drift) = (u8::midpoint(self.drift, next), next);
-    }
-
-    /// The factor in the kick between two drifts.
-    #[inline(always)]
-    pub fn kick(self) -> f32 {
-        0.5 * f32::from(self.kick)
-    }
-
-    /// The factor in the next drift.
-    #[inline(always)]
-    pub fn drift(self) -> f32 {
-        0.5 * f32::from(self.drift)
-    }
-
-    /// Tag of the factor in the kick: 0 for the full pressure, 1 for half of it, 2 for none.
-    #[inline(always)]
-    pub fn tag(self) -> u8 {
-        2 - self.kick
-    }
-
-    /// The factors by tag.
-    pub fn by_tag<T: Real>() -> [T; KINDS] {
-        [1.0, 0.5, 0.0, 0.0].map(T::from_f64)
-    }
-
-    /// The values in an archive.
-    fn numbers(self) -> [f64; 3] {
-        [self.kick().into(), self.drift().into(), f64::from(u8::from(self.at_surface))]
+    #[inline]
+    pub fn are_open(self) -> bool {
+        self.closeness < SURFACE
     }
 }
 
-/// Free surfaces of fluids and obstacles.
+/// Sums that detect free surfaces of fluids and obstacles.
 #[derive(Debug)]
 pub struct FreeSurface<V: Vector, K> {
     law: KernelGradientSum<V::Scalar, K>,
     /// Sums of [`KernelGradientSum`] by slot.
     gradients: Vec<[V::Scalar; GRADIENT_SUMS]>,
-    /// Lattice values of Σ Vⱼ |∇W| [1/m], and of the highest frequency over the speed of sound [1/m].
-    lattice: [f64; 2],
-    /// Wall factor of each member.
-    pub wall_factors: Vec<WallFactor>,
-    /// Highest frequency of sound at the last build of the lists [1/s].
-    highest: f64,
-    /// Whether the lists were rebuilt since that update.
-    pub is_stale: bool,
-    /// Wall factors, highest frequency and staleness at the start of the batch.
-    saved: (Vec<WallFactor>, f64, bool),
-    /// Highest frequency in each block of members [1/s].
-    block_highest: Vec<f64>,
+    /// Lattice value of Σ Vⱼ |∇W| [1/m].
+    lattice_gradient: f64,
 }
 
 impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
-    /// Surface of `count` particles of a fluid with these waves.
-    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, fluid: &Material, waves: &[FluidWave], count: usize) -> Self {
+    /// Surface of `count` particles of a fluid.
+    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, fluid: &Material, count: usize) -> Self {
         let h = fluid.smoothing_length;
-        let highest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
         Self {
             law: KernelGradientSum { kernel },
             gradients: vec![[V::Scalar::ZERO; GRADIENT_SUMS]; count],
-            lattice: [kernel::lattice_gradient(kernel.shape, fluid.spacing / h, V::DIMENSION) / h, highest / h],
-            wall_factors: vec![WallFactor::INTERIOR; count],
-            highest: 0.0,
-            is_stale: false,
-            saved: (vec![WallFactor::INTERIOR; count], 0.0, false),
-            block_highest: vec![0.0; count.div_ceil(BLOCK)],
+            lattice_gradient: kernel::lattice_gradient(kernel.shape, fluid.spacing / h, V::DIMENSION) / h,
         }
     }
 
-    /// Highest frequency of sound [1/s].
-    #[inline]
-    pub fn highest(&self) -> f64 {
-        self.highest
-    }
-
-    /// Whether no particle is at a free surface.
-    #[inline]
-    pub fn is_closed(&self) -> bool {
-        self.wall_factors.iter().all(|wall_factor| !wall_factor.at_surface)
-    }
-
-    /// Computes frequencies and surface flags with new lists, from records of volumes.
-    pub fn update(
-        &mut self,
-        (neighbor_list, records): (&NeighborList, &Records<V>),
-        walls: &FluidWalls,
-        (materials, kind): (&Materials, &[u8]),
-        density: &[f64],
-        executor: &Executor,
-    ) {
-        let Self {
-            law, gradients, lattice: [lattice_gradient, frequency], wall_factors, highest, is_stale, block_highest, ..
-        } = self;
-        let neighbors = neighbor_list.neighbors();
-        records.sum(neighbors, *law, gradients, executor);
+    /// Computes the sums with new lists, from records of volumes.
+    pub fn update(&mut self, (neighbor_list, records): (&NeighborList, &Records<V>), walls: &FluidWalls, executor: &Executor) {
+        let Self { law, gradients, .. } = self;
+        records.sum(neighbor_list.neighbors(), *law, gradients, executor);
         walls.add(*law, &WallCondition { weight: DVec3::ZERO, no_slip: false }, (neighbor_list, records), gradients, executor);
-        executor.for_each_block((BlockedSlice::new(wall_factors, BLOCK), BlockedSlice::new(block_highest, 1)), &|(
-            wall_factors,
-            block_highest,
-        )| {
-            block_highest.items[0] = 0.0;
-            for (member, wall_factor) in (wall_factors.start..).zip(wall_factors.items) {
-                let Some(fluid) = materials.fluid(kind[member]) else { continue };
-                let sums = gradients[neighbors.slots()[member] as usize].map(Real::to_f64);
-                let lump = 2.0 * sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-                let close = sums[AXES] / *lattice_gradient;
-                let fastest = fluid.sound_at(density[member]) * lump.max(*frequency * close);
-                block_highest.items[0] = fastest.max(block_highest.items[0]);
-                wall_factor.at_surface = close < SURFACE;
-            }
-        });
-        (*highest, *is_stale) = (block_highest.iter().copied().fold(0.0, f64::max), false);
+    }
+
+    /// Surroundings of the particle at a slot.
+    #[inline]
+    pub fn around(&self, slot: usize) -> Surroundings {
+        let sums = self.gradients[slot].map(Real::to_f64);
+        let imbalance = sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
+        Surroundings { imbalance, closeness: sums[AXES] / self.lattice_gradient }
     }
 
     /// Memory [bytes].
     #[inline]
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.gradients.as_slice()) + 2 * std::mem::size_of_val(self.wall_factors.as_slice())
-    }
-}
-
-/// Saves the wall factors, the highest frequency of sound, and whether they are stale.
-impl<V: Vector, K> History for FreeSurface<V, K> {
-    fn save(&mut self) {
-        self.saved.0.copy_from_slice(&self.wall_factors);
-        (self.saved.1, self.saved.2) = (self.highest, self.is_stale);
-    }
-
-    fn rollback(&mut self) {
-        self.wall_factors.copy_from_slice(&self.saved.0);
-        (self.highest, self.is_stale) = (self.saved.1, self.saved.2);
-    }
-
-    fn capture(&self, archive: &mut Archive) {
-        archive.write(self.wall_factors.iter().copied().flat_map(WallFactor::numbers));
-        archive.write([self.highest, f64::from(u8::from(self.is_stale))]);
-    }
-
-    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        for wall_factor in &mut self.wall_factors {
-            let mut numbers = wall_factor.numbers();
-            archive.read_into(&mut numbers)?;
-            let [kick, drift] = [numbers[0], numbers[1]].map(|factor| (2.0 * factor) as u8);
-            *wall_factor = WallFactor { kick, drift, at_surface: numbers[2] > 0.0 };
-        }
-        let mut numbers = [0.0; 2];
-        archive.read_into(&mut numbers)?;
-        (self.highest, self.is_stale) = (numbers[0], numbers[1] > 0.0);
-        Ok(())
+        std::mem::size_of_val(self.gradients.as_slice())
     }
 }
