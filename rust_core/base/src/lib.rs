@@ -8,7 +8,7 @@
 //! - persistent data, energy budgets and tallies ([`history`], [`ledger`], [`tally`]);
 //! - columns and [`grid`]s;
 //! - [`integrators`];
-//! - limits of the time step ([`stability`]);
+//! - limits of the time step ([`stability`]), and linear [`solvers`];
 //! - the trait [`systems::System`].
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
@@ -27,6 +27,7 @@ pub mod parallel;
 pub mod plan;
 pub mod scene;
 pub mod simd;
+pub mod solvers;
 pub mod stability;
 pub mod systems;
 pub mod tally;

@@ -16,7 +16,7 @@ pub mod sparse;
 pub mod systems;
 
 pub use physcore_base::{
-    adjacency, aligned, columns, error, grid, history, integrators, ledger, math, memory, parallel, plan, scene, simd, stability,
-    tally, with_integrator,
+    adjacency, aligned, columns, error, grid, history, integrators, ledger, math, memory, parallel, plan, scene, simd, solvers,
+    stability, tally, with_integrator,
 };
-pub use physcore_forces::{boundaries, forces, matter, neighbors};
+pub use physcore_forces::{boundaries, fluids, forces, matter, neighbors, particles};

@@ -18,12 +18,13 @@ const LAYERS: [(&str, &[&[&str]]); 4] = [
             &["adjacency", "columns", "grid", "tally"],
             &["integrators"],
             &["stability"],
+            &["solvers"],
             &["plan"],
             &["systems"],
         ],
     ),
     ("fields", &[&["reaction_diffusion", "schrodinger", "wave"]]),
-    ("forces", &[&["neighbors"], &["matter"], &["boundaries"], &["forces"]]),
+    ("forces", &[&["matter"], &["neighbors"], &["boundaries"], &["particles"], &["forces"], &["fluids"], &["space"]]),
     ("engine", &[&["sparse"], &["contacts"], &["systems"], &["simulation"]]),
 ];
 

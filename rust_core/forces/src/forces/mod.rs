@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3};
 
 use crate::error::Result;
 use crate::history::History;
@@ -10,28 +10,27 @@ use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Properties, Span, View};
 use crate::parallel::Executor;
+use crate::particles::start;
 use crate::scene::{self, Item, Scene};
 use crate::simd::padded;
 use crate::stability::{Horizon, SpectralBound};
 
 mod all_pairs;
-mod central;
+pub(crate) mod central;
 mod corners;
 mod custom;
-pub mod density;
 pub mod derivatives;
 mod dihedral;
 mod drag;
 mod electromagnetic;
-mod gravity;
+pub mod fluid;
+pub(crate) mod gravity;
 mod lennard_jones;
 pub mod linear;
-mod neighbor_list;
 mod pairs;
 mod placed;
 mod pointwise;
 mod soft_spheres;
-pub mod sph;
 pub mod springs;
 mod stream;
 mod strength;
@@ -39,14 +38,14 @@ mod timed;
 mod wind;
 
 pub use central::{InverseSquare, InverseSquareLaw};
-pub use density::{DensityEvolution, DensityScheme, Drift, Fields};
 use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;
 pub use electromagnetic::{Affine, ElectromagneticLaw, FieldLaw, Use, times};
+pub use fluid::{DensityEvolution, DensityScheme, Drift, Fields};
 use linear::Fusion;
 pub use pointwise::ForceField;
 pub use soft_spheres::KIND as SOFT_SPHERES;
-use springs::{Spring, Springs};
+use springs::Spring;
 pub use strength::{PART, Strength};
 
 /// State of matter at an evaluation of the forces.
@@ -318,10 +317,10 @@ impl<V: Vector> Declared<'_, V> {
 }
 
 /// The forces that one item declares.
-type Forces<V> = Vec<Box<dyn Force<V>>>;
+pub(crate) type Forces<V> = Vec<Box<dyn Force<V>>>;
 
 /// A kind of force that a scene can declare.
-struct ForceKind<V: Vector> {
+pub(crate) struct ForceKind<V: Vector> {
     /// Name in the scene.
     name: &'static str,
     /// Range of the force.
@@ -366,10 +365,10 @@ pub fn is_between_pairs(item: &Item) -> bool {
     matches!(reach(item), Some(Reach::Network | Reach::Pairs | Reach::Far))
 }
 
-/// Whether any force of the scene acts between all near particles.
+/// Whether any force or fluid of the scene acts between all near particles.
 #[inline]
 pub fn are_between_neighbors(scene: &Scene) -> bool {
-    sph::is_in(scene) || scene.forces.iter().any(|item| reach(item) == Some(Reach::Pairs))
+    start::is_in(scene) || scene.forces.iter().any(|item| reach(item) == Some(Reach::Pairs))
 }
 
 /// Whether forces act between all pairs of particles, at any distance.
@@ -395,32 +394,8 @@ pub trait Space: Vector {
     fn fluid(scene: &Scene, properties: &Properties<Self>, executor: &Executor) -> Result<Option<Box<dyn Force<Self>>>>;
 }
 
-macro_rules! compile_forces {
-    ($($vector:ty),+) => {
-        $(impl Space for $vector {
-            fn forces(scene: &Scene, item: &Item, properties: &Properties<Self>, executor: &Executor) -> Result<Forces<Self>> {
-                build(scene, item, properties, executor)
-            }
-
-            fn springs(springs: &[Spring], count: usize) -> Box<dyn Force<Self>> {
-                Box::new(Springs::<Self>::new(springs, count))
-            }
-
-            fn fluid(
-                scene: &Scene,
-                properties: &Properties<Self>,
-                executor: &Executor,
-            ) -> Result<Option<Box<dyn Force<Self>>>> {
-                sph::fluid(scene, properties, executor)
-            }
-        })+
-    };
-}
-
-compile_forces!(Vec2, Vec3, DVec2, DVec3);
-
 /// Builds the forces that an item of the scene declares.
-fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, executor: &Executor) -> Result<Forces<V>> {
+pub(crate) fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, executor: &Executor) -> Result<Forces<V>> {
     let Some(kind) = kinds().into_iter().find(|kind| kind.name == item.kind) else {
         return Err(scene::unknown(item, "a force"));
     };

@@ -9,7 +9,6 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use super::derivatives::{Derivatives, Directed, MatrixBlock, Motion, Push};
-use super::neighbor_list::NeighborList;
 use super::springs;
 use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
@@ -17,8 +16,8 @@ use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::matter::{EnergySink, Properties};
-use crate::neighbors::Neighbors;
 use crate::neighbors::sums::{Pair, PairLaw, Records};
+use crate::neighbors::{NeighborList, Neighbors};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 use crate::simd::{LANES, Number, ParticleRecord};

@@ -15,6 +15,7 @@ mod displacements;
 mod domain;
 mod grid;
 mod lists;
+mod neighbor_list;
 mod ordering;
 mod sort;
 pub mod sums;
@@ -22,6 +23,7 @@ pub mod sums;
 pub use brute::brute;
 pub use domain::Domain;
 pub use lists::List;
+pub use neighbor_list::NeighborList;
 pub use ordering::ordering;
 
 use std::ops::Range;

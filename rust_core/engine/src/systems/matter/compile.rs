@@ -8,10 +8,11 @@ use super::dynamics::Dynamics;
 use super::method::{Method, MethodProperties as MethodAbout, Treatment};
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
+use crate::fluids;
 use crate::forces::Space;
 use crate::forces::linear::Fusion;
 use crate::forces::springs::{self, Spring};
-use crate::forces::{self, About, DensityScheme, Force, Reach, SOFT_SPHERES, VelocityDependence, sph};
+use crate::forces::{self, About, DensityScheme, Force, Reach, SOFT_SPHERES, VelocityDependence};
 use crate::integrators::{BlanesMoan4, BlanesMoan6, Facts, Integrator};
 use crate::math::Real;
 use crate::matter::{Columns, Matter, Properties};
@@ -31,7 +32,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let about = method.about();
     let [projects, solves] = [Treatment::Projections, Treatment::Solved].map(|treatment| about.springs == treatment);
     let count = scene.count();
-    let known = |kind: &str| [PARTICLES, springs::KIND, sph::KIND].contains(&kind);
+    let known = |kind: &str| [PARTICLES, springs::KIND, fluids::KIND].contains(&kind);
     if let Some(body) = scene.bodies.iter().find(|body| !known(&body.item.kind)) {
         return Err(scene::unknown(&body.item, "a body: Particles, SpringNetwork or Fluid"));
     }
@@ -127,7 +128,7 @@ fn fluid<V: Space>(
     let Some(fluid) = V::fluid(scene, properties, executor)? else { return Ok(None) };
     about.refuse_kinks("a fluid")?;
     if [Treatment::Projections, Treatment::Solved].contains(&about.springs) {
-        return Err(cannot_take(about, sph::KIND));
+        return Err(cannot_take(about, fluids::KIND));
     }
     let continuity = fluid.density().is_some_and(|density| density.scheme() == DensityScheme::Continuity);
     if let (true, Some(reason)) = (continuity, about.refusals.fields) {
@@ -230,8 +231,11 @@ fn footprint<V: Space>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
     // State with its copy, and workspace of sweeps.
     let columns = 2 * (2 + registers) + about.memory.own + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
-    let pairs =
-        [(forces::are_between_neighbors(scene), NEIGHBOR), (sph::is_in(scene), FLUID), (forces::are_at_a_distance(scene), FAR)];
+    let pairs = [
+        (forces::are_between_neighbors(scene), NEIGHBOR),
+        (fluids::is_in(scene), FLUID),
+        (forces::are_at_a_distance(scene), FAR),
+    ];
     let pairs: usize = pairs.into_iter().filter(|(holds, _)| *holds).map(|(_, bytes)| bytes).sum();
     let particles = scene.count() * (columns * vector + PROPERTIES + pairs);
     let spring = SPRING + if about.springs == Treatment::Rods { ROD } else { 0 };

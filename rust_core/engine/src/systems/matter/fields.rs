@@ -7,11 +7,11 @@ use super::compile::out_of_range;
 use super::constraints::Constraint;
 use crate::error::{Error, Result};
 use crate::forces::Space;
-use crate::forces::sph::Gauges;
 use crate::forces::{DensityScheme, Fields};
 use crate::math::AXES;
 use crate::matter::{Columns, EnergySink};
 use crate::parallel::{Executor, SERIAL};
+use crate::particles::Gauges;
 use crate::systems::{FieldInfo, System};
 
 /// Names and units of the fields of all matter, and of fluids.

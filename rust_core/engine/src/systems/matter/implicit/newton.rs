@@ -12,6 +12,7 @@ use crate::forces::Space;
 use crate::forces::derivatives::{Motion, Push};
 use crate::forces::springs::Spring;
 use crate::parallel::Executor;
+use crate::solvers::conjugate_gradient::{ConjugateGradient, DefiniteSystem, dot};
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::projection::colored;
 
@@ -57,12 +58,23 @@ pub struct Newton {
     velocities: Vec<DVec3>,
     residual: Vec<DVec3>,
     direction: Vec<DVec3>,
-    /// Vectors of conjugate gradients: residual, preconditioned residual, direction, and product.
-    vectors: [Vec<DVec3>; 4],
+    gradients: ConjugateGradient<DVec3>,
 }
 
-fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| one.dot(*other)).sum()
+/// Linear equations of an iteration. If `definite`, derivatives that may be negative are left out.
+struct NewtonSystem<'a> {
+    matrix: &'a Stiffness,
+    definite: bool,
+}
+
+impl DefiniteSystem<DVec3> for NewtonSystem<'_> {
+    fn multiply(&self, p: &[DVec3], product: &mut [DVec3]) {
+        self.matrix.multiply(p, product, self.definite);
+    }
+
+    fn precondition(&self, r: &[DVec3], z: &mut [DVec3]) {
+        self.matrix.precondition(r, z);
+    }
 }
 
 impl Newton {
@@ -76,11 +88,10 @@ impl Newton {
         self.springs = colored(&dynamics.springs, dynamics.properties.count());
         self.mass.clone_from(&dynamics.properties.mass);
         let zeros = vec![DVec3::ZERO; self.mass.len()];
-        for vector in
-            [&mut self.places, &mut self.velocities, &mut self.residual, &mut self.direction].into_iter().chain(&mut self.vectors)
-        {
+        for vector in [&mut self.places, &mut self.velocities, &mut self.residual, &mut self.direction] {
             vector.clone_from(&zeros);
         }
+        self.gradients.resize(zeros.len());
     }
 
     /// Displacements that solve an equation, and the numbers of iterations and products.
@@ -231,36 +242,15 @@ impl Newton {
     /// Solves A p = −R for the direction p, to a relative residual. Returns the number of products, or None if A is not
     /// definite.
     fn descend(&mut self, tolerance: f64, definite: bool, executor: &Executor) -> Option<u64> {
-        let Self { matrix, residual, direction, vectors: [r, z, p, product], .. } = self;
-        direction.fill(DVec3::ZERO);
-        r.iter_mut().zip(residual.iter()).for_each(|(r, &residual)| *r = -residual);
-        matrix.precondition(r, z);
-        p.clone_from(z);
-        let (mut now, target) = (dot(r, z), tolerance * tolerance * dot(r, r));
-        let most = 3 * r.len() as u64 + 10;
-        for count in 0..most {
-            if dot(r, r) <= target || now <= 0.0 || executor.stopped() {
-                return Some(count);
-            }
-            matrix.multiply(p, product, definite);
-            let curvature = dot(p, product);
-            if curvature <= 0.0 {
-                return None;
-            }
-            let step = now / curvature;
-            direction.iter_mut().zip(p.iter()).for_each(|(x, &p)| *x += step * p);
-            r.iter_mut().zip(product.iter()).for_each(|(r, &product)| *r -= step * product);
-            matrix.precondition(r, z);
-            let next = dot(r, z);
-            p.iter_mut().zip(z.iter()).for_each(|(p, &z)| *p = z + next / now * *p);
-            now = next;
-        }
-        Some(most)
+        let Self { matrix, residual, direction, gradients, .. } = self;
+        let system = NewtonSystem { matrix, definite };
+        let downhill = residual.iter().map(|&residual| -residual);
+        gradients.solve(&system, downhill, direction, tolerance, executor).map(|solved| solved.products)
     }
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        let vectors = 9 * size_of_val(self.places.as_slice());
+        let vectors = 5 * size_of_val(self.places.as_slice()) + self.gradients.bytes();
         size_of_val(self.springs.as_slice()) + self.matrix.bytes() + vectors + size_of_val(self.mass.as_slice())
     }
 }

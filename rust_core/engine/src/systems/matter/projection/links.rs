@@ -4,6 +4,7 @@ use crate::forces::Space;
 use crate::forces::springs::Spring;
 use crate::math::{AXES, Real};
 use crate::matter::{Columns, Properties};
+use crate::solvers;
 use crate::systems::matter::constraints::rods;
 
 /// Vector of a particle; a fourth component 0 fills a register.
@@ -61,29 +62,10 @@ impl<T: Real> ProjectionLink<T> {
     }
 }
 
-/// Springs between different ones of `count` particles, color by color. No two springs of a color share a particle. Each
-/// spring has the first color that is free at both ends.
+/// Springs between different ones of `count` particles, color by color. No two springs of a color share a particle.
 pub fn colored(springs: &[Spring], count: usize) -> Vec<Spring> {
-    let mut taken: Vec<Vec<u64>> = vec![Vec::new(); count];
-    let mut colors: Vec<Vec<Spring>> = Vec::new();
-    for &spring in springs.iter().filter(|spring| spring.ends[0] != spring.ends[1]) {
-        let [one, other] = spring.ends.map(|end| end as usize);
-        let word = |at: usize| [one, other].iter().filter_map(|&end| taken[end].get(at)).fold(0, |word, end| word | end);
-        let mut at = 0;
-        while word(at) == u64::MAX {
-            at += 1;
-        }
-        let color = 64 * at + word(at).trailing_ones() as usize;
-        for particle in [one, other] {
-            let words = taken[particle].len().max(at + 1);
-            taken[particle].resize(words, 0);
-            taken[particle][at] |= 1 << (color % 64);
-        }
-        colors.resize(colors.len().max(color + 1), Vec::new());
-        colors[color].push(spring);
-    }
-    colors.iter_mut().for_each(|color| color.sort_by_key(|spring| spring.ends));
-    colors.concat()
+    let springs: Vec<Spring> = springs.iter().filter(|spring| spring.ends[0] != spring.ends[1]).copied().collect();
+    solvers::colored(&springs, |spring| spring.ends, count).concat()
 }
 
 /// Links of all springs, for steps of `h` seconds.

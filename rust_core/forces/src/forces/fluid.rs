@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use super::StateView;
-use super::sph::Gauges;
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span, View};
 use crate::parallel::Executor;
+use crate::particles::Gauges;
 use crate::systems::Mach;
 
 /// The drift of all particles over a substep, at constant velocity.

@@ -2,21 +2,22 @@
 
 use std::f64::consts::TAU;
 
-use super::Fluids;
-use super::kernel::{FluidWave, KernelShape};
-use super::laws::{FORCES, OBSTACLE};
-use super::start::Material;
+use super::WeaklyCompressible;
+use super::laws::FORCES;
 use crate::forces::{DensityEvolution, DensityScheme};
 use crate::math::{Real, Vector};
 use crate::matter::View;
+use crate::particles::kernel::KernelShape;
+use crate::particles::waves::FluidWave;
+use crate::particles::{Material, OBSTACLE};
 use crate::stability::SpectralBound;
 use crate::systems::Mach;
 
-impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
+impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXED> {
     /// The Mach number at these velocities.
     #[inline]
     pub fn speed(&self, velocity: View<'_, V>) -> Mach {
-        let sound = self.materials.first().sound_speed;
+        let sound = self.fluids[0].sound_speed;
         let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
         let (mut fast, mut all) = (0.0, 0.0);
         for (&index, _) in self.neighbor_list.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
@@ -46,16 +47,16 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
         let diffuses = if self.scheme() == DensityScheme::Continuity { 1.0 } else { 0.0 };
         let sheared = self.momentum.shear != V::Scalar::ZERO;
         let bounds: Vec<(f64, f64, f64)> = self
-            .materials
             .fluids
             .iter()
             .zip(0..)
             .map(|(fluid, kind)| {
                 let densities = self.density.iter().zip(&self.kind).filter(|(_, other)| **other == kind);
-                let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
+                let densest = densities.map(|(density, _)| *density).fold(fluid.material.density, f64::max);
                 let scaled = |wave: &FluidWave| {
                     let laminar = if sheared { wave.decay } else { wave.strain };
-                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * laminar) / fluid.density;
+                    let viscous =
+                        (fluid.artificial() * wave.squeeze + 2.0 * fluid.material.viscosity * laminar) / fluid.material.density;
                     let diffusion = diffuses * fluid.diffusion() * wave.decay;
                     [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
                 };
@@ -64,7 +65,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
                 let faster = (self.surface.highest() / fastest).max(1.0);
                 let waves = self.waves.iter().map(scaled).map(|[frequency, damping, decay]| [faster * frequency, damping, decay]);
                 let [stiffness, damping] = bound.shortest(waves);
-                (stiffness, damping, fluid.density)
+                (stiffness, damping, fluid.material.density)
             })
             .collect();
         let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));

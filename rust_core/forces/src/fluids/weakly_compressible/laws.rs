@@ -33,71 +33,19 @@
 //! Le Touzé, Phys. Rev. E 84 (2011) 026705; for A ∝ F/d² J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703; for the force along v
 //! J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214.
 
-use super::images::ImagePressure;
-use super::kernel::{KernelShape, SmoothingKernel};
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw};
+use crate::particles::images::ImagePressure;
+use crate::particles::kernel::{KernelShape, SmoothingKernel};
+use crate::particles::records::{approach, content, is_obstacle, pick, velocity, volume};
+use crate::particles::{KINDS, OBSTACLE};
 use crate::simd::{Number, ParticleRecord};
-
-/// Number of materials: fluids, and obstacles.
-pub const KINDS: usize = 4;
-/// Tag of obstacles.
-pub const OBSTACLE: u8 = 3;
 
 /// Number of sums of [`Momentum`]: the force along each axis, the power of viscous forces, and the power dissipated by obstacle
 /// pressures. The viscous power counts twice, and is negative where it is dissipated.
 pub const FORCES: usize = AXES + 2;
 pub const VISCOUS: usize = AXES;
 pub const SOLID: usize = AXES + 1;
-
-/// Volume V [m^D]: the first word of a record after the velocity.
-#[inline(always)]
-pub fn volume<V: Vector, N: Copy>(record: &ParticleRecord<N>) -> N {
-    record[2 * V::DIMENSION]
-}
-
-/// Second word of a record after the velocity: the pressure p [Pa], or the enthalpy in units of density, ρ₀w/c² [kg/m³].
-#[inline(always)]
-pub fn content<V: Vector, N: Copy>(record: &ParticleRecord<N>) -> N {
-    record[2 * V::DIMENSION + 1]
-}
-
-/// Relative velocity v along one axis [m/s].
-#[inline(always)]
-fn velocity<V: Vector, N: Number>(pair: &Pair<N>, axis: usize) -> N {
-    pair.own[V::DIMENSION + axis] - pair.other[V::DIMENSION + axis]
-}
-
-/// Scalar product v·d [m²/s], negative in approach.
-#[inline(always)]
-pub fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
-    let mut sum = velocity::<V, N>(pair, 0) * pair.separation[0];
-    for axis in 1..V::DIMENSION {
-        sum += velocity::<V, N>(pair, axis) * pair.separation[axis];
-    }
-    sum
-}
-
-/// Value for the material of a tagged number.
-#[inline(always)]
-pub fn pick<N: Number, const MIXED: bool>(tagged: N, values: &[N::Scalar; KINDS]) -> N
-where
-    N::Scalar: Copy,
-{
-    if !MIXED {
-        return N::of(values[0]);
-    }
-    let (low, high) = (tagged.has_bit(0), tagged.has_bit(1));
-    let even = N::select(high, N::of(values[2]), N::of(values[0]));
-    let odd = N::select(high, N::of(values[3]), N::of(values[1]));
-    N::select(low, odd, even)
-}
-
-/// Mask of numbers with the tag of obstacles, which has both bits.
-#[inline(always)]
-pub fn is_obstacle<N: Number>(tagged: N) -> N::Mask {
-    N::both(tagged.has_bit(0), tagged.has_bit(1))
-}
 
 /// Number of sums of [`Continuity`].
 pub const RATES: usize = 3;
@@ -302,74 +250,5 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> ImagePressure<V, FORCES> for 
         }
         terms[VISCOUS] = N::constant(0.0) - loss;
         terms
-    }
-}
-
-/// Number density Σ Vⱼ W, for density by summation.
-#[derive(Debug, Clone, Copy)]
-pub struct NumberDensity<T, K> {
-    pub kernel: SmoothingKernel<T, K>,
-}
-
-impl<V: Vector, K: KernelShape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
-    #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
-        [volume::<V, N>(&pair.other) * self.kernel.value(pair.distance)]
-    }
-}
-
-impl<V: Vector, K: KernelShape> ImagePressure<V, 1> for NumberDensity<V::Scalar, K> {}
-
-/// Kernel gradient sums: Σ Vⱼ ∇W along each axis [1/m], 0 inside the fluid and largest at a free surface; and Σ Vⱼ |∇W| [1/m],
-/// which grows with compression.
-#[derive(Debug, Clone, Copy)]
-pub struct KernelGradientSum<T, K> {
-    pub kernel: SmoothingKernel<T, K>,
-}
-
-/// Number of sums of [`KernelGradientSum`].
-pub const GRADIENT_SUMS: usize = AXES + 1;
-
-impl<V: Vector, K: KernelShape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {
-    #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; GRADIENT_SUMS] {
-        let (distance, zero) = (pair.distance, N::constant(0.0));
-        let weight = self.kernel.slope(volume::<V, N>(&pair.other), distance);
-        let mut terms = [zero; GRADIENT_SUMS];
-        for axis in 0..V::DIMENSION {
-            terms[axis] = weight * pair.separation[axis];
-        }
-        // Padding of the lists has infinite distance.
-        terms[AXES] = (zero - weight * distance).masked(weight.less(zero));
-        terms
-    }
-}
-
-impl<V: Vector, K: KernelShape> ImagePressure<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {}
-
-/// Pressure extrapolated to an obstacle from the fluid, with the hydrostatic difference: Σ [pⱼ + ρ₀ g·d] W and Σ W. The
-/// acceleration of the obstacle is omitted.
-///
-/// Source: S. Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057.
-#[derive(Debug, Clone, Copy)]
-pub struct Extrapolation<T, K> {
-    pub kernel: SmoothingKernel<T, K>,
-    /// Rest density ρ₀ of each material [kg/m³], 0 for obstacles.
-    pub density: [T; KINDS],
-    /// Gravitational acceleration g [m/s²].
-    pub gravity: [T; AXES],
-}
-
-impl<V: Vector, K: KernelShape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
-    #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
-        let Pair { other, separation, distance, .. } = pair;
-        let volume = volume::<V, N>(other);
-        let weight = N::select(is_obstacle(volume), N::constant(0.0), self.kernel.value(*distance));
-        let mut rise = N::constant(0.0);
-        for axis in 0..V::DIMENSION {
-            rise += N::of(self.gravity[axis]) * separation[axis];
-        }
-        [(content::<V, N>(other) + pick::<N, true>(volume, &self.density) * rise) * weight, weight]
     }
 }

@@ -7,12 +7,12 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::{Domain, Neighbors, Reflections};
 use crate::adjacency::Adjacency;
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
-use crate::neighbors::{Domain, Neighbors, Reflections};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 

@@ -33,15 +33,16 @@
 
 use glam::DVec3;
 
-use super::images::{ImagePressure, WallCondition};
-use super::kernel::{KernelShape, SmoothingKernel};
-use super::laws::{approach, volume};
-use super::start::Material;
-use super::walls::FluidWalls;
-use crate::forces::neighbor_list::NeighborList;
+use super::equation_of_state::CompressibleFluid;
 use crate::math::{AXES, Real, Vector};
+use crate::neighbors::NeighborList;
 use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::Executor;
+use crate::particles::Material;
+use crate::particles::images::{ImagePressure, WallCondition};
+use crate::particles::kernel::{KernelShape, SmoothingKernel};
+use crate::particles::records::{approach, volume};
+use crate::particles::walls::FluidWalls;
 use crate::simd::Number;
 
 /// Mach number of the fastest flow.
@@ -110,13 +111,14 @@ pub struct Shifting<V: Vector, K> {
 
 impl<V: Vector, K: KernelShape> Shifting<V, K> {
     /// Shifting of `count` particles with a common kernel.
-    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, common: &Material, coefficient: f64, count: usize) -> Self {
+    pub fn new(kernel: SmoothingKernel<V::Scalar, K>, common: &CompressibleFluid, coefficient: f64, count: usize) -> Self {
         let number = V::Scalar::from_f64;
-        let scale = V::Scalar::ONE / kernel.value(number(common.spacing));
+        let Material { spacing, smoothing_length, .. } = common.material;
+        let scale = V::Scalar::ONE / kernel.value(number(spacing));
         Self {
-            law: ShiftingSum { kernel, scale, softening: number(0.01 * common.smoothing_length.powi(2)) },
+            law: ShiftingSum { kernel, scale, softening: number(0.01 * smoothing_length.powi(2)) },
             coefficient,
-            smoothing_length: common.smoothing_length,
+            smoothing_length,
             fastest: FASTEST * common.sound_speed,
             sums: vec![[V::Scalar::ZERO; SUMS]; count],
             dt: 0.0,

@@ -15,20 +15,35 @@
 
 use glam::DVec3;
 
-use super::BLOCK;
-use super::images::WallCondition;
-use super::kernel::{self, KernelShape, SmoothingKernel};
-use super::laws::NumberDensity;
-use super::start::Materials;
-use super::walls::FluidWalls;
 use crate::error::{Error, Result};
-use crate::forces::neighbor_list::NeighborList;
 use crate::math::{Real, Vector};
-use crate::neighbors::sums::Records;
+use crate::neighbors::NeighborList;
+use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::{BlockedSlice, Executor};
+use crate::particles::images::{ImagePressure, WallCondition};
+use crate::particles::kernel::{self, KernelShape, SmoothingKernel};
+use crate::particles::records::volume;
+use crate::particles::walls::FluidWalls;
+use crate::particles::{BLOCK, Materials};
+use crate::simd::Number;
 
 /// Smallest initial density in units of ρ₀ of a fluid that fills its domain. Next to a free surface the density is 0.8 or less.
 const LEAST: f64 = 0.9;
+
+/// Number density Σ Vⱼ W, for density by summation.
+#[derive(Debug, Clone, Copy)]
+struct NumberDensity<T, K> {
+    kernel: SmoothingKernel<T, K>,
+}
+
+impl<V: Vector, K: KernelShape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
+    #[inline(always)]
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
+        [volume::<V, N>(&pair.other) * self.kernel.value(pair.distance)]
+    }
+}
+
+impl<V: Vector, K: KernelShape> ImagePressure<V, 1> for NumberDensity<V::Scalar, K> {}
 
 /// Density by summation.
 pub struct Summation<V: Vector, K> {

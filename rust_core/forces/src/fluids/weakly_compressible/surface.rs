@@ -9,25 +9,20 @@
 //! wall and an obstacle. Therefore a separating wall or obstacle at a free surface, where air enters between them, exerts no
 //! pressure below that at rest.
 
-use glam::DVec3;
-
-use super::BLOCK;
-use super::images::WallCondition;
-use super::kernel::{self, FluidWave, KernelShape, SmoothingKernel};
-use super::laws::{GRADIENT_SUMS, KINDS, KernelGradientSum};
-use super::start::{Material, Materials};
-use super::walls::FluidWalls;
+use super::equation_of_state::CompressibleFluid;
 use crate::error::Result;
-use crate::forces::neighbor_list::NeighborList;
+
 use crate::history::{Archive, History};
-use crate::math::{AXES, Real, Vector};
+use crate::math::{Real, Vector};
+
+use crate::neighbors::NeighborList;
 use crate::neighbors::sums::Records;
 use crate::parallel::{BlockedSlice, Executor};
-
-/// Ratio of Σ Vⱼ |∇W| to its value inside, below which a particle is at a free surface. The ratio is two thirds in the uppermost
-/// row, and 0.94 or more in the second. For ∇·r, which is about the same, E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417,
-/// take 0.75 to 0.8.
-const SURFACE: f64 = 0.8;
+use crate::particles::kernel::{KernelShape, SmoothingKernel};
+use crate::particles::surface::FreeSurface;
+use crate::particles::walls::FluidWalls;
+use crate::particles::waves::FluidWave;
+use crate::particles::{BLOCK, KINDS, Material};
 
 /// Wall factor: the fraction of a particle's pressure that acts on its images and on obstacles.
 #[derive(Debug, Clone, Copy)]
@@ -81,14 +76,12 @@ impl WallFactor {
     }
 }
 
-/// Free surfaces of fluids and obstacles.
+/// Free surfaces of fluids and obstacles, with their effect on the frequency of sound and on the pressure at walls.
 #[derive(Debug)]
-pub struct FreeSurface<V: Vector, K> {
-    law: KernelGradientSum<V::Scalar, K>,
-    /// Sums of [`KernelGradientSum`] by slot.
-    gradients: Vec<[V::Scalar; GRADIENT_SUMS]>,
-    /// Lattice values of Σ Vⱼ |∇W| [1/m], and of the highest frequency over the speed of sound [1/m].
-    lattice: [f64; 2],
+pub struct SurfaceEffects<V: Vector, K> {
+    detection: FreeSurface<V, K>,
+    /// Highest frequency in a lattice over the speed of sound [1/m].
+    lattice_frequency: f64,
     /// Wall factor of each member.
     pub wall_factors: Vec<WallFactor>,
     /// Highest frequency of sound at the last build of the lists [1/s].
@@ -101,15 +94,12 @@ pub struct FreeSurface<V: Vector, K> {
     block_highest: Vec<f64>,
 }
 
-impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
+impl<V: Vector, K: KernelShape> SurfaceEffects<V, K> {
     /// Surface of `count` particles of a fluid with these waves.
     pub fn new(kernel: SmoothingKernel<V::Scalar, K>, fluid: &Material, waves: &[FluidWave], count: usize) -> Self {
-        let h = fluid.smoothing_length;
-        let highest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
         Self {
-            law: KernelGradientSum { kernel },
-            gradients: vec![[V::Scalar::ZERO; GRADIENT_SUMS]; count],
-            lattice: [kernel::lattice_gradient(kernel.shape, fluid.spacing / h, V::DIMENSION) / h, highest / h],
+            detection: FreeSurface::new(kernel, fluid, count),
+            lattice_frequency: waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max) / fluid.smoothing_length,
             wall_factors: vec![WallFactor::INTERIOR; count],
             highest: 0.0,
             is_stale: false,
@@ -135,29 +125,25 @@ impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
         walls: &FluidWalls,
-        (materials, kind): (&Materials, &[u8]),
+        (fluids, kind): (&[CompressibleFluid], &[u8]),
         density: &[f64],
         executor: &Executor,
     ) {
-        let Self {
-            law, gradients, lattice: [lattice_gradient, frequency], wall_factors, highest, is_stale, block_highest, ..
-        } = self;
-        let neighbors = neighbor_list.neighbors();
-        records.sum(neighbors, *law, gradients, executor);
-        walls.add(*law, &WallCondition { weight: DVec3::ZERO, no_slip: false }, (neighbor_list, records), gradients, executor);
+        let Self { detection, lattice_frequency, wall_factors, highest, is_stale, block_highest, .. } = self;
+        detection.update((neighbor_list, records), walls, executor);
+        let (detection, slots) = (&*detection, neighbor_list.neighbors().slots());
         executor.for_each_block((BlockedSlice::new(wall_factors, BLOCK), BlockedSlice::new(block_highest, 1)), &|(
             wall_factors,
             block_highest,
         )| {
             block_highest.items[0] = 0.0;
             for (member, wall_factor) in (wall_factors.start..).zip(wall_factors.items) {
-                let Some(fluid) = materials.fluid(kind[member]) else { continue };
-                let sums = gradients[neighbors.slots()[member] as usize].map(Real::to_f64);
-                let lump = 2.0 * sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-                let close = sums[AXES] / *lattice_gradient;
-                let fastest = fluid.sound_at(density[member]) * lump.max(*frequency * close);
+                let Some(fluid) = fluids.get(usize::from(kind[member])) else { continue };
+                let around = detection.around(slots[member] as usize);
+                let lump = 2.0 * around.imbalance;
+                let fastest = fluid.sound_at(density[member]) * lump.max(*lattice_frequency * around.closeness);
                 block_highest.items[0] = fastest.max(block_highest.items[0]);
-                wall_factor.at_surface = close < SURFACE;
+                wall_factor.at_surface = around.are_open();
             }
         });
         (*highest, *is_stale) = (block_highest.iter().copied().fold(0.0, f64::max), false);
@@ -166,12 +152,12 @@ impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
     /// Memory [bytes].
     #[inline]
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.gradients.as_slice()) + 2 * std::mem::size_of_val(self.wall_factors.as_slice())
+        self.detection.bytes() + 2 * std::mem::size_of_val(self.wall_factors.as_slice())
     }
 }
 
 /// Saves the wall factors, the highest frequency of sound, and whether they are stale.
-impl<V: Vector, K> History for FreeSurface<V, K> {
+impl<V: Vector, K> History for SurfaceEffects<V, K> {
     fn save(&mut self) {
         self.saved.0.copy_from_slice(&self.wall_factors);
         (self.saved.1, self.saved.2) = (self.highest, self.is_stale);

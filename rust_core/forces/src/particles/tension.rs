@@ -27,20 +27,22 @@
 //! simplified force, area minimization, N. Akinci, G. Akinci and M. Teschner, ACM Trans. Graph. 32 (2013) 182; for the third
 //! part, repulsion by a local density of shorter range with its weight, P. B. Warren, Phys. Rev. E 68 (2003) 066702.
 
-use std::f64::consts::FRAC_2_PI;
-
 use glam::DVec3;
 
-use super::images::{ImagePressure, WallCondition};
-use super::kernel::{self, FluidWave, KernelShape, SmoothingKernel};
-use super::laws::{KINDS, OBSTACLE, content, is_obstacle, pick, volume};
-use super::start::{Material, Materials};
+use super::images::WallCondition;
+use super::kernel::{self, KernelShape, SmoothingKernel};
+use super::material::{KINDS, Material, Materials, OBSTACLE, pairs};
 use super::walls::FluidWalls;
-use crate::forces::neighbor_list::NeighborList;
+use super::waves::FluidWave;
 use crate::math::{AXES, Real, Vector};
-use crate::neighbors::sums::{Pair, PairLaw, Records};
+use crate::neighbors::NeighborList;
+use crate::neighbors::sums::Records;
 use crate::parallel::Executor;
-use crate::simd::{Number, ParticleRecord};
+use laws::{COLOR, COLOR_SUMS, Cohesion, ColorField, Common, LOCAL_DENSITY, TensionForce};
+use moduli::{SETTLED, close_packing, moduli};
+
+mod laws;
+mod moduli;
 
 /// Range r₀ of the local density in units of the particle spacing at rest.
 pub const SHORT_RANGE: f64 = 1.5;
@@ -49,140 +51,11 @@ pub const SHORT_RANGE: f64 = 1.5;
 /// tenth.
 const REPULSION: f64 = 3.0;
 
-/// Local density s up to which the time-step bound holds. In settled drops it is 1.2 at most.
-const DENSEST: f64 = 1.5;
-
 /// Smallest divisor distance, in units of r₀.
 const TINY: f64 = 1e-6;
 
-/// Ratio A/B in 2D and 3D, in units of the ratio with which the outermost layer of a flat lattice is in equilibrium. With these
-/// values the equation of state bears Laplace's pressure. They were measured with Wendland's C2 and h = 1.5 Δ, in drops of 12 to
-/// 30 spacings in 2D and of 8 to 12 in 3D.
-const COHESION: [f64; 2] = [1.8, 1.65];
-
-/// Ratio of the energy of a relaxed surface to that of a flat lattice surface, in 2D and 3D, measured on the drops of
-/// [`COHESION`].
-const SETTLED: [f64; 2] = [0.75, 0.80];
-
 /// Images have the color of their originals: free slip, no hydrostatic difference.
 const FREE_SLIP: WallCondition = WallCondition { weight: DVec3::ZERO, no_slip: false };
-
-/// Number of sums of [`ColorField`]: g along each axis, c S, and s S₀.
-const COLOR_SUMS: usize = AXES + 2;
-const COLOR: usize = AXES;
-const LOCAL_DENSITY: usize = AXES + 1;
-
-/// Flags, 1 or 0, of the materials that one material counts in the color and in the local density.
-#[derive(Debug, Clone, Copy)]
-struct Cohesion<T> {
-    color: [T; KINDS],
-    local_density: [T; KINDS],
-}
-
-/// Common data of both laws: the coefficients of every material, and those of the particle's material.
-#[derive(Debug, Clone, Copy)]
-struct Common<T, K, const MIXED: bool> {
-    kernel: SmoothingKernel<T, K>,
-    cohesion: [Cohesion<T>; KINDS],
-    for_particle: Cohesion<T>,
-    /// Inverse range 1/r₀ [1/m].
-    inverse_range: T,
-}
-
-impl<T: Real, K: KernelShape, const MIXED: bool> Common<T, K, MIXED> {
-    #[inline(always)]
-    fn for_particle(mut self, tagged: T) -> Self {
-        if MIXED {
-            self.for_particle = self.cohesion[usize::from(tagged.tag())];
-        }
-        self
-    }
-
-    /// The volume, or 0 if a particle of this tag does not count in the color.
-    #[inline(always)]
-    fn cohesive<N: Number<Scalar = T>>(&self, tagged: N, volume: N) -> N {
-        if MIXED { volume * pick::<N, MIXED>(tagged, &self.for_particle.color) } else { volume }
-    }
-
-    /// Closeness 1 − r/r₀; 0 beyond r₀, and for a particle of this tag that does not count in the local density.
-    #[inline(always)]
-    fn closeness<N: Number<Scalar = T>>(&self, tagged: N, distance: N) -> N {
-        let closeness = (N::constant(1.0) - distance * N::of(self.inverse_range)).max(N::constant(0.0));
-        if MIXED { closeness * pick::<N, MIXED>(tagged, &self.for_particle.local_density) } else { closeness }
-    }
-}
-
-/// Sums of the color field.
-#[derive(Debug, Clone, Copy)]
-struct ColorField<T, K, const MIXED: bool>(Common<T, K, MIXED>);
-
-impl<V: Vector, K: KernelShape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {
-    #[inline(always)]
-    fn for_particle(self, own: &ParticleRecord<V::Scalar>) -> Self {
-        Self(self.0.for_particle(volume::<V, _>(own)))
-    }
-
-    #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; COLOR_SUMS] {
-        let (volume, distance) = (volume::<V, N>(&pair.other), pair.distance);
-        let cohesive_volume = self.0.cohesive(volume, volume);
-        let slope = self.0.kernel.slope(cohesive_volume, distance);
-        let mut terms = [N::constant(0.0); COLOR_SUMS];
-        for axis in 0..V::DIMENSION {
-            terms[axis] = slope * pair.separation[axis];
-        }
-        terms[COLOR] = cohesive_volume * self.0.kernel.value(distance);
-        let closeness = self.0.closeness(volume, distance);
-        terms[LOCAL_DENSITY] = closeness * closeness;
-        terms
-    }
-}
-
-impl<V: Vector, K: KernelShape, const MIXED: bool> ImagePressure<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {}
-
-/// Force density [N/m^D]. The records contain b, 2k/r₀ or the volume of an obstacle, and a with the tag of the material.
-#[derive(Debug, Clone, Copy)]
-struct TensionForce<T, K, const MIXED: bool> {
-    common: Common<T, K, MIXED>,
-    /// Volume of a fluid particle at rest [m^D].
-    volume: T,
-    /// Smallest divisor distance [m].
-    tiny: T,
-}
-
-impl<V: Vector, K: KernelShape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V::Scalar, K, MIXED> {
-    #[inline(always)]
-    fn for_particle(self, own: &ParticleRecord<V::Scalar>) -> Self {
-        Self { common: self.common.for_particle(content::<V, _>(own)), ..self }
-    }
-
-    #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; AXES] {
-        let Pair { own, other, separation, distance, .. } = pair;
-        let (first, tagged) = (2 * V::DIMENSION, content::<V, N>(other));
-        let (distance, mut cohesive_volume) = (*distance, N::of(self.volume));
-        if MIXED {
-            let volume = N::select(is_obstacle(tagged), other[first], cohesive_volume);
-            cohesive_volume = self.common.cohesive(tagged, volume);
-        }
-        let slope = self.common.kernel.slope(cohesive_volume, distance);
-        let (mut terms, mut along) = ([N::constant(0.0); AXES], N::constant(0.0));
-        for axis in 0..V::DIMENSION {
-            terms[axis] = other[V::DIMENSION + axis] - own[V::DIMENSION + axis];
-            along += terms[axis] * separation[axis];
-        }
-        let along_pair = self.common.closeness(tagged, distance) / distance.max(N::of(self.tiny));
-        let repulsion = (own[first] + other[first]) * along_pair;
-        let push =
-            self.common.kernel.bend(cohesive_volume, distance) * along + repulsion - (content::<V, N>(own) + tagged) * slope;
-        for axis in 0..V::DIMENSION {
-            terms[axis] = slope * terms[axis] + push * separation[axis];
-        }
-        terms
-    }
-}
-
-impl<V: Vector, K: KernelShape, const MIXED: bool> ImagePressure<V, AXES> for TensionForce<V::Scalar, K, MIXED> {}
 
 /// Surface tension of the fluids of a scene.
 pub struct Tension<V: Vector, K, const MIXED: bool> {
@@ -218,7 +91,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Tension<V, K, MIXED> {
         let tension = |fluid: &Material| fluid.surface_tension / SETTLED[V::DIMENSION - 2];
         let of =
             |fluid: &Material| [unit[0] / h, unit[1] * h, REPULSION / common.spacing].map(|modulus| modulus * tension(fluid));
-        let color = materials.pairs(|one, other| if one == other { 1.0 } else { 0.0 });
+        let color = pairs(&materials.fluids, |one, other| if one == other { 1.0 } else { 0.0 });
         let mut local_density = color;
         // Obstacles repel by their pressure alone.
         local_density[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
@@ -334,7 +207,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Tension<V, K, MIXED> {
         neighbor_list.neighbors().slots().iter().enumerate().map(energy).sum()
     }
 
-    /// Largest stiffness of a particle of a material, for a local density of at most [`DENSEST`], per rest volume [N/m^(D+1)].
+    /// Largest stiffness of a particle of a material, for a local density of at most 1.5, per rest volume [N/m^(D+1)].
     #[inline]
     pub fn stiffness(&self, kind: u8) -> f64 {
         self.stiffness[usize::from(kind)]
@@ -344,65 +217,5 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Tension<V, K, MIXED> {
     #[inline]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.color_sums.as_slice()) + std::mem::size_of_val(self.forces.as_slice())
-    }
-}
-
-/// Sum S₀ in close packing, and the largest stiffness of the repulsion at the local density [`DENSEST`], for unit C and spacing.
-///
-/// Let φ = (1 − r/r₀)² be the weight, and P = Σ |dφ/dr| / S₀. A wave of displacements changes s by P ⟨|cos|⟩ at most, and P² is
-/// proportional to s for a constant number of neighbors. The curvature of φ, 2/r₀², adds (s − 1) 4 Σ 2 cos²/(r₀² S₀) = (s − 1) 2
-/// P²/D.
-fn close_packing(dimension: usize) -> [f64; 2] {
-    // Hexagonal and face-centered cubic lattice, whose second neighbors are farther than r₀.
-    let [count, distance, cosine] =
-        [[6.0, libm::pow(4.0 / 3.0, 0.25), FRAC_2_PI], [12.0, libm::pow(2.0, 1.0 / 6.0), 0.5]][dimension - 2];
-    let closeness = 1.0 - distance / SHORT_RANGE;
-    let slope = 2.0 / (SHORT_RANGE * closeness);
-    let stiffness = slope * slope * (DENSEST * cosine * cosine + 2.0 * (DENSEST - 1.0) / dimension as f64);
-    [count * closeness * closeness, stiffness]
-}
-
-/// Moduli A and B for unit smoothing length and this spacing. Their ratio is [`COHESION`] times that with which the outermost
-/// layer of a flat lattice is in equilibrium. The layers together have unit energy.
-fn moduli<K: KernelShape>(shape: K, spacing: f64, dimension: usize) -> [f64; 2] {
-    let (rest, scale) = kernel::lattice_density(shape, spacing, dimension);
-    let kernel = SmoothingKernel::<f64, K>::new(shape, 1.0, spacing, dimension);
-    // Layers count from the surface. A neighbor at x outward exists if its layer does.
-    let layer = |x: f64| (x / spacing).round();
-    let layers = || (0..).map(f64::from).take_while(|row| row * spacing < 2.0);
-    let over = |row: f64, of: &dyn Fn(f64, f64) -> f64| {
-        kernel::over_lattice(spacing, dimension, |x, r| if layer(x) <= row { of(x, r) } else { 0.0 })
-    };
-    let missing = |row: f64| 1.0 - over(row, &|_, r| kernel.value(r)) / rest;
-    let gradient = |row: f64| over(row, &|x, r| kernel.slope(1.0, r) * x);
-    let energies = [
-        spacing * layers().map(|row| 0.5 * missing(row).powi(2)).sum::<f64>(),
-        spacing * layers().map(|row| 0.5 * gradient(row).powi(2)).sum::<f64>(),
-    ];
-    let forces = [
-        over(0.0, &|x, r| (missing(0.0) + missing(-layer(x))) / (scale * rest) * kernel.slope(1.0, r) * x),
-        over(0.0, &|x, r| (kernel.slope(1.0, r) + kernel.bend(1.0, r) * x * x) * (gradient(-layer(x)) - gradient(0.0))),
-    ];
-    let [area, gradient] = [COHESION[dimension - 2] * forces[1], -forces[0]];
-    let energy = area * energies[0] + gradient * energies[1];
-    [area / energy, gradient / energy]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::kernel::{OtherShape, WendlandC2};
-    use super::*;
-
-    #[test]
-    fn both_parts_hold_a_surface_together() {
-        fn check(shape: impl KernelShape + std::fmt::Debug) {
-            for (dimension, smoothing) in [(2, 1.5), (3, 1.25), (3, 1.5)] {
-                let [area, gradient] = moduli(shape, 1.0 / smoothing, dimension);
-                assert!(area > 0.0 && gradient > 0.0, "{shape:?} in {dimension}D: {area} {gradient}");
-            }
-        }
-        check(WendlandC2);
-        check(OtherShape::WendlandC4);
-        check(OtherShape::CubicSpline);
     }
 }
