@@ -25,7 +25,6 @@ from physcore.numerics.integrators import (
     VelocityVerlet,
 )
 from physcore.scene.bodies import SpringNetwork
-from physcore.scene.channels import has_rods
 from physcore.scene.scene import Scene
 
 SMALL = 1000
@@ -45,7 +44,7 @@ def default_integrator(scene: Scene, automatic: bool) -> Integrator:
     length.
     """
     fine = automatic and is_small(scene) and _is_smooth(scene)
-    if has_rods(scene):
+    if scene.has_rods:
         return RATTLE(order=4) if fine and not _is_damped(scene) else RATTLE()
     if is_magnetic(scene):
         return Boris()

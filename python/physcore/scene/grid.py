@@ -29,6 +29,7 @@ from physcore.checks import (
 )
 from physcore.errors import SceneError
 from physcore.scene.edges import Absorbing, Condition, Valued, condition
+from physcore.scene.fields import Element
 from physcore.scene.items import System
 
 AXES = "xyz"
@@ -273,6 +274,11 @@ class GridSystem(System):
     def solid(self) -> BoolArray | None:
         """Mask of the solid cells that are excluded from the fields; None if there are none."""
         return None
+
+    @property
+    def elements(self) -> Mapping[Element, int]:
+        """The number of cells."""
+        return {"cells": self.grid.size}
 
     @property
     def dimension(self) -> int:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from physcore.checks import DIMENSIONS, FloatArray, array, frozen
 from physcore.errors import SceneError
+from physcore.scene.fields import Element
 from physcore.scene.items import Equation, System
 
 
@@ -32,6 +33,11 @@ class PointSystem(System):
     def units(self) -> Mapping[str, str]:
         """The units of positions and velocities."""
         return {"positions": "m", "velocities": "m/s"}
+
+    @property
+    def elements(self) -> Mapping[Element, int]:
+        """The number of points."""
+        return {"points": len(self)}
 
     @property
     def dimension(self) -> int:

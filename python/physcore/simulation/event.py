@@ -13,8 +13,9 @@ from physcore.arithmetic import dots, lengths
 from physcore.checks import FloatArray, IntArray, Vector, array, called, count, flag, items, number, shown, text, vector
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.scene.contents import BodyKey
 from physcore.scene.points import PointSystem
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.scene import Scene
 from physcore.simulation.state import Snapshot
 
 Owner: TypeAlias = BodyKey | PointSystem

@@ -13,7 +13,6 @@ from physcore.errors import AccuracyError, SceneError
 from physcore.forces import Coulomb, Gravitation, SoftSpheres
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, suited
 from physcore.numerics.integrators import RATTLE
-from physcore.scene.channels import has_rods
 from physcore.scene.items import Force
 from physcore.scene.scene import Scene
 from physcore.simulation.event import Event, checked
@@ -139,7 +138,7 @@ def _search(
 
     some = [numerics.integrator]
     if is_word(given, "auto"):
-        some = [kind() for kind in suited(scene) if kind.order > 1] + [RATTLE(order=4)] * has_rods(scene)
+        some = [kind() for kind in suited(scene) if kind.order > 1] + [RATTLE(order=4)] * scene.has_rods
     found = methods(experiment, some, numerics.precision)
     if any(isinstance(force, SoftSpheres) for force in scene.forces):
         # The contact force has a kink at first touch, which limits all methods to order two.

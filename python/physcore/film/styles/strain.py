@@ -19,7 +19,6 @@ from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.torn import has_tears, intact
 from physcore.film.styles.typical import Typical
 from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.channels import first_spring
 from physcore.simulation.sources import Source, SourceFrame
 
 WIDTHS = (1.0, 3.4)
@@ -103,7 +102,7 @@ class StrainPainter(Painter):
             shown = ~covered(body.pairs, body.rest_length)
             pairs.append(body.pairs[shown] + part.where.start)
             rods.append(body.rods[shown])
-            springs.append(np.flatnonzero(shown) + first_spring(source.scene, body))
+            springs.append(np.flatnonzero(shown) + source.scene.first_spring(body))
             rest.append(body.rest_length[shown])
             brace.append(body.rest_length[shown] > BRACE * _spacing(body.pairs[shown], body.rest_length[shown]))
             chain.append(np.full(shown.sum(), shown.sum() < 1.5 * len(body)))

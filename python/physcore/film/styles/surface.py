@@ -25,7 +25,6 @@ from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.styles.torn import has_tears, intact, sides
 from physcore.film.styles.typical import Typical
 from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.channels import first_spring
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -134,7 +133,7 @@ class SurfacePainter(Painter):
             faces.append(body.faces + part.where.start)
             pairs.append(body.pairs + part.where.start)
             rest.append(body.rest_length)
-            springs.append(np.arange(len(body.pairs)) + first_spring(source.scene, body))
+            springs.append(np.arange(len(body.pairs)) + source.scene.first_spring(body))
             spots.append(spread(body.positions))
         self._faces: IntArray = np.concatenate(faces)
         self._pairs: IntArray = np.concatenate(pairs)

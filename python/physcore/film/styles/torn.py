@@ -7,7 +7,6 @@ import numpy as np
 from physcore.checks import BoolArray, IntArray
 from physcore.film.styles.base import Part
 from physcore.scene.bodies import SpringNetwork
-from physcore.scene.channels import first_spring
 from physcore.scene.scene import Scene
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -39,5 +38,5 @@ def sides(scene: Scene, parts: list[Part]) -> IntArray:
         at = np.minimum(np.searchsorted(keys[order], wanted), max(len(keys) - 1, 0))
         exists = keys[order][at] == wanted if len(keys) else np.zeros(wanted.shape, dtype=np.bool_)
         springs = order[at] if len(keys) else np.zeros(wanted.shape, dtype=np.int64)
-        found.append(np.where(exists, springs + first_spring(scene, body), -1))
+        found.append(np.where(exists, springs + scene.first_spring(body), -1))
     return np.concatenate(found)

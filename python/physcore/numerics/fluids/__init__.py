@@ -9,8 +9,9 @@ from physcore.checks import is_word, shown
 from physcore.errors import SceneError
 from physcore.numerics.fluids.base import FluidMethod
 from physcore.numerics.fluids.weakly_compressible import WeaklyCompressible
+from physcore.scene.contents import BodyKey
 from physcore.scene.fluid import Fluid
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.scene import Scene
 from physcore.spelling import did_you_mean
 
 FLUID_METHODS: tuple[type[FluidMethod], ...] = (WeaklyCompressible,)

@@ -16,7 +16,8 @@ from physcore.errors import SceneError, SimulationDiverged
 from physcore.numerics.choices import DivergenceRule
 from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
-from physcore.scene.scene import ItemKey, Scene
+from physcore.scene.contents import ItemKey
+from physcore.scene.scene import Scene
 from physcore.simulation.energy import Energy, EnergySeries
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
