@@ -60,6 +60,8 @@ class Body:
     section: ClassVar[str] = "bodies"
     is_fluid: ClassVar[bool] = False
     """Whether the body is a fluid."""
+    is_loose: ClassVar[bool] = True
+    """Whether the particles of the body do not act on each other of themselves."""
 
     @property
     def dimension(self) -> int:
@@ -200,6 +202,8 @@ class SpringNetwork(Body):
             rod
             are not at its rest length.
     """
+
+    is_loose: ClassVar[bool] = False
 
     pairs: IntArray
     """Indices of the particles that each spring connects, shape (M, 2)."""

@@ -76,6 +76,7 @@ class Fluid(Body):
     """
 
     is_fluid: ClassVar[bool] = True
+    is_loose: ClassVar[bool] = False
 
     spacing: float
     """The distance between neighboring particles at rest [m]."""

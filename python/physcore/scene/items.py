@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import BoolArray, FloatArray, broadcast, flag, frozen, number, shown, text
+from physcore.checks import BoolArray, FloatArray, Vector, broadcast, flag, frozen, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.fields import Element, Field
@@ -259,12 +259,16 @@ class Force(ActingItem):
     """Whether the force acts on charges alone."""
     is_distant: ClassVar[bool] = False
     """Whether the force acts between all pairs of particles, at any distance."""
-    is_internal: ClassVar[bool] = False
-    """Whether the force acts only between particles, or is code: a test particle does not feel it."""
-    is_kinked: ClassVar[bool] = False
+    is_shown: ClassVar[bool] = True
+    """Whether a test particle shows the force: not a force of short range between particles, nor user code."""
+    has_kink: ClassVar[bool] = False
     """Whether the force has a kink or a jump at its range, which is reached at any time within a step."""
-    resolves: ClassVar[bool] = False
-    """Whether the limit of accuracy of the force resolves the fastest motion under it."""
+    is_contact: ClassVar[bool] = False
+    """Whether the force is that of contacts between particles."""
+    timed: ClassVar[tuple[str, ...]] = ()
+    """The fields that may be functions of time."""
+    binds: ClassVar[bool] = False
+    """Whether the force binds atoms. Its limit of accuracy resolves their bonds."""
 
     @property
     def dissipates(self) -> bool:
@@ -283,9 +287,18 @@ class Force(ActingItem):
         """Whether there is an electric field that is not due to charges."""
         return False
 
-    def push(self, dimension: int) -> tuple[float, ...] | None:
-        """The constant acceleration of a body that falls under the force [m/s²], zero for forces within a body and
-        friction at rest; None for other forces.
+    @property
+    def changes(self) -> bool:
+        """Whether an electric or magnetic field may depend on time."""
+        return False
+
+    def finer(self) -> Force:
+        """The force with a fraction of the error of its sums; itself if they are exact."""
+        return self
+
+    def fall(self, dimension: int) -> FloatArray | None:
+        """The constant acceleration that the force gives to all particles of a falling body [m/s²]: zero for forces
+        that keep a flat body flat, None for those that may bend it or push it sideways.
         """
         del dimension
         return None
@@ -311,6 +324,8 @@ class System(SceneItem):
     """Name of the default integrator."""
     derived: ClassVar[tuple[str, ...]] = ()
     """Names of results that are computed from the others."""
+    has_varying_limit: ClassVar[bool] = False
+    """Whether the limit of stability depends on the values of the fields."""
 
     name: str | None = field(default=None, kw_only=True)
     """Name of the system, also a key into results."""
@@ -360,6 +375,10 @@ class System(SceneItem):
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of the fields by name, as in the engine."""
 
+    def timed(self) -> Iterator[tuple[str, Callable[[float], object]]]:
+        """The functions of time that the system depends on, with their paths within it."""
+        return iter(())
+
     def unresolved(self, integrator: str) -> list[str]:
         """Notes on waves and fronts that the system does not resolve with an integrator of this name."""
         del integrator
@@ -388,6 +407,11 @@ class Constraint(ActingItem):
 
     section: ClassVar[str] = "constraints"
 
+    def thickness_of(self, body: Body) -> float:
+        """The thickness that the constraint gives to a body [m]."""
+        del body
+        return 0.0
+
 
 # To add a boundary: a module in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.
 @dataclass(frozen=True)
@@ -410,6 +434,28 @@ class Boundary(ActingItem):
     """Coulomb's coefficient of friction, at least zero."""
     no_slip: bool = field(default=False, kw_only=True)
     """Whether fluids stick to the boundary; by default they slip along it freely."""
+
+    @property
+    def flat(self) -> tuple[Vector, Vector] | None:
+        """A point of the boundary and its unit normal, if it is a plane; of a resolved one."""
+        return None
+
+    @property
+    def room(self) -> tuple[Vector, Vector] | None:
+        """The lower and the upper corner of the space that the boundary encloses; None for others than boxes."""
+        return None
+
+    @property
+    def ball(self) -> tuple[Vector, float] | None:
+        """The center and the radius of a ball that particles cannot enter; None for others."""
+        return None
+
+    def is_symmetric(self, middle: FloatArray, normal: FloatArray, tolerance: float) -> bool:
+        """Whether the boundary is symmetric about a plane through `middle`, in the part that a body falling within this
+        plane can touch.
+        """
+        del middle, normal, tolerance
+        return False
 
     def __post_init__(self) -> None:
         super().__post_init__()

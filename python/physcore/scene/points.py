@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from numpy.typing import ArrayLike
 
-from physcore.checks import DIMENSIONS, FloatArray, array, frozen
+from physcore.checks import DIMENSIONS, BoolArray, FloatArray, array, frozen
 from physcore.errors import SceneError
 from physcore.scene.fields import Element
 from physcore.scene.items import Equation, System
@@ -47,6 +47,11 @@ class PointSystem(System):
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of the fields by name."""
         return dict.fromkeys(self.units, self.start.shape)
+
+    @property
+    def signs(self) -> BoolArray | None:
+        """Which points are positive; None if they have no sign."""
+        return None
 
     def __len__(self) -> int:
         return len(self.start)

@@ -79,7 +79,7 @@ class Strain(BodyStyle):
 
     def can_draw(self, body: Body) -> bool:
         """Whether a body has springs."""
-        return isinstance(body, SpringNetwork) and len(body.pairs) > 0
+        return body.elements.get("springs", 0) > 0
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """The painter with the color scale of one film."""
@@ -97,8 +97,7 @@ class StrainPainter(Painter):
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
         pairs, rest, chain, brace, fixed, springs, rods, nodes, radii = [], [], [], [], [], [], [], [], []
         for part in parts:
-            body = part.body
-            assert isinstance(body, SpringNetwork)  # the style has checked this
+            body = cast("SpringNetwork", part.body)  # the style has checked this
             shown = ~covered(body.pairs, body.rest_length)
             pairs.append(body.pairs[shown] + part.where.start)
             rods.append(body.rods[shown])

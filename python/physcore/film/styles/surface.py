@@ -110,7 +110,7 @@ class Surface(BodyStyle):
 
     def can_draw(self, body: Body) -> bool:
         """Whether a body has faces."""
-        return isinstance(body, SpringNetwork) and len(body.faces) > 0
+        return body.network is not None and len(body.network.faces) > 0
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """The painter with the color scale of one film."""
@@ -128,8 +128,7 @@ class SurfacePainter(Painter):
         self._domain: Periodic | None = source.scene.periodic
         faces, pairs, rest, spots, springs = [], [], [], [], []
         for part in parts:
-            body = part.body
-            assert isinstance(body, SpringNetwork)  # the style has checked this
+            body = cast("SpringNetwork", part.body)  # the style has checked this
             faces.append(body.faces + part.where.start)
             pairs.append(body.pairs + part.where.start)
             rest.append(body.rest_length)
@@ -147,13 +146,8 @@ class SurfacePainter(Painter):
         self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
         start = np.concatenate([body.positions for body in source.scene.bodies])
         self._around = None if start.shape[1] < 3 else _around(start, self._faces)
-        self._closed = np.concatenate(
-            [
-                np.full(len(part.body.faces), _closed(part.body.faces))
-                for part in parts
-                if isinstance(part.body, SpringNetwork)
-            ]
-        )
+        sheets = [cast("SpringNetwork", part.body).faces for part in parts]
+        self._closed = np.concatenate([np.full(len(sheet), _closed(sheet)) for sheet in sheets])
         self._where = places(parts)
         count = source.scene.particles
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from physcore.checks import BoolArray, IntArray
@@ -16,7 +18,7 @@ BROKEN = "broken"
 
 def has_tears(source: Source, parts: list[Part]) -> bool:
     """Whether springs of these bodies may break in a film."""
-    return source.has(BROKEN) and any(isinstance(part.body, SpringNetwork) and part.body.can_tear for part in parts)
+    return source.has(BROKEN) and any(BROKEN in part.body.quantities for part in parts)
 
 
 def intact(frame: SourceFrame, springs: IntArray) -> BoolArray:
@@ -29,8 +31,7 @@ def sides(scene: Scene, parts: list[Part]) -> IntArray:
     """The springs along the three sides of each face of these bodies (T, 3), as indices in the scene; -1: no spring."""
     found = []
     for part in parts:
-        body = part.body
-        assert isinstance(body, SpringNetwork)  # the style has checked this
+        body = cast("SpringNetwork", part.body)  # the style has checked this
         count = len(body)
         keys = np.sort(body.pairs, axis=1) @ [count, 1]
         order = np.argsort(keys, kind="stable")
