@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -35,6 +37,9 @@ LAYERS = [
     "gallery",
     "__main__",
 ]
+
+KINDS = 23
+"""Largest number of tests on kinds of scene items, such as `isinstance(item, Fluid)`, in the package."""
 
 ALIASES = {"integrators"}
 """Modules that give what is elsewhere under a public name; the package itself does not use them."""
@@ -78,6 +83,13 @@ def test_imports_go_left_only(name):
 
 def test_every_layer_exists():
     assert {layer(name) for name in FILES if layer(name)} | {"_core"} == {*LAYERS, *ALIASES}
+
+
+def test_items_answer_for_themselves():
+    """Only what users give is tested for its kind; the script lists these tests."""
+    script = PACKAGE.parents[1] / "scripts" / "kinds-of-items"
+    found = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True).stdout
+    assert int(found.split()[-1]) <= KINDS, found
 
 
 def test_no_module_imports_itself_through_others():

@@ -12,7 +12,6 @@ import pytest
 
 import physcore as pc
 from contracts.scenes import SCENES, STEPS
-from physcore.scene.channels import has_rods
 from physcore.scene.records import Record
 
 
@@ -71,7 +70,7 @@ UNBOUNDED = {
 def keeps_to_a_limit(name: str) -> bool:
     case = SCENES[name]
     # Of rods dt="auto" follows the motion.
-    return not case.adaptive and not case.is_self_adaptive and not has_rods(case.scene()) and name not in UNBOUNDED
+    return not case.adaptive and not case.is_self_adaptive and not case.scene().has_rods and name not in UNBOUNDED
 
 
 @pytest.mark.parametrize("name", [name for name in SCENES if keeps_to_a_limit(name)])

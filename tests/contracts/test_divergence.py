@@ -12,7 +12,7 @@ import pytest
 import physcore as pc
 from contracts.comparison import state
 from contracts.scenes import SCENES
-from physcore.scene.channels import GAUGES
+from physcore.scene.fields import GAUGES
 
 TOTAL = 300
 CUTTINGS = {"one by one": [1] * TOTAL, "unequal": [1, 7, 64, 3, 25, 200], "halves": [TOTAL // 2] * 2}

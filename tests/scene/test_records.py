@@ -14,7 +14,6 @@ from physcore.film.looks import look_of
 from physcore.film.looks.base import Look
 from physcore.forces import FORCES
 from physcore.numerics.choices import check
-from physcore.scene.channels import field_names
 from physcore.scene.items import System
 from physcore.scene.kernels import KERNELS
 from physcore.scene.records import Record, kind_of, parameters
@@ -81,6 +80,10 @@ class Pond(System):
     @property
     def dimension(self) -> int:
         return 2
+
+    @property
+    def elements(self) -> dict[str, int]:
+        return {"cells": 2}
 
     def shapes(self) -> dict[str, tuple[int, ...]]:
         return {"heights": (2,)}
@@ -180,7 +183,7 @@ def test_a_further_system_has_a_path_a_name_of_its_own_and_the_dimension_of_the_
         "lake",
         *[None] * 3,
     ]
-    assert field_names(scene) == ("positions", "velocities", "systems[0].heights", "lake.heights")
+    assert tuple(scene.fields) == ("positions", "velocities", "systems[0].heights", "lake.heights")
     with pytest.raises(pc.SceneError, match=r"systems\[1\]: the same item is in the scene twice"):
         pc.Scene(DUST, pond, pond)
     with pytest.raises(pc.SceneError, match=r"systems\[1\].name: 'lake' is already the name of another item"):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physcore.checks import Vector, flag, vector, written
+import numpy as np
+
+from physcore.checks import FloatArray, Vector, flag, vector, written
 from physcore.errors import SceneError
 from physcore.scene.items import Boundary
 
@@ -40,3 +42,13 @@ class Box(Boundary):
                 f"Box.upper: must be above the lower corner {written(lower)} in every component, got {written(upper)}"
             )
         self._set(lower=lower, upper=upper, inside=flag(self.inside, "Box.inside"))
+
+    @property
+    def room(self) -> tuple[Vector, Vector] | None:
+        """The corners, if particles are kept inside."""
+        return (self.lower, self.upper) if self.inside else None
+
+    def is_symmetric(self, middle: FloatArray, normal: FloatArray, tolerance: float) -> bool:
+        """Whether particles are kept inside, and the plane is normal to an axis."""
+        del middle
+        return self.inside and bool(np.abs(normal).max() > 1.0 - tolerance)

@@ -13,7 +13,6 @@ from physcore import memory
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, items, number, require, shown, span
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
-from physcore.scene.fluid import Fluid
 from physcore.scene.items import Boundary, On
 
 COPIES = 12
@@ -159,7 +158,7 @@ class HeightField(Boundary):
         Raises:
             SceneError: one of the bodies is a fluid.
         """
-        fluid = next((body for body in bodies if isinstance(body, Fluid)), None)
+        fluid = next((body for body in bodies if body.is_fluid), None)
         if fluid is not None:
             raise SceneError(
                 f"{path}.on: a height field is no wall of fluids, got {fluid!r}; name other bodies (on=…), and let the "

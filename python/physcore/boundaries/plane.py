@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from physcore.arithmetic import lengths
-from physcore.checks import Vector, number, vector
+from physcore.arithmetic import dots, lengths
+from physcore.checks import FloatArray, Vector, number, vector
 from physcore.errors import SceneError
 from physcore.scene.items import Boundary
 
@@ -46,6 +46,16 @@ class Plane(Boundary):
         normal = np.array(self.normal)
         normal /= np.abs(normal).max()
         return replace(self, normal=tuple((normal / lengths(normal)).tolist()))
+
+    @property
+    def flat(self) -> tuple[Vector, Vector]:
+        """The point and the normal."""
+        return self.point, self.normal
+
+    def is_symmetric(self, middle: FloatArray, normal: FloatArray, tolerance: float) -> bool:
+        """Whether its normal lies in the plane."""
+        del middle
+        return bool(abs(dots(np.array(self.normal), normal)) < tolerance)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physcore.checks import Vector, flag, number, vector
+import numpy as np
+
+from physcore.arithmetic import dots
+from physcore.checks import FloatArray, Vector, flag, number, vector
 from physcore.scene.items import Boundary
 
 
@@ -36,3 +39,12 @@ class Sphere(Boundary):
             radius=number(self.radius, "Sphere.radius", above=0.0),
             inside=flag(self.inside, "Sphere.inside"),
         )
+
+    @property
+    def ball(self) -> tuple[Vector, float] | None:
+        """The sphere, if it is an obstacle."""
+        return None if self.inside else (self.center, self.radius)
+
+    def is_symmetric(self, middle: FloatArray, normal: FloatArray, tolerance: float) -> bool:
+        """Whether its center lies in the plane."""
+        return bool(abs(dots(np.array(self.center) - middle, normal)) < tolerance * self.radius)

@@ -83,6 +83,10 @@ class SelfContact(Constraint):
         for place, other in enumerate(others):
             _check_surface(other, f"SelfContact.on[{place}]", self.thickness)
 
+    def thickness_of(self, body: Body) -> float:
+        """The thickness of the body that touches itself [m]; 0 of others."""
+        return self.thickness if body in (self.bodies("body") or ()) else 0.0
+
     def targets(self, field: str = "on") -> tuple[Body | Selection, ...] | None:
         """The bodies named in a field."""
         return (cast("Body", self.body),) if field == "body" else super().targets(field)

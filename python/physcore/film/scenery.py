@@ -14,8 +14,6 @@ from physcore.film.colors.themes import Theme
 from physcore.film.looks import look_of
 from physcore.film.looks.base import SHADING, Look, Scenery, corners, disc
 from physcore.film.looks.box import draw_edges
-from physcore.scene.bodies import SpringNetwork
-from physcore.scene.fluid import Fluid
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
 
@@ -47,7 +45,7 @@ def draw_backdrop(canvas: Canvas, scene: Scene, panel: tuple[int, int, int, int]
 
     Scenes of particles alone, such as stars, have a dark background.
     """
-    solid = any(isinstance(body, (Fluid, SpringNetwork)) for body in scene.bodies)
+    solid = not all(body.is_loose for body in scene.bodies)
     if theme.backdrop is None or not (scene.boundaries or solid):
         return
     left, top, right, bottom = panel

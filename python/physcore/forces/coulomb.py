@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 from physcore.checks import number
-from physcore.forces.tree import force_error, opening_angle
-from physcore.scene.items import Force, On
+from physcore.forces.tree import DistantForce, force_error, opening_angle
+from physcore.scene.items import On
 from physcore.units.constants import coulomb_constant
 from physcore.units.systems import Default
 
 
 @dataclass(frozen=True)
-class Coulomb(Force):
+class Coulomb(DistantForce):
     """Coulomb's force between all charges: like charges repel, unlike charges attract each other.
 
         e, nm = pc.units.elementary_charge, 1e-9
@@ -63,8 +63,6 @@ class Coulomb(Force):
     opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)
     force_error: float = field(default=1e-3, kw_only=True)
-
-    naming: ClassVar[tuple[str, ...]] = ("on", "sources")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -49,6 +49,12 @@ class CustomForce(Force):
     """
 
     feels_charges: ClassVar[bool] = True
+    is_shown: ClassVar[bool] = False
+
+    @property
+    def dissipates(self) -> bool:
+        """Whether there is no potential."""
+        return self.potential is None
 
     function: Callable[[float, FloatArray, FloatArray], FloatArray]
     potential: Callable[[FloatArray], float] | None = None

@@ -83,6 +83,15 @@ class Dihedral(Force):
     weight: FloatArray = field(init=False, repr=False, compare=False)
     """w = |e|²/a of every such edge, shape (H,)."""
 
+    @property
+    def dissipates(self) -> bool:
+        """Whether there is damping."""
+        return self.damping > 0.0
+
+    def fall(self, dimension: int) -> FloatArray:
+        """Zero: a flat surface stays flat."""
+        return np.zeros(dimension)
+
     def __post_init__(self) -> None:
         super().__post_init__()
         named = self.targets()

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from physcore.checks import PlacedVector, number, placed
+import numpy as np
+
+from physcore.checks import FloatArray, PlacedVector, number, placed
 from physcore.scene.items import Force
 
 
@@ -43,6 +45,16 @@ class Drag(Force):
     """Whether the wind is a function of time and positions."""
 
     spares_fluids: ClassVar[bool] = True
+    timed: ClassVar[tuple[str, ...]] = ("wind",)
+
+    @property
+    def dissipates(self) -> bool:
+        """True."""
+        return True
+
+    def fall(self, dimension: int) -> FloatArray | None:
+        """Zero without wind."""
+        return np.zeros(dimension) if self.wind is None else None
 
     def __post_init__(self) -> None:
         super().__post_init__()

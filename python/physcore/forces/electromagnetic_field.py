@@ -45,6 +45,8 @@ class ElectromagneticField(Force):
     """
 
     feels_charges: ClassVar[bool] = True
+    timed: ClassVar[tuple[str, ...]] = ("electric", "magnetic")
+    by_place: ClassVar[bool] = True
     parts: ClassVar[tuple[type, ...]] = READY_FIELDS
 
     electric: Field = 0.0

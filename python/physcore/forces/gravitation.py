@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import Literal
 
 from physcore.checks import number
-from physcore.forces.tree import force_error, opening_angle
-from physcore.scene.items import Force, On
+from physcore.forces.tree import DistantForce, force_error, opening_angle
+from physcore.scene.items import On
 from physcore.units.constants import gravitational_constant
 from physcore.units.systems import Default
 
 
 @dataclass(frozen=True)
-class Gravitation(Force):
+class Gravitation(DistantForce):
     """Newton's gravitation between all particles.
 
         sun_and_earth = pc.Particles([[0, 0], [pc.units.AU, 0]], [[0, 0], [0, 29.8e3]],
@@ -63,8 +63,6 @@ class Gravitation(Force):
     opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)
     force_error: float = field(default=1e-3, kw_only=True)
-
-    naming: ClassVar[tuple[str, ...]] = ("on", "sources")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self, cast
 
-from physcore.checks import TimedVector, timed
+import numpy as np
+
+from physcore.checks import FloatArray, TimedVector, timed
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
-from physcore.scene.fluid import Fluid
 from physcore.scene.items import Force
 from physcore.scene.selection import Selection
 from physcore.units.systems import Default, UnitSystem
@@ -36,7 +37,18 @@ class Gravity(Force):
         SceneError: `acceleration` is not two or three finite numbers, or a function fails.
     """
 
+    timed: ClassVar[tuple[str, ...]] = ("acceleration",)
+
     acceleration: TimedVector | None = None
+
+    @property
+    def dissipates(self) -> bool:
+        """Whether the acceleration is a function of time."""
+        return callable(self.acceleration)
+
+    def fall(self, dimension: int) -> FloatArray | None:
+        """The acceleration, if it is constant."""
+        return None if callable(self.acceleration) else np.array(self.resolved(dimension).acceleration, dtype=float)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -46,7 +58,7 @@ class Gravity(Force):
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Check that no fluid is named in part, because fluids start in balance with gravity."""
         for target in self.targets() or ():
-            if isinstance(target, Selection) and isinstance(target.body, Fluid):
+            if isinstance(target, Selection) and cast("Body", target.body).is_fluid:
                 raise SceneError(
                     f"{path}.on: must be the whole fluid, which starts in balance with gravity, got {target!r}"
                 )

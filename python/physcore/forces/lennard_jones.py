@@ -44,6 +44,9 @@ class LennardJones(Force):
     cutoff: float | None = None
 
     spares_fluids: ClassVar[bool] = True
+    is_shown: ClassVar[bool] = False
+    has_kink: ClassVar[bool] = True
+    binds: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

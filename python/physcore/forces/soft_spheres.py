@@ -68,6 +68,9 @@ class SoftSpheres(Force):
     restitution: float | None = None
 
     spares_fluids: ClassVar[bool] = True
+    is_shown: ClassVar[bool] = False
+    has_kink: ClassVar[bool] = True
+    is_contact: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

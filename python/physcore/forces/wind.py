@@ -58,6 +58,12 @@ class Wind(Force):
     """Whether the velocity is a function of time and positions."""
 
     spares_fluids: ClassVar[bool] = True
+    timed: ClassVar[tuple[str, ...]] = ("velocity",)
+
+    @property
+    def dissipates(self) -> bool:
+        """True."""
+        return True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -73,7 +79,7 @@ class Wind(Force):
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Check that the bodies that the force acts on have faces."""
         named = self.bodies() is not None
-        surfaces = [body for body in bodies if isinstance(body, SpringNetwork) and len(body.faces)]
+        surfaces = [cast("SpringNetwork", body) for body in bodies if body.network and len(body.network.faces)]
         bare = next((body for body in bodies if named and body not in surfaces), None)
         if bare is not None or not surfaces:
             found = f"{bare!r} without any" if bare is not None else "none on any body"

@@ -52,8 +52,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     wavelength.
     """
     recording = recordings["light"]
-    (wave,) = recording.scene.systems
-    assert isinstance(wave, pc.Wave)
+    (wave,) = recording.scene.grids
     column = round((SCREEN - wave.grid.origin[0]) / wave.grid.spacing)
     periods = round(4 * WAVELENGTH * recording.fps)  # four periods in the steady state
     heights = wave.grid.coordinates[1][column]

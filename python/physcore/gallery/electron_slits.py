@@ -51,8 +51,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     difference.
     """
     recording = recordings["electron"]
-    (electron,) = recording.scene.systems
-    assert isinstance(electron, pc.Schrodinger)
+    (electron,) = recording.scene.grids
     grid = electron.grid
     heights = grid.coordinates[1][0]
     column = round((SCREEN - grid.origin[0]) / grid.spacing)

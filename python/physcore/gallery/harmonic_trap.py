@@ -51,8 +51,7 @@ def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | No
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """Mean of x at the last frame."""
     recording = recordings["atom"]
-    (atom,) = recording.scene.systems
-    assert isinstance(atom, pc.Schrodinger)
+    (atom,) = recording.scene.grids
     density = recording[atom].density[-1]
     x = float((density.sum(axis=1) * atom.grid.coordinates[0][:, 0]).sum() / density.sum())
     expected = START[0] * math.cos(RATES[0] * float(recording.times[-1]))

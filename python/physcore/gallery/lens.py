@@ -55,8 +55,7 @@ def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """Distance from the middle of the lens to the largest waves on the axis; the focus is about a wavelength long."""
     recording = recordings["light"]
-    (wave,) = recording.scene.systems
-    assert isinstance(wave, pc.Wave)
+    (wave,) = recording.scene.grids
     x, middle = wave.grid.coordinates[0][:, 0], wave.grid.cells[1] // 2
     periods = round(8 * WAVELENGTH * recording.fps)
     brightness = np.mean(recording[wave].displacement[-periods:, :, middle] ** 2, axis=0)

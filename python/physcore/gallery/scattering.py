@@ -47,8 +47,7 @@ def main(path: str | os.PathLike[str] = "scattering.gif", progress: bool | None 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The probability on the near side of the hill at the end, and the fraction of particles that are reflected."""
     recording = recordings["electron"]
-    (electron,) = recording.scene.systems
-    assert isinstance(electron, pc.Schrodinger)
+    (electron,) = recording.scene.grids
     near = electron.grid.coordinates[0][:, 0] < 0.0
     back = float(recording[electron].density[-1][near].sum()) * electron.grid.spacing**2
     random = np.random.default_rng(2)

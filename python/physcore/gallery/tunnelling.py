@@ -44,8 +44,7 @@ def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The probability beyond the barrier, after the reflected part has left."""
     recording = recordings["electron"]
-    (electron,) = recording.scene.systems
-    assert isinstance(electron, pc.Schrodinger)
+    (electron,) = recording.scene.grids
     x = electron.grid.coordinates[0]
     passed = float(recording[electron].density[-1][x > THICK / 2].sum()) * electron.grid.spacing**2
     k = np.linspace(MOMENTUM - 2.0, MOMENTUM + 2.0, 4001)

@@ -42,8 +42,7 @@ def main(path: str | os.PathLike[str] = "turing.gif", progress: bool | None = No
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """Wavelength at the onset of the spots, from the mean square of wave numbers, and that of the fastest growth."""
     recording = recordings["dish"]
-    (dish,) = recording.scene.systems
-    assert isinstance(dish, pc.ReactionDiffusion)
+    (dish,) = recording.scene.grids
     frames = recording[dish]["u"]
     deviations = frames.std(axis=(1, 2))
     u = frames[int(np.argmax((deviations > 0.1) & (recording.times > 5.0)))]

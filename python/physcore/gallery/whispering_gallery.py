@@ -58,8 +58,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     Rays are chords of half-angle φ and length 2R sin φ, each of which advances by the angle 2φ.
     """
     recording = recordings["hall"]
-    (wave,) = recording.scene.systems
-    assert isinstance(wave, pc.Wave)
+    (wave,) = recording.scene.grids
     x, y = wave.grid.coordinates
     energy = recording[wave].rate ** 2
     places = np.angle(np.einsum("fxy,xy->f", energy, np.exp(1j * np.arctan2(y, x))))

@@ -22,9 +22,9 @@ from physcore.numerics.integrators import (
     VelocityVerlet,
     made,
 )
-from physcore.scene.channels import has_rods
+from physcore.scene.contents import ItemKey
 from physcore.scene.items import Equation
-from physcore.scene.scene import ItemKey, Scene
+from physcore.scene.scene import Scene
 from physcore.spelling import did_you_mean
 
 DivergenceRule = Literal["raise", "ignore", "substep"]
@@ -217,11 +217,11 @@ def suited(scene: Scene) -> list[type[Integrator]]:
     """
     equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
-    others = (*(() if is_magnetic(scene) else (Boris,)), *(() if has_rods(scene) else (RATTLE,)))
+    others = (*(() if is_magnetic(scene) else (Boris,)), *(() if scene.has_rods else (RATTLE,)))
     kinds = [
         kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not (kind.self_adaptive or kind.stiff)
     ]
-    return [kind for kind in kinds if kind not in others and (kind.holds_rods or not has_rods(scene))]
+    return [kind for kind in kinds if kind not in others and (kind.holds_rods or not scene.has_rods)]
 
 
 def _integrators(value: object, scene: Scene, automatic: bool) -> dict[str, Integrator]:
@@ -297,7 +297,7 @@ def _dt(value: object, scene: Scene) -> float | StepRule:
     if isinstance(value, StepRule):
         return value
     if is_word(value, "auto"):
-        return AdaptiveStep() if has_rods(scene) else AutoStep(resolve=is_small(scene))
+        return AdaptiveStep() if scene.has_rods else AutoStep(resolve=is_small(scene))
     if isinstance(value, (str, type)):
         raise SceneError(f"dt: must be a number of seconds, 'auto', AutoStep(…) or AdaptiveStep(…), got {shown(value)}")
     return span(value, "dt")

@@ -4,18 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from physcore.forces import (
-    Coulomb,
-    CustomForce,
-    Dihedral,
-    Drag,
-    ElectromagneticField,
-    Gravitation,
-    Gravity,
-    LennardJones,
-    SoftSpheres,
-    Wind,
-)
 from physcore.numerics.integrators import (
     RATTLE,
     BlanesMoan4,
@@ -24,8 +12,6 @@ from physcore.numerics.integrators import (
     Integrator,
     VelocityVerlet,
 )
-from physcore.scene.bodies import SpringNetwork
-from physcore.scene.channels import has_rods
 from physcore.scene.scene import Scene
 
 SMALL = 1000
@@ -45,7 +31,7 @@ def default_integrator(scene: Scene, automatic: bool) -> Integrator:
     length.
     """
     fine = automatic and is_small(scene) and _is_smooth(scene)
-    if has_rods(scene):
+    if scene.has_rods:
         return RATTLE(order=4) if fine and not _is_damped(scene) else RATTLE()
     if is_magnetic(scene):
         return Boris()
@@ -60,36 +46,25 @@ def is_small(scene: Scene) -> bool:
     Atoms are left out, because their limit of accuracy resolves their bonds.
     """
     count = scene.particles
-    pairs = count * (count - 1) // 2 if any(isinstance(force, (Gravitation, Coulomb)) for force in scene.forces) else 0
-    atoms = any(isinstance(force, LennardJones) for force in scene.forces)
+    pairs = count * (count - 1) // 2 if any(force.is_distant for force in scene.forces) else 0
+    atoms = any(force.binds for force in scene.forces)
     few = 0 < count <= SMALL and pairs <= SMALL
     return few and not (atoms or scene.systems or scene.fluids or scene.constraints)
 
 
 def is_magnetic(scene: Scene) -> bool:
     """Whether there is a magnetic field."""
-    return any(isinstance(force, ElectromagneticField) and force.is_magnetic for force in scene.forces)
+    return any(force.is_magnetic for force in scene.forces)
 
 
 def _is_smooth(scene: Scene) -> bool:
     """Whether the motion has no contacts, cuts and tears, at which a method of high order loses its order."""
-    networks = [body for body in scene.bodies if isinstance(body, SpringNetwork)]
-    cut = any(isinstance(force, SoftSpheres) for force in scene.forces)
-    return not (
-        scene.boundaries or cut or any(body.can_tear or np.isfinite(body.strain_limit).any() for body in networks)
-    )
+    cut = any(force.is_contact for force in scene.forces)
+    kinked = any(network.can_tear or np.isfinite(network.strain_limit).any() for network in scene.networks)
+    return not (scene.boundaries or cut or kinked)
 
 
 def _is_damped(scene: Scene) -> bool:
     """Whether forces may depend on velocities, which lowers splittings to order 2."""
-    damped = any(body.damping.any() for body in scene.bodies if isinstance(body, SpringNetwork))
-    return damped or any(_dissipates(force) for force in scene.forces)
-
-
-def _dissipates(force: object) -> bool:
-    """Whether a force may depend on velocities, or on time, which splittings do not resolve in steps without limit."""
-    if isinstance(force, CustomForce):
-        return force.potential is None
-    if isinstance(force, Gravity):
-        return callable(force.acceleration)
-    return isinstance(force, (Drag, Wind)) or (isinstance(force, Dihedral) and force.damping > 0.0)
+    damped = any(network.damping.any() for network in scene.networks)
+    return damped or any(force.dissipates for force in scene.forces)

@@ -13,8 +13,8 @@ import numpy as np
 
 from physcore.checks import FloatArray, IntArray
 from physcore.progress import Progress
-from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.grid import Grid, GridSystem
+from physcore.scene.bodies import Body
+from physcore.scene.grid import Grid
 from physcore.scene.periodic import Periodic
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source
@@ -103,7 +103,7 @@ class ExportJob:
     def grids(self) -> dict[str, Grid]:
         """The grids of systems, by path."""
         scene = self._source.scene
-        return {str(scene.system(each)): each.grid for each in scene.systems if isinstance(each, GridSystem)}
+        return {str(scene.system(each)): each.grid for each in scene.grids}
 
     @property
     def moving(self) -> bool:
@@ -127,9 +127,9 @@ class ExportJob:
         starts = np.cumsum([0, *(len(body) for body in self._bodies)])
         pairs, rest = [np.empty((0, 2), dtype=np.int64)], [np.empty(0)]
         for body, start in zip(self._bodies, starts, strict=False):
-            if isinstance(body, SpringNetwork):
-                pairs.append(body.pairs + start)
-                rest.append(body.rest_length)
+            if body.network is not None:
+                pairs.append(body.network.pairs + start)
+                rest.append(body.network.rest_length)
         return Springs(np.concatenate(pairs), np.concatenate(rest), self.domain)
 
     def samples(self) -> Iterator[Sample]:

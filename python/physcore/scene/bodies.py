@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +24,7 @@ from physcore.checks import (
     text,
 )
 from physcore.errors import SceneError
+from physcore.scene.fields import Element
 
 ROUNDED = 1e-4
 """Tolerance of a rod's length, relative, as for coordinates in f32; its ends are moved to fit."""
@@ -55,10 +57,31 @@ class Body:
     name: str | None
     """Name of the body, also a key into results."""
 
+    section: ClassVar[str] = "bodies"
+    is_fluid: ClassVar[bool] = False
+    """Whether the body is a fluid."""
+    is_loose: ClassVar[bool] = True
+    """Whether the particles of the body do not act on each other of themselves."""
+
     @property
     def dimension(self) -> int:
         """The dimension of space, 2 or 3."""
         return int(self.positions.shape[1])
+
+    @property
+    def elements(self) -> dict[Element, int]:
+        """The kinds of elements that have values in the fields of a scene, with their numbers."""
+        return {"particles": len(self), "walls": 1}
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of the fields that a scene has because of this body."""
+        return ()
+
+    @property
+    def network(self) -> SpringNetwork | None:
+        """The body as a spring network, if it is one."""
+        return None
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -180,6 +203,8 @@ class SpringNetwork(Body):
             are not at its rest length.
     """
 
+    is_loose: ClassVar[bool] = False
+
     pairs: IntArray
     """Indices of the particles that each spring connects, shape (M, 2)."""
     stiffness: FloatArray
@@ -233,6 +258,21 @@ class SpringNetwork(Body):
             self._set(**{column: values})
         self._check_rods()
         self._check_strains()
+
+    @property
+    def elements(self) -> dict[Element, int]:
+        """The numbers of particles and springs."""
+        return {**super().elements, "springs": len(self.pairs)}
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """The tensions of rods, and which springs are broken."""
+        return ("tensions",) * bool(self.rods.any()) + ("broken",) * self.can_tear
+
+    @property
+    def network(self) -> SpringNetwork | None:
+        """The network itself."""
+        return self
 
     @property
     def rods(self) -> BoolArray:

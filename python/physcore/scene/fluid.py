@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from physcore.arithmetic import lengths
 from physcore.checks import FloatArray, Vector, flag, number, span
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.scene.fields import Element
 from physcore.scene.overlaps import closer_than
 from physcore.scene.shapes import block
 from physcore.units.systems import Default
@@ -74,6 +75,9 @@ class Fluid(Body):
     Rev. E 68, 066702 (2003).
     """
 
+    is_fluid: ClassVar[bool] = True
+    is_loose: ClassVar[bool] = False
+
     spacing: float
     """The distance between neighboring particles at rest [m]."""
     density: float
@@ -110,6 +114,11 @@ class Fluid(Body):
         pair = closer_than(self.positions, CLOSEST * step)
         if pair is not None:
             raise SceneError(f"Fluid.positions: overlapping particles: {describe_pair(self.positions, pair, step)}")
+
+    @property
+    def elements(self) -> dict[Element, int]:
+        """The number of particles, which have densities and pressures; no wall."""
+        return {"particles": len(self), "fluid particles": len(self)}
 
     @classmethod
     def block(cls, lower: Vector, upper: Vector, spacing: float, **options: Any) -> Fluid:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -29,6 +29,7 @@ from physcore.checks import (
 )
 from physcore.errors import SceneError
 from physcore.scene.edges import Absorbing, Condition, Sides, Valued, condition
+from physcore.scene.fields import Element
 from physcore.scene.items import System
 
 AXES = "xyz"
@@ -270,14 +271,37 @@ class GridSystem(System):
         return low, high
 
     @property
+    def landscape(self) -> FloatArray | None:
+        """A constant field that films show beneath the others, from 0 to 1; None if it is uniform or there is none."""
+        return None
+
+    @property
     def solid(self) -> BoolArray | None:
         """Mask of the solid cells that are excluded from the fields; None if there are none."""
         return None
 
     @property
+    def elements(self) -> Mapping[Element, int]:
+        """The number of cells."""
+        return {"cells": self.grid.size}
+
+    @property
     def dimension(self) -> int:
         """The number of dimensions of space."""
         return self.grid.dimension
+
+    def timed(self) -> Iterator[tuple[str, Callable[[float], object]]]:
+        """The functions of edge conditions; those that several species share have the path of the first."""
+        seen: set[int] = set()
+        for field in self.units:
+            species = f"[{field!r}]" if isinstance(self.edges, Mapping) else ""
+            for side, each in zip(self.grid.sides, self.conditions(field), strict=True):
+                if not isinstance(each, Valued):
+                    continue
+                value = getattr(each, each.key)
+                if callable(value) and id(value) not in seen:
+                    seen.add(id(value))
+                    yield f"edges{species}[{side!r}].{each.key}", value
 
     def unit(self, field: str) -> str:
         """The unit of a field, for the dimension of the grid."""

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import BoolArray, FloatArray, broadcast, flag, frozen, number, shown, text
+from physcore.checks import BoolArray, FloatArray, Vector, broadcast, flag, frozen, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.scene.fields import Element, Field
 from physcore.scene.selection import Selection, is_selection
 from physcore.spelling import did_you_mean
 from physcore.units.systems import Default, UnitSystem
@@ -79,8 +80,18 @@ def found(keys: Sequence[T | str], items: Iterable[T], path: str) -> tuple[T, ..
 class SceneItem:
     """Base class of scene items other than bodies. Fields are plain numbers, tuples of numbers for vectors, or None."""
 
+    section: ClassVar[str]
+    """Name of the scene's tuple of such items."""
+    acts: ClassVar[bool] = False
+    """Whether the item acts on bodies."""
+    naming: ClassVar[tuple[str, ...]] = ()
+    """The fields that name other items of the scene."""
     parts: ClassVar[tuple[type, ...]] = ()
     """Classes of the objects in its fields, which files can contain too."""
+
+    def named(self) -> Mapping[str, tuple[Body | Selection | System, ...] | None]:
+        """The other items of the scene that fields name, by field; None: all."""
+        return {}
 
     def _set(self, **values: object) -> None:
         """Replace the user's values by their validated forms; only for `__post_init__`."""
@@ -132,10 +143,10 @@ class ActingItem(SceneItem):
     on: On = field(default=None, kw_only=True)
     """The body or bodies that the item acts on, or their names; None: all, or all except fluids (`spares_fluids`)."""
 
+    acts: ClassVar[bool] = True
     spares_fluids: ClassVar[bool] = False
     """Whether the item acts on a fluid only if the fluid is named."""
     naming: ClassVar[tuple[str, ...]] = ("on",)
-    """The fields that name bodies."""
     selects: ClassVar[bool] = False
     """Whether the item can act on some particles of a body."""
 
@@ -147,7 +158,7 @@ class ActingItem(SceneItem):
     @property
     def by_name(self) -> bool:
         """Whether some bodies are given by name. These are not known until the item is in a scene."""
-        return any(isinstance(_body(each), str) for keys in self._keys().values() for each in keys)
+        return any(isinstance(whole(each), str) for keys in self._keys().values() for each in keys)
 
     def _targets(self, name: str) -> tuple[Target, ...] | None:
         """The validated value of a field that names bodies."""
@@ -172,11 +183,15 @@ class ActingItem(SceneItem):
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
         """The bodies that a field names, in whole or in part, each once; None: all. For an item of a scene."""
         targets = self.targets(field)
-        return None if targets is None else tuple(dict.fromkeys(_body(each) for each in targets))
+        return None if targets is None else tuple(dict.fromkeys(whole(each) for each in targets))
 
     def targets(self, field: str = "on") -> tuple[Body | Selection, ...] | None:
         """The bodies that a field names, and the selections from bodies; None: all. For an item of a scene."""
         return cast("tuple[Body | Selection, ...] | None", getattr(self, field))  # converted by `among`
+
+    def named(self) -> Mapping[str, tuple[Body | Selection | System, ...] | None]:
+        """The bodies and selections that fields name, by field; None: all. For an item of a scene."""
+        return {name: self.targets(name) for name in self.naming}
 
     @property
     def partial(self) -> tuple[str, ...]:
@@ -191,15 +206,15 @@ class ActingItem(SceneItem):
         """
 
 
-def _body(target: Target) -> Any:
-    """The body of a target, or its name."""
+def whole(target: Target | System) -> Any:
+    """The body of a target, or its name; a system as it is."""
     return target.body if isinstance(target, Selection) else target
 
 
 def _known(keys: Sequence[Target], bodies: Sequence[Body], path: str) -> tuple[Body | Selection, ...]:
     """The targets with the bodies of a scene in place of their names."""
     where = [f"{path}[{place}]" if len(keys) > 1 else path for place in range(len(keys))]
-    named = [found([_body(key)], bodies, path)[0] for key in keys]
+    named = [found([whole(key)], bodies, path)[0] for key in keys]
     return tuple(
         key.of(body, own) if isinstance(key, Selection) else body
         for key, body, own in zip(keys, named, where, strict=True)
@@ -210,8 +225,8 @@ def _check_once(targets: Sequence[Target], path: str) -> None:
     """Check that no particle is named twice, as far as the bodies are known."""
     seen: dict[Body, BoolArray] = {}
     for place, target in enumerate(targets):
-        body = _body(target)
-        if isinstance(body, Body):
+        body = whole(target)
+        if not isinstance(body, str):
             own = target.mask if isinstance(target, Selection) else np.ones(len(body), dtype=np.bool_)
             again = seen.get(body, np.zeros_like(own)) & own
             if again.any():
@@ -236,11 +251,57 @@ class Force(ActingItem):
     A force between particles acts between those that are named.
     """
 
+    section: ClassVar[str] = "forces"
     selects: ClassVar[bool] = True
     feels_charges: ClassVar[bool] = False
     """Whether the force may act on the charges of bodies."""
     needs_charges: ClassVar[bool] = False
     """Whether the force acts on charges alone."""
+    is_distant: ClassVar[bool] = False
+    """Whether the force acts between all pairs of particles, at any distance."""
+    is_shown: ClassVar[bool] = True
+    """Whether a test particle shows the force: not a force of short range between particles, nor user code."""
+    has_kink: ClassVar[bool] = False
+    """Whether the force has a kink or a jump at its range, which is reached at any time within a step."""
+    is_contact: ClassVar[bool] = False
+    """Whether the force is that of contacts between particles."""
+    timed: ClassVar[tuple[str, ...]] = ()
+    """The fields that may be functions of time."""
+    binds: ClassVar[bool] = False
+    """Whether the force binds atoms. Its limit of accuracy resolves their bonds."""
+
+    @property
+    def dissipates(self) -> bool:
+        """Whether the force may depend on velocities, or on time, which splittings do not resolve in steps without
+        limit.
+        """
+        return False
+
+    @property
+    def is_magnetic(self) -> bool:
+        """Whether there is a magnetic field."""
+        return False
+
+    @property
+    def is_electric(self) -> bool:
+        """Whether there is an electric field that is not due to charges."""
+        return False
+
+    @property
+    def changes(self) -> bool:
+        """Whether an electric or magnetic field may depend on time."""
+        return False
+
+    def finer(self) -> Force:
+        """The force with a fraction of the error of its sums; itself if they are exact."""
+        return self
+
+    def fall(self, dimension: int) -> FloatArray | None:
+        """The constant acceleration that the force gives to all particles of a falling body [m/s²]: zero for forces
+        that keep a flat body flat, None for those that may bend it or push it sideways.
+        """
+        del dimension
+        return None
 
 
 Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]
@@ -256,25 +317,48 @@ flow.
 class System(SceneItem):
     """Base class of systems: a state with its own law of motion, in addition to the bodies."""
 
+    section: ClassVar[str] = "systems"
     equation: ClassVar[Equation] = "second order"
     """Kind of the equation of motion."""
     default_integrator: ClassVar[str] = "VelocityVerlet"
     """Name of the default integrator."""
-    naming: ClassVar[tuple[str, ...]] = ()
-    """The fields that may name another system of the scene."""
     derived: ClassVar[tuple[str, ...]] = ()
     """Names of results that are computed from the others."""
+    has_varying_limit: ClassVar[bool] = False
+    """Whether the limit of stability depends on the values of the fields."""
 
     name: str | None = field(default=None, kw_only=True)
     """Name of the system, also a key into results."""
 
-    def named(self) -> dict[str, System]:
+    def named(self) -> Mapping[str, tuple[Body | Selection | System, ...] | None]:
         """The systems that fields name, by field."""
-        return {name: value for name in self.naming if isinstance(value := getattr(self, name), System)}
+        named = {name: getattr(self, name) for name in self.naming}
+        return {name: (value,) for name, value in named.items() if getattr(value, "section", None) == self.section}
+
+    @property
+    @abstractmethod
+    def elements(self) -> Mapping[Element, int]:
+        """The kind of elements that have values, with their number."""
+
+    def fields(self, path: str) -> Iterator[Field]:
+        """The fields of the system in a scene, where its path is `path`."""
+        (element,) = self.elements
+        for name, shape in self.shapes().items():
+            yield Field(f"{path}.{name}", self.units.get(name, "1"), element, shape, name)
+
+    @property
+    def primary(self) -> str:
+        """Name of the field that films show and studies compare."""
+        return next(iter(self.shapes()))
+
+    @property
+    def changing(self) -> str:
+        """Name of the field that studies perturb: the second of the state, or the only one."""
+        return [name for name in self.shapes() if name not in self.derived][:2][-1]
 
     @property
     def units(self) -> Mapping[str, str]:
-        """The units of the fields by name. The first field is the one that films show and that studies compare."""
+        """The units of the fields by name; the primary field is first."""
         return {}
 
     @property
@@ -290,6 +374,10 @@ class System(SceneItem):
     @abstractmethod
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of the fields by name, as in the engine."""
+
+    def timed(self) -> Iterator[tuple[str, Callable[[float], object]]]:
+        """The functions of time that the system depends on, with their paths within it."""
+        return iter(())
 
     def unresolved(self, integrator: str) -> list[str]:
         """Notes on waves and fronts that the system does not resolve with an integrator of this name."""
@@ -317,6 +405,13 @@ class System(SceneItem):
 class Constraint(ActingItem):
     """Base class of constraints: conditions on the motion of bodies, such as mutual impenetrability."""
 
+    section: ClassVar[str] = "constraints"
+
+    def thickness_of(self, body: Body) -> float:
+        """The thickness that the constraint gives to a body [m]."""
+        del body
+        return 0.0
+
 
 # To add a boundary: a module in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.
 @dataclass(frozen=True)
@@ -331,12 +426,36 @@ class Boundary(ActingItem):
     The energy loss of a contact counts as dissipated.
     """
 
+    section: ClassVar[str] = "boundaries"
+
     restitution: float = field(default=1.0, kw_only=True)
     """Ratio of the normal speeds after and before a contact, from 0 (no bounce) to 1 (no loss)."""
     friction: float = field(default=0.0, kw_only=True)
     """Coulomb's coefficient of friction, at least zero."""
     no_slip: bool = field(default=False, kw_only=True)
     """Whether fluids stick to the boundary; by default they slip along it freely."""
+
+    @property
+    def flat(self) -> tuple[Vector, Vector] | None:
+        """A point of the boundary and its unit normal, if it is a plane; of a resolved one."""
+        return None
+
+    @property
+    def room(self) -> tuple[Vector, Vector] | None:
+        """The lower and the upper corner of the space that the boundary encloses; None for others than boxes."""
+        return None
+
+    @property
+    def ball(self) -> tuple[Vector, float] | None:
+        """The center and the radius of a ball that particles cannot enter; None for others."""
+        return None
+
+    def is_symmetric(self, middle: FloatArray, normal: FloatArray, tolerance: float) -> bool:
+        """Whether the boundary is symmetric about a plane through `middle`, in the part that a body falling within this
+        plane can touch.
+        """
+        del middle, normal, tolerance
+        return False
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 
@@ -36,9 +37,9 @@ def _warn_of_charges(bodies: Sequence[Body], forces: Sequence[Force], path: Call
 
 def _warn_of_shared_places(bodies: Sequence[Body], path: Callable[[Body], str]) -> None:
     """Warn if a fluid with obstacles fills places that the particles of another body fill."""
-    fluids = [body for body in bodies if isinstance(body, Fluid) and body.obstacles]
+    fluids = [fluid for fluid in (cast("Fluid", body) for body in bodies if body.is_fluid) if fluid.obstacles]
     for body in bodies:
-        for fluid in fluids if not isinstance(body, Fluid) else ():
+        for fluid in fluids if not body.is_fluid else ():
             filled = [first[first < len(fluid)] for first, second in _shared(fluid, body.positions)]
             count = len(np.unique(np.concatenate(filled))) if filled else 0
             if count > 0:

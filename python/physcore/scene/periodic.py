@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,6 +30,8 @@ class Periodic:
     Raises:
         SceneError: `lower` is not below `upper`, an axis is infinite at one end only, or no axis is periodic.
     """
+
+    section: ClassVar[str] = "domains"
 
     lower: Vector
     upper: Vector

@@ -9,8 +9,9 @@ from typing import ClassVar
 
 from numpy.typing import ArrayLike
 
-from physcore.checks import DIMENSIONS, FloatArray, array, frozen
+from physcore.checks import DIMENSIONS, BoolArray, FloatArray, array, frozen
 from physcore.errors import SceneError
+from physcore.scene.fields import Element
 from physcore.scene.items import Equation, System
 
 
@@ -34,6 +35,11 @@ class PointSystem(System):
         return {"positions": "m", "velocities": "m/s"}
 
     @property
+    def elements(self) -> Mapping[Element, int]:
+        """The number of points."""
+        return {"points": len(self)}
+
+    @property
     def dimension(self) -> int:
         """The dimension of space, 2 or 3."""
         return int(self.start.shape[1])
@@ -41,6 +47,11 @@ class PointSystem(System):
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of the fields by name."""
         return dict.fromkeys(self.units, self.start.shape)
+
+    @property
+    def signs(self) -> BoolArray | None:
+        """Which points are positive; None if they have no sign."""
+        return None
 
     def __len__(self) -> int:
         return len(self.start)

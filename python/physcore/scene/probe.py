@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import ClassVar
 
 from physcore.checks import Vector, span, text, vector
+from physcore.scene.fields import Element
 from physcore.scene.items import SceneItem
 
 
@@ -45,6 +49,9 @@ class Probe(SceneItem):
 
     Source: D. Shepard, ACM National Conference (1968) 517.
     """
+
+    section: ClassVar[str] = "probes"
+    elements: ClassVar[Mapping[Element, int]] = MappingProxyType({"probes": 1})
 
     position: Vector
     radius: float | None = field(default=None, kw_only=True)

@@ -5,33 +5,32 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
-from physcore.checks import BoolArray, shown, word
+from physcore.checks import shown
 from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
-from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
-from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem, System
+from physcore.scene.contents import Contents
+from physcore.scene.fluid import CLOSEST, describe_pair
+from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem, System, whole
 from physcore.scene.mistakes import warn_of_mistakes
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
 from physcore.scene.records import Named, Record, pack
 from physcore.scene.selection import Selection
-from physcore.spelling import UnknownKey, did_you_mean
 from physcore.storage.archive import Tree, digest
 from physcore.units.systems import SI, Default, UnitSystem
 
-BodyKey = Body | int | str
-"""Key of a body: the object, its index in the scene, or its name."""
-ItemKey = BodyKey | System | Boundary | Probe
-"""Key of a body or another item with results: a system or a probe by object or name, a boundary by object."""
+Item: TypeAlias = Body | Force | Boundary | Constraint | System | Probe | Periodic
+SECTIONS = ("bodies", "forces", "boundaries", "constraints", "systems", "probes")
+"""Names of the tuples of items in a scene."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Scene:
+class Scene(Contents):
     """Scene: bodies, forces, boundaries, constraints and systems in 2D or 3D; in 1D, systems only.
 
         ball = pc.Particles([[0.0, 1.0]], radius=0.1, name="ball")
@@ -54,20 +53,10 @@ class Scene:
             in `units`.
     """
 
-    bodies: tuple[Body, ...]
-    forces: tuple[Force, ...]
-    boundaries: tuple[Boundary, ...]
-    constraints: tuple[Constraint, ...]
-    systems: tuple[System, ...]
-    probes: tuple[Probe, ...]
-    periodic: Periodic | None
-    """Periodic domain, or None."""
     units: UnitSystem
     """Units of all numbers."""
 
-    def __init__(
-        self, *items: Body | Force | Boundary | Constraint | System | Probe | Periodic, units: UnitSystem | None = None
-    ) -> None:
+    def __init__(self, *items: Item, units: UnitSystem | None = None) -> None:
         if not isinstance(units, (UnitSystem, type(None))):
             raise SceneError(f"units: must be a system of units, as of pc.units.system(…), got {shown(units)}")
         object.__setattr__(self, "units", units or SI)
@@ -82,15 +71,14 @@ class Scene:
                     f"items[{position}]: must be a body, a force, a boundary, a constraint, a system, a "
                     f"Probe or a Periodic domain, got {shown(item)}{_advice(item)}"
                 )
-        kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary, "constraints": Constraint, "systems": System}
-        kinds["probes"] = Probe
-        for field, kind in kinds.items():
-            object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
+        given = cast("Sequence[Item]", items)
+        for section in SECTIONS:
+            object.__setattr__(self, section, tuple(item for item in given if item.section == section))
         self._check_bodies()
         for field in ("forces", "boundaries", "constraints"):
             known = (item.among(self.bodies, f"{field}[{place}]") for place, item in enumerate(getattr(self, field)))
             object.__setattr__(self, field, tuple(known))
-        self._set_domain([item for item in items if isinstance(item, Periodic)])
+        self._set_domain([cast("Periodic", item) for item in given if item.section == "domains"])
         if not self.units.is_si:
             self._convert_defaults()
         self._check_fluids()
@@ -101,97 +89,6 @@ class Scene:
         self._check_probes()
         self._check_sizes()
         warn_of_mistakes(self.bodies, self.forces, self.path)
-
-    @property
-    def dimension(self) -> int:
-        """The dimension of space: 2 or 3; 1 if there are only systems in 1D."""
-        return self.bodies[0].dimension if self.bodies else self.systems[0].dimension
-
-    @property
-    def particles(self) -> int:
-        """The total number of particles."""
-        return sum(len(body) for body in self.bodies)
-
-    @property
-    def fluids(self) -> tuple[Fluid, ...]:
-        """The bodies that are fluids."""
-        return tuple(body for body in self.bodies if isinstance(body, Fluid))
-
-    def targets(self, item: ActingItem) -> tuple[Body, ...]:
-        """The bodies that a force or a boundary of this scene acts on.
-
-        Raises:
-            SceneError: the item is neither.
-        """
-        if not isinstance(item, ActingItem):
-            raise SceneError(f"targets.item: must be a force or a boundary, got {shown(item)}")
-        named = item.among(self.bodies, "targets.item").bodies()
-        if named is not None:
-            return named
-        return tuple(body for body in self.bodies if not (item.spares_fluids and isinstance(body, Fluid)))
-
-    def members(self, item: ActingItem, field: str = "on") -> BoolArray:
-        """Whether a force or a boundary of this scene acts on each particle, shape (N,).
-
-            scene.members(scene.forces[0])
-
-        Args:
-            item: the force or the boundary.
-            field: "on", or another field of the item that names bodies, such as "sources".
-
-        Raises:
-            SceneError: the item is neither, or has no such field.
-        """
-        targets = self.targets(item)  # raises the error
-        named = item.among(self.bodies, "members.item").targets(word(field, "members.field", item.naming))
-        if named is None:
-            named = targets if field == "on" else self.bodies
-        result = np.zeros(self.particles, dtype=np.bool_)
-        for each in named:
-            if isinstance(each, Selection):
-                result[self.slice(each.body)] |= each.mask
-            else:
-                result[self.slice(each)] = True
-        return result
-
-    def index(self, key: BodyKey) -> int:
-        """The position of a body among the bodies of this scene.
-
-        Raises:
-            KeyError: there is no such body.
-        """
-        for position, body in enumerate(self.bodies):
-            if key is body or (isinstance(key, str) and key == body.name):
-                return position
-        whole = isinstance(key, (int, np.integer)) and not isinstance(key, (bool, np.timedelta64))
-        number = int(key) if whole else len(self.bodies)  # type: ignore[arg-type]
-        if -len(self.bodies) <= number < len(self.bodies):
-            return number % len(self.bodies)
-        known = [body.name for body in self.bodies if body.name is not None]
-        names = ", ".join(map(repr, known)) or "none"
-        raise UnknownKey(
-            f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}{did_you_mean(key, known)}"
-        )
-
-    def path(self, key: BodyKey) -> str:
-        """The name of a body in messages: bodies['water'], or bodies[0] if it has no name."""
-        index = self.index(key)
-        name = self.bodies[index].name
-        return f"bodies[{index if name is None else repr(name)}]"
-
-    def slice(self, key: BodyKey) -> slice:
-        """The slice of a body's particles in results."""
-        index = self.index(key)
-        start = sum(len(body) for body in self.bodies[:index])
-        return slice(start, start + len(self.bodies[index]))
-
-    def system(self, key: object) -> str | None:
-        """The path of a system, which precedes the names of its fields; None if the key is no system of the scene."""
-        for position, system in enumerate(self.systems):
-            path = system.name or f"systems[{position}]"
-            if key is system or (isinstance(key, str) and key == path):
-                return path
-        return None
 
     def hash(self) -> str:
         """Hash of all items of the scene: the same for equal scenes, in every process and on every machine.
@@ -352,7 +249,7 @@ class Scene:
         spacing = min((fluid.spacing for fluid in self.fluids if fluid.obstacles), default=math.inf)
         for index, body in enumerate(self.bodies):
             largest = float(body.radius.max(initial=0.0))
-            if not isinstance(body, Fluid) and largest > spacing:
+            if not body.is_fluid and largest > spacing:
                 raise SceneError(
                     f"{self.path(index)}.radius: a particle displaces as much fluid as one of its particles, of a "
                     f"spacing of {spacing:g} m, and its radius is {largest:g} m; fill the body with particles, as "
@@ -372,20 +269,17 @@ class Scene:
                 f"{path}.{name}: {type(item).__name__} must have {self.dimension} components "
                 f"in this {self.dimension}D scene, got {size}"
             )
-        if isinstance(item, System):
-            for field, other in item.named().items():
-                if not any(other is each for each in self.systems):
-                    raise SceneError(f"{path}.{field}: {other!r} is not in the scene; add it as an item too")
-        if not isinstance(item, ActingItem):
+        for field, others in item.named().items():
+            for other in others or ():
+                if not any(whole(other) is each for each in (*self.bodies, *self.systems)):
+                    raise SceneError(f"{path}.{field}: {whole(other)!r} is not in the scene; add it as an item too")
+        if not item.acts:
             return
-        for field in item.naming:
-            for body in item.bodies(field) or ():
-                if body not in self.bodies:
-                    raise SceneError(f"{path}.{field}: {body!r} is not in the scene; add it as an item too")
-        targets = self.targets(item)
-        if not targets and item.on is None and self.bodies:
+        acting = cast("ActingItem", item)
+        targets = self.targets(acting)
+        if not targets and acting.on is None and self.bodies:
             raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")
-        item.check(targets, path)
+        acting.check(targets, path)
 
 
 def indices(scene: Scene, item: SceneItem) -> Named:
@@ -393,23 +287,17 @@ def indices(scene: Scene, item: SceneItem) -> Named:
 
     A selection of particles is the index of its body and the indices of the particles.
     """
-    if isinstance(item, System):
-        places = {id(system): index for index, system in enumerate(scene.systems)}
-        return {field: [places[id(other)]] for field, other in item.named().items()}
-    if not isinstance(item, ActingItem):
-        return {}
-    named = {field: item.targets(field) for field in item.naming}
     return {
-        field: None if targets is None else [_place(scene, target) for target in targets]
-        for field, targets in named.items()
+        field: None if others is None else [_place(scene, other) for other in others]
+        for field, others in item.named().items()
     }
 
 
-def _place(scene: Scene, target: Body | Selection) -> int | list[Any]:
-    """The index of a body, with the indices of the selected particles, if not of all."""
-    if isinstance(target, Selection):
-        return [scene.bodies.index(cast(Body, target.body)), target.index]
-    return scene.bodies.index(target)
+def _place(scene: Scene, named: Body | Selection | System) -> int | list[Any]:
+    """The index of a body or a system; with the indices of the selected particles of a body, if not of all."""
+    item = whole(named)
+    index = next(place for place, each in enumerate(getattr(scene, item.section)) if each is item)
+    return [index, named.index] if isinstance(named, Selection) else index
 
 
 def _advice(item: object) -> str:

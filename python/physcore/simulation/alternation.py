@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
 
 from physcore.checks import FloatArray, array, called
 from physcore.errors import SceneError
-from physcore.forces import Drag, ElectromagneticField, Gravity, Wind
 from physcore.scene.bodies import Body
-from physcore.scene.edges import Valued
-from physcore.scene.grid import GridSystem
 from physcore.scene.items import Force
 from physcore.scene.scene import Scene
-from physcore.systems.flows import Flow
-from physcore.systems.tracers import Tracers
-from physcore.systems.wave import Wave
 
 STEPS = 16
 """Number of steps that are looked at."""
@@ -48,26 +42,17 @@ def _functions(scene: Scene) -> Iterator[tuple[str, Callable[[float], object]]]:
     """The functions of time with their paths; fields at the place of the first particle."""
     yield from _of_forces(scene)
     for index, system in enumerate(scene.systems):
-        path = f"systems[{index}]"
-        if isinstance(system, Tracers) and isinstance(system.flow, Flow) and len(system.positions):
-            yield f"{path}.flow", partial(_at, system.flow, system.positions[:1])
-        if isinstance(system, Wave):
-            for number, source in enumerate(system.sources):
-                if callable(source.signal):
-                    yield f"{path}.sources[{number}].signal", source.signal
-        if isinstance(system, GridSystem):
-            yield from _of_edges(system, path)
+        for name, function in system.timed():
+            yield f"systems[{index}].{name}", function
 
 
 def _of_forces(scene: Scene) -> Iterator[tuple[str, Callable[[float], object]]]:
     """The functions of forces."""
-    names = {Gravity: ("acceleration",), Drag: ("wind",), Wind: ("velocity",)}
     for index, force in enumerate(scene.forces):
-        fields = isinstance(force, ElectromagneticField)
-        for name in ("electric", "magnetic") if fields else names.get(type(force), ()):
+        for name in force.timed:
             value, path = getattr(force, name), f"forces[{index}].{name}"
             place = _place(scene, force)
-            if callable(value) and not (fields or getattr(force, "by_place", False)):
+            if callable(value) and not getattr(force, "by_place", False):
                 yield path, value
             elif callable(value) and place is not None:
                 yield path, partial(_at, value, place)
@@ -77,20 +62,6 @@ def _place(scene: Scene, force: Force) -> FloatArray | None:
     """The first position of a body that a force acts on, (1, D); None if there is none."""
     bodies: list[Body] = [scene.bodies[scene.index(key)] for key in force.bodies() or scene.bodies]
     return next((body.positions[:1] for body in bodies if len(body)), None)
-
-
-def _of_edges(system: GridSystem, path: str) -> Iterator[tuple[str, Callable[[float], object]]]:
-    """The functions of edge conditions; those that several species share have the path of the first."""
-    seen: set[int] = set()
-    for field in system.units:
-        species = f"[{field!r}]" if isinstance(system.edges, Mapping) else ""
-        for side, condition in zip(system.grid.sides, system.conditions(field), strict=True):
-            if not isinstance(condition, Valued):
-                continue
-            value = getattr(condition, condition.key)
-            if callable(value) and id(value) not in seen:
-                seen.add(id(value))
-                yield f"{path}.edges{species}[{side!r}].{condition.key}", value
 
 
 def _at(field: Callable[[float, FloatArray], object], place: FloatArray, time: float) -> object:

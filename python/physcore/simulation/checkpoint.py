@@ -13,7 +13,7 @@ from physcore._core import World
 from physcore.checks import MOST, shown
 from physcore.errors import FileError, SceneError
 from physcore.numerics.choices import Limit, Numerics, check
-from physcore.scene.channels import FLUID_CHANNELS
+from physcore.scene.fields import FLOW
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
@@ -73,7 +73,7 @@ class Checkpoint(NamedTuple):
             raise FileError("world.clock: must be a time that is finite")
         for info in engine.fields(world, self.scene):
             # Particles that are no fluid's have no density.
-            whole = info.state and info.name not in FLUID_CHANNELS
+            whole = info.state and info.name not in FLOW
             if whole and not np.isfinite(engine.read(world, self.scene, info.name)).all():
                 raise FileError("world.columns: must be finite in the precision of the run")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +13,9 @@ from physcore.arithmetic import dots, lengths
 from physcore.checks import FloatArray, IntArray, Vector, array, called, count, flag, items, number, shown, text, vector
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.scene.contents import BodyKey
 from physcore.scene.points import PointSystem
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.scene import Scene
 from physcore.simulation.state import Snapshot
 
 Owner: TypeAlias = BodyKey | PointSystem
@@ -359,13 +360,13 @@ def _numbers(scene: Scene, body: Owner) -> IntArray:
     """
     last = 0
     for system in scene.systems:
-        points = len(system) if isinstance(system, PointSystem) else 0
+        points = system.elements.get("points", 0)
         if points and scene.system(body) == scene.system(system):
             return np.arange(last - points, last)
         last -= points
-    if isinstance(body, PointSystem):
+    if getattr(body, "section", None) == "systems":
         raise KeyError(f"{body!r} is no system of this scene")
-    own = scene.slice(body)
+    own = scene.slice(cast("BodyKey", body))
     return np.arange(own.start, own.stop)
 
 

@@ -10,7 +10,7 @@ from physcore._core import World
 from physcore.checks import MOST, FloatArray
 from physcore.errors import PhyscoreError, SceneError, StabilityWarning, warn
 from physcore.numerics.choices import steps_to
-from physcore.scene.channels import GAUGES
+from physcore.scene.fields import GAUGES
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.energy import Amount, Energy

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 from physcore._core import World
 from physcore.checks import FloatArray, array
 from physcore.errors import SceneError
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.contents import BodyKey
+from physcore.scene.scene import Scene
 from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Amount, Energy
 

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
 from physcore.arithmetic import along_own_axes, dots, lengths, row_space
-from physcore.boundaries import Box, Plane, Sphere
-from physcore.checks import FloatArray
-from physcore.forces import Dihedral, Drag, Gravity
+from physcore.checks import FloatArray, Vector
 from physcore.numerics.choices import Numerics
-from physcore.scene.bodies import SpringNetwork
 from physcore.scene.fluid import Fluid
-from physcore.scene.items import SceneItem
+from physcore.scene.items import Boundary
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import FAIR_DRIFT, verdict
 from physcore.simulation.gaps import narrow
@@ -52,16 +50,16 @@ def _untouched(recording: Recording) -> Iterator[str]:
     if scene.periodic is not None or not {"positions", "velocities"} <= channels.keys():
         return
     for place, boundary in enumerate(scene.boundaries):
-        plane = boundary.resolved(scene.dimension)
-        if not isinstance(plane, Plane):
+        plane = cast("Boundary", boundary.resolved(scene.dimension)).flat
+        if plane is None:
             continue
         nearest = np.inf
         for body in scene.targets(boundary):
             part = scene.slice(scene.index(body))
-            normal = np.array(plane.normal)
-            height = dots(channels["positions"][:, part] - np.array(plane.point), normal)
+            point, normal = map(np.array, plane)
+            height = dots(channels["positions"][:, part] - point, normal)
             fastest = np.abs(dots(channels["velocities"][:, part], normal)).max(axis=0, initial=0.0)
-            size = body.spacing if isinstance(body, Fluid) else body.radius
+            size = cast("Fluid", body).spacing if body.is_fluid else body.radius
             room = height.min(axis=0, initial=np.inf) - size - 0.5 * fastest / recording.fps
             nearest = min(nearest, float(room.min(initial=np.inf)))
         if 0.0 < nearest < np.inf:
@@ -82,10 +80,8 @@ def of_scene(scene: Scene, numerics: Numerics) -> list[str]:
 
 def _thin(scene: Scene) -> Iterator[str]:
     """Notes on fluids of few rows of particles, or between walls with room for few."""
-    sides = [np.ptp(np.array([wall.lower, wall.upper]), axis=0) for wall in _containers(scene)]
-    for place, body in enumerate(scene.bodies):
-        if not isinstance(body, Fluid):
-            continue
+    sides = [np.ptp(np.array(room), axis=0) for room in _rooms(scene)]
+    for body in scene.fluids:
         some = body.positions[:: 1 + len(body) // MANY]
         across = [np.ptp(turned, axis=0) for turned in (body.positions, along_own_axes(some))]
         extents = [*(np.array(across) + body.spacing), *sides]
@@ -93,7 +89,7 @@ def _thin(scene: Scene) -> Iterator[str]:
         rows = round(thinnest / body.spacing)
         if rows < ROWS:
             yield (
-                f"{scene.path(place)}: {rows} rows of particles across its thinnest side or its container; waves in "
+                f"{scene.path(body)}: {rows} rows of particles across its thinnest side or its container; waves in "
                 f"fewer than {ROWS} rows lose more than 5 % of their height in a period; a spacing of "
                 f"{thinnest / ROWS:.2g} m keeps that"
             )
@@ -101,38 +97,40 @@ def _thin(scene: Scene) -> Iterator[str]:
 
 def _at_rest(scene: Scene) -> Iterator[str]:
     """A note on bodies at rest at boundaries, if no force moves them."""
-    moving = any(body.velocities.any() or isinstance(body, (Fluid, SpringNetwork)) for body in scene.bodies)
+    moving = any(body.velocities.any() or not body.is_loose for body in scene.bodies)
     if scene.bodies and scene.boundaries and not (moving or scene.forces):
         kind = type(scene.boundaries[0]).__name__
         yield f"boundaries[0]: nothing moves, and no force pulls toward this {kind}: add pc.Gravity()"
 
 
-def _containers(scene: Scene) -> list[Box]:
-    """The boxes that contain the bodies of a scene."""
-    walls = [boundary.resolved(scene.dimension) for boundary in scene.boundaries]
-    return [wall for wall in walls if isinstance(wall, Box) and wall.inside]
+def _rooms(scene: Scene) -> list[tuple[Vector, Vector]]:
+    """The corners of the boxes that contain the bodies of a scene."""
+    return [room for room in (boundary.room for boundary in _resolved(scene)) if room is not None]
+
+
+def _resolved(scene: Scene) -> list[Boundary]:
+    """The boundaries as the engine has them."""
+    return [cast("Boundary", boundary.resolved(scene.dimension)) for boundary in scene.boundaries]
 
 
 def _edge_on(scene: Scene) -> list[str]:
     """A note on a flat network that falls on its edge in unstable equilibrium, because nothing acts normal to its
     plane.
     """
-    network = scene.bodies[0] if len(scene.bodies) == 1 else None
-    if not isinstance(network, SpringNetwork) or network.fixed.any() or not scene.boundaries:
+    network = scene.bodies[0].network if len(scene.bodies) == 1 else None
+    if network is None or network.fixed.any() or not scene.boundaries:
         return []
     normal = _normal(network.positions)
     if normal is None or dots(network.velocities, normal).any():
         return []
     pull = np.zeros(scene.dimension)
     for force in scene.forces:
-        if isinstance(force, Gravity):
-            if callable(force.acceleration):
-                return []
-            pull += np.array(force.resolved(scene.dimension).acceleration)
-        elif not isinstance(force, Dihedral) and not (isinstance(force, Drag) and force.wind is None):
+        fall = force.fall(scene.dimension)
+        if fall is None:
             return []
+        pull += fall
     middle = network.positions.mean(axis=0)
-    symmetric = all(_is_symmetric(boundary.resolved(scene.dimension), middle, normal) for boundary in scene.boundaries)
+    symmetric = all(boundary.is_symmetric(middle, normal, ROUNDING) for boundary in _resolved(scene))
     if not pull.any() or abs(dots(pull, normal)) > ROUNDING * lengths(pull) or not symmetric:
         return []
     return [
@@ -151,12 +149,3 @@ def _normal(positions: FloatArray) -> FloatArray | None:
         return None
     normal: FloatArray = np.cross(*within) if len(within) == 2 else within[0, ::-1] * (-1.0, 1.0)
     return normal
-
-
-def _is_symmetric(boundary: SceneItem, middle: FloatArray, normal: FloatArray) -> bool:
-    """Whether a boundary is symmetric about a plane, in the part that a body falling within this plane can touch."""
-    if isinstance(boundary, Plane):
-        return bool(abs(dots(np.array(boundary.normal), normal)) < ROUNDING)
-    if isinstance(boundary, Sphere):
-        return bool(abs(dots(np.array(boundary.center) - middle, normal)) < ROUNDING * boundary.radius)
-    return isinstance(boundary, Box) and boundary.inside and bool(np.abs(normal).max() > 1.0 - ROUNDING)

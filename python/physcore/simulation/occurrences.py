@@ -10,7 +10,8 @@ import numpy as np
 
 from physcore.checks import IntArray
 from physcore.markup import html_table
-from physcore.scene.scene import ItemKey, Scene
+from physcore.scene.contents import ItemKey
+from physcore.scene.scene import Scene
 from physcore.simulation.event import Event
 from physcore.simulation.trajectory import Trajectory, channel_rules
 from physcore.spelling import UnknownKey, did_you_mean

@@ -13,15 +13,9 @@ import numpy as np
 from physcore import memory
 from physcore.checks import FloatArray, is_word, word, words
 from physcore.errors import FileError, SceneError
-from physcore.scene.channels import (
-    CHANNELS,
-    FLUID_CHANNELS,
-    field_names,
-    springs,
-)
-from physcore.scene.grid import GridSystem
-from physcore.scene.points import PointSystem
-from physcore.scene.scene import ItemKey, Scene
+from physcore.scene.contents import ItemKey
+from physcore.scene.fields import FLOW, MOTION
+from physcore.scene.scene import Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.energy import Amount, AmountSeries, EnergySeries
 from physcore.simulation.occurrences import Events
@@ -55,16 +49,14 @@ def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
     Raises:
         SceneError: a field is not one of the scene's.
     """
-    known, fluids = field_names(scene), bool(scene.fluids)
+    known = tuple(scene.fields)
     if channels is None:
-        return tuple(name for name in known if name not in FLUID_CHANNELS)
+        return tuple(name for name in known if name not in FLOW)
     hint = ""
     if isinstance(channels, str):
         hint = f'; write ("{channels}",)' if channels in known else ""
-    elif isinstance(channels, (tuple, list)) and any(
-        is_word(each, name) for each in channels for name in FLUID_CHANNELS
-    ):
-        hint = "" if fluids else "; only a Fluid has densities and pressures"
+    elif isinstance(channels, (tuple, list)) and any(is_word(each, name) for each in channels for name in FLOW):
+        hint = "" if scene.fluids else "; only a Fluid has densities and pressures"
     return words(channels, "channels", known, hint)
 
 
@@ -107,7 +99,7 @@ class Recording(Trajectory):
     def to_dataframe(self) -> DataFrame:
         """Convert to a pandas data frame, as in `Trajectory`; at each time, the bodies follow one another."""
         names = [(index if body.name is None else body.name, len(body)) for index, body in enumerate(self.scene.bodies)]
-        own = {name: values for name, values in self.channels.items() if name in (*CHANNELS, *FLUID_CHANNELS)}
+        own = {name: values for name, values in self.channels.items() if name in (*MOTION, *FLOW)}
         return data_frame(self.times, own if names else {}, names)
 
     def plot(self, channel: str = "energy", axes: Axes | None = None) -> Axes:
@@ -202,14 +194,14 @@ class Recording(Trajectory):
             FileError: an entry is missing or not valid; the message has its path.
         """
         scene = unpack_scene(content.get("scene"))
-        sizes = Sizes(N=scene.particles, S=springs(scene), D=scene.dimension, A=_turns(scene))
+        sizes = Sizes(N=scene.particles, S=scene.count("springs"), D=scene.dimension, A=_turns(scene))
         if "provenance" not in content:
             raise FileError("provenance: is missing")
         provenance = Provenance.from_content(content["provenance"])
         # A run that went on in spite of its divergence may have energies beyond the range of numbers.
         finite = not is_word(provenance.numerics.get("on_divergence"), "ignore")
         over_time = sizes.array("F", finite=finite)
-        channels = several(schema.word(*field_names(scene)))(content.get("channels"), "channels")
+        channels = several(schema.word(*scene.fields))(content.get("channels"), "channels")
         rules = channel_rules(scene, sizes, "F")
         terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
         amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
@@ -318,9 +310,7 @@ def refuse_if_too_large(frames: int, scene: Scene, needed: int, hint: str) -> No
 
 def contents(scene: Scene) -> str:
     """The numbers of particles, tracers and cells of a scene, as text."""
-    tracers = sum(len(system) for system in scene.systems if isinstance(system, PointSystem))
-    cells = sum(system.grid.size for system in scene.systems if isinstance(system, GridSystem))
-    counts = {"particles": scene.particles, "tracers": tracers, "cells": cells}
+    counts = {"particles": scene.particles, "tracers": scene.count("points"), "cells": scene.count("cells")}
     return " and ".join(f"{count} {name}" for name, count in counts.items() if count) or "0 particles"
 
 

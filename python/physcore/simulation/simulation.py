@@ -27,9 +27,8 @@ from physcore.numerics.fluids import Fluids, check_flows
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
-from physcore.scene.channels import CHANNELS, body_fields, body_gauges, gauge
-from physcore.scene.items import System
-from physcore.scene.scene import BodyKey, ItemKey, Scene
+from physcore.scene.contents import BodyKey, ItemKey
+from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.alternation import alternating
@@ -193,20 +192,13 @@ class Simulation(Measured):
         Of a further system, given itself or its name: its fields. `simulation[item].set(…)` changes them. Of a probe
         its pressure [Pa]; of a boundary, or a body in a fluid, the force of fluids on it [N], without surface tension.
         """
-        path = self._scene.system(item)
-        if path is not None:
-            system = next(each for each in self._scene.systems if self._scene.system(each) == path)
-            own = {name: self._world.read(f"{path}.{name}") for name in system.shapes()}
-            return Part(self.time, system.shown(own), lambda values: self._set_fields(system, path, values))
-        measured = gauge(self._scene, item)
-        if measured is not None:
-            name, field, row = measured
-            return Part(self.time, {name: self._world.read(field)[row]}, _refuse)
-        body = cast("BodyKey", item)
-        fields = {name: self._world.read(name)[part] for name, part in body_fields(self._scene, body).items()}
-        fields |= {name: self._world.read(field)[row] for name, (field, row) in body_gauges(self._scene, body).items()}
-        shown = {**fields, "positions": engine.show(fields["positions"], self._scene)}
-        return Part(self.time, shown, lambda values: self._set_body(body, values))
+        parts = self._scene.parts(item)
+        fields = {name: self._field(field)[rows] for name, (field, rows) in parts.items()}
+        return Part(self.time, self._scene.results(item, fields), lambda values: self._set_part(item, values))
+
+    def _field(self, name: str) -> FloatArray:
+        """The values of a field, with positions of particles within the periodic domain."""
+        return self.positions if name == "positions" else self._world.read(name)
 
     def __repr__(self) -> str:
         return f"Simulation({self._scene!r}, {self.integrator!r}, time={self.time:g}, steps={self.steps})"
@@ -328,15 +320,24 @@ class Simulation(Measured):
         with self._scene.units.worded():
             self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
 
-    def _set_body(self, body: BodyKey, values: Mapping[str, ArrayLike]) -> None:
-        """Replace positions or velocities of a body."""
+    def _set_part(self, item: ItemKey, values: Mapping[str, ArrayLike]) -> None:
+        """Replace fields of an item."""
+        path = self._scene.system(item)
+        if path is not None:
+            self._set_fields(path, values)
+            return
+        known = [name for name, (field, _) in self._scene.parts(item).items() if self._scene.fields[field].settable]
         for name in values:
-            if name not in CHANNELS:
-                raise SceneError(f"set.{name}: must be one of {', '.join(CHANNELS)}")
+            if not known:
+                raise SceneError(f"set.{name}: follows from the state of the fluid")
+            if name not in known:
+                raise SceneError(f"set.{name}: must be one of {', '.join(known)}")
+        body = cast("BodyKey", item)
         self.set(**{name: {body: given} for name, given in values.items()})
 
-    def _set_fields(self, system: System, path: str, values: Mapping[str, object]) -> None:
+    def _set_fields(self, path: str, values: Mapping[str, object]) -> None:
         """Replace fields of a further system."""
+        system = self._scene.systems_by_path[path]
         states = {info.name.removeprefix(f"{path}."): info.state for info in engine.fields(self._world, self._scene)}
         for name in values:
             if name not in system.shapes() or not states[name]:
@@ -424,11 +425,6 @@ class Simulation(Measured):
                 raise SceneError(f"{path}: {error.args[0]}") from None
             values[where] = broadcast(part, values[where].shape, f"{path}[{shown(key)}]")
         return values
-
-
-def _refuse(values: Mapping[str, ArrayLike]) -> None:
-    """Nothing of what is measured can be set."""
-    raise SceneError(f"set.{next(iter(values), '')}: follows from the state of the fluid")
 
 
 def require_scene(scene: object) -> None:

@@ -12,7 +12,6 @@ from physcore import memory
 from physcore.checks import FloatArray, shown, span
 from physcore.errors import InternalError, SceneError
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
-from physcore.scene.channels import field_names
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Drift, Energy
@@ -175,7 +174,7 @@ class Running:
 
     def has(self, field: str) -> bool:
         """Whether the scene has a field of this name."""
-        return field in field_names(self.scene)
+        return field in self.scene.fields
 
     def frames(self) -> Iterator[SourceFrame]:
         """Simulate from the start.

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from physcore.checks import BoolArray, FloatArray
 from physcore.errors import SceneError
-from physcore.scene.channels import OWNERS, body_fields, body_gauges, gauge
-from physcore.scene.scene import BodyKey, ItemKey, Scene
+from physcore.scene.contents import ItemKey
+from physcore.scene.fields import FIELDS
+from physcore.scene.scene import Scene
 from physcore.simulation.energy import Amount, Energy
 from physcore.spelling import UnknownKey, did_you_mean
 
@@ -60,20 +61,9 @@ class Snapshot:
         if self.scene is None:
             hint = did_you_mean(key, self.fields)
             raise UnknownKey(f"no field {key!r}: there are {', '.join(self.fields)}{hint}")
-        path = self.scene.system(key)
-        if path is not None:
-            own = {name: values for name, values in self.fields.items() if name.startswith(f"{path}.")}
-            shown = next(each for each in self.scene.systems if self.scene.system(each) == path).shown
-            return Snapshot(self.time, shown({name.removeprefix(f"{path}."): values for name, values in own.items()}))
-        measured = gauge(self.scene, key)
-        if measured is not None:
-            return Snapshot(self.time, {measured[0]: self.fields[measured[1]][measured[2]]})
-        body = cast("BodyKey", key)
-        own = {
-            name: self.fields[name][part] for name, part in body_fields(self.scene, body).items() if name in self.fields
-        }
-        own |= {name: self.fields[field][row] for name, (field, row) in body_gauges(self.scene, body).items()}
-        return Snapshot(self.time, own)
+        parts = self.scene.parts(key).items()
+        own = {name: self.fields[field][rows] for name, (field, rows) in parts if field in self.fields}
+        return Snapshot(self.time, self.scene.results(key, own))
 
     @property
     def positions(self) -> FloatArray:
@@ -109,7 +99,7 @@ class Snapshot:
 
     def _field(self, name: str) -> FloatArray:
         if name not in self.fields:
-            raise SceneError(f"{name}: only {OWNERS[name]} them")
+            raise SceneError(f"{name}: only {FIELDS[name].owner} them")
         return self.fields[name]
 
     def __getattr__(self, name: str) -> FloatArray:

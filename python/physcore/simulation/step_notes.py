@@ -6,7 +6,6 @@ import math
 
 from physcore.arithmetic import power
 from physcore.numerics.choices import AdaptiveStep, Limit, StepRule
-from physcore.scene.fluid import Fluid
 from physcore.scene.records import Record
 from physcore.simulation.step_size import StepSize
 
@@ -47,7 +46,7 @@ def _following(size: StepSize, rule: AdaptiveStep) -> list[str]:
 
 def _momentary(size: StepSize, dt: float, limit: Limit) -> list[str]:
     """A note on a given step near a limit that varies with the motion."""
-    flows = any(isinstance(body, Fluid) for body in size.scene.bodies)
+    flows = bool(size.scene.fluids)
     if isinstance(size.numerics.dt, StepRule) or not size.varies or not (limit.kind == "accuracy" or flows):
         return []
     if not NEAR * limit.dt < dt <= limit.dt:

@@ -11,7 +11,6 @@ from physcore._core import World
 from physcore.numerics.choices import FRAMES_PER_SECOND, Limit, Numerics, StepRule, largest_step
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
-from physcore.systems.reaction_diffusion import ReactionDiffusion
 
 CHECK_INTERVAL = 256
 """Number of steps between two checks of the limit of stability with dt="auto". Checks are at multiples of this number,
@@ -132,7 +131,7 @@ def _check_interval(scene: Scene, numerics: Numerics) -> int:
     """The number of steps between two checks of the limit."""
     if numerics.resolves:
         return RESOLVED_CHECK_INTERVAL
-    cells = [math.prod(system.grid.cells) for system in scene.systems if isinstance(system, ReactionDiffusion)]
+    cells = [sum(system.elements.values()) for system in scene.systems if system.has_varying_limit]
     if cells and max(cells) <= FEW_CELLS:
         return 1
     return SHORT_CHECK_INTERVAL if cells or scene.fluids else CHECK_INTERVAL

@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from physcore.checks import BoolArray, FloatArray, word
 from physcore.errors import SceneError
-from physcore.scene.channels import (
-    CHANNELS,
-    FLUID_CHANNELS,
-    OWNERS,
-    SPRING_CHANNELS,
-    body_fields,
-    body_gauges,
-    gauge,
-    gauge_shapes,
-    system_shapes,
-)
-from physcore.scene.scene import BodyKey, ItemKey, Scene
+from physcore.scene.contents import ItemKey
+from physcore.scene.fields import FIELDS, MATTER, MOTION
+from physcore.scene.scene import Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.tables import data_frame
 from physcore.spelling import UnknownKey, did_you_mean
@@ -31,20 +22,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
-UNITS = {"positions": "m", "velocities": "m/s", "densities": "kg/m³", "pressures": "Pa", "tensions": "N"}
-UNITS |= {"pressure": "Pa", "force": "N"}
-"""Units of channels."""
+UNITS = {field.part: field.unit for field in MATTER if field.unit != "1"}
+"""Units of channels, as they are called in the results of an item."""
 
 
 def channel_rules(scene: Scene, sizes: Sizes, over: str) -> dict[str, Rule]:
     """The rules for the recorded fields of a scene in a file, by name; their first axis is `over`."""
-    axes: dict[str, tuple[str, ...]] = dict.fromkeys(CHANNELS, ("N", "D"))
-    axes |= {**dict.fromkeys(FLUID_CHANNELS, ("N",)), **dict.fromkeys(SPRING_CHANNELS, ("S",))}
-    for name, lengths in {**system_shapes(scene), **gauge_shapes(scene)}.items():
-        axes[name] = tuple(f"{name}, axis {axis}" for axis in range(len(lengths)))
-        sizes.update(zip(axes[name], lengths, strict=True))
-    # Particles of other bodies have the density NaN.
-    return {name: sizes.array(over, *own, finite=name not in FLUID_CHANNELS) for name, own in axes.items()}
+    rules: dict[str, Rule] = {}
+    for name, each in scene.fields.items():
+        axes = tuple(f"{name}, axis {axis}" for axis in range(len(each.shape)))
+        sizes.update(zip(axes, each.shape, strict=True))
+        # Particles of other bodies have the density NaN.
+        rules[name] = sizes.array(over, *axes, finite=each.element != "fluid particles")
+    return rules
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,7 +113,7 @@ class Trajectory:
         """
         name = word(channel, "plot.channel", self.channels)
         values = self.channels[name]
-        flat = values if values.ndim == 3 and name in CHANNELS else values.reshape(len(values), -1, 1)
+        flat = values if values.ndim == 3 and name in MOTION else values.reshape(len(values), -1, 1)
         label = self.units.label(name, UNITS[name]) if name in UNITS else name
         return over_time(self.times, flat, "xyz"[: flat.shape[2]], label, axes, self.units)
 
@@ -152,7 +142,8 @@ class Trajectory:
 
     def _channel(self, name: str) -> FloatArray:
         if name not in self.channels:
-            whose = f"; only {OWNERS[name]} them" if name in OWNERS else ""
+            owner = FIELDS[name].owner if name in FIELDS else None
+            whose = "" if owner is None else f"; only {owner} them"
             raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
         return self.channels[name]
 
@@ -166,16 +157,9 @@ class Trajectory:
 
     def _fields(self, scene: Scene, item: ItemKey) -> dict[str, FloatArray]:
         """The channels of one item by name."""
-        system = scene.system(item)
-        if system is not None:
-            own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
-            shown = next(each for each in scene.systems if scene.system(each) == system).shown
-            return shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
-        measured = gauge(scene, item)
-        if measured is not None:
-            return {measured[0]: self._channel(measured[1])[:, measured[2]]}
-        body = cast("BodyKey", item)
-        mine = body_fields(scene, body)
-        own = {name: self.channels[name][:, part] for name, part in mine.items() if name in self.channels}
-        pressed = body_gauges(scene, body).items()
-        return own | {name: self.channels[field][:, row] for name, (field, row) in pressed if field in self.channels}
+        parts = scene.parts(item)
+        for channel, rows in parts.values():
+            if len(parts) == 1 and isinstance(rows, int):
+                self._channel(channel)  # A gauge has nothing else.
+        own = {name: self.channels[each][:, rows] for name, (each, rows) in parts.items() if each in self.channels}
+        return scene.results(item, own)

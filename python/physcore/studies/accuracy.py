@@ -10,18 +10,15 @@ from typing import Unpack
 from physcore.checks import flag, is_word, number, span
 from physcore.entrance import entrance
 from physcore.errors import AccuracyError, SceneError
-from physcore.forces import Coulomb, Gravitation, SoftSpheres
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, suited
 from physcore.numerics.integrators import RATTLE
-from physcore.scene.channels import has_rods
-from physcore.scene.items import Force
 from physcore.scene.scene import Scene
 from physcore.simulation.event import Event, checked
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.step_warnings import unwarned
-from physcore.studies.state import primary, size, suffix
+from physcore.studies.state import compared, size
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods
 from physcore.studies.tradeoff.refinement import Target
@@ -67,7 +64,8 @@ def simulate(
             all except densities and pressures.
         progress: whether to show a progress bar; None: on a terminal, after one second.
         accuracy: largest error of any particle's position at any frame [m]. Without particles, the largest error of the
-            first field of the first system, in its unit.
+            first field of the first system, in its unit. The first fields of further systems are compared too: their
+            errors, relative to their largest changes in a run with the default numerics, must not be larger.
         energy_drift: largest drift of the energy balance, as in `Recording.energy.drift`.
         events: events to look for, such as `pc.Event.crossing("ball", "y", 0.5)`, for `Recording.events`. A terminal
             one ends the run; the last frame is at or before it. With `accuracy` or `energy_drift`, the chosen run is
@@ -135,13 +133,15 @@ def _search(
     )
 
     def record(choice: Choice) -> Trial:
-        return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys((primary(scene), *channels))))
+        return experiment.recorded(
+            choice, duration, fps, tuple(dict.fromkeys((*(each.channel for each in compared(scene)), *channels)))
+        )
 
     some = [numerics.integrator]
     if is_word(given, "auto"):
-        some = [kind() for kind in suited(scene) if kind.order > 1] + [RATTLE(order=4)] * has_rods(scene)
+        some = [kind() for kind in suited(scene) if kind.order > 1] + [RATTLE(order=4)] * scene.has_rods
     found = methods(experiment, some, numerics.precision)
-    if any(isinstance(force, SoftSpheres) for force in scene.forces):
+    if any(force.is_contact for force in scene.forces):
         # The contact force has a kink at first touch, which limits all methods to order two.
         found = [replace(method, order=min(method.order, 2)) for method in found]
     selection = select(
@@ -161,14 +161,14 @@ def _search(
         trial = selection.trial
         _refuse_trees(selection, target)
         return replace(selection, trial=trial if trial.recording is not None else record(trial.choice))
-    asked = [f"within {target.accuracy:g}{suffix(scene)}"] * target.compares
+    asked = [f"within {target.accuracy:g}{experiment.suffix}"] * target.compares
     asked += [f"energy drift {target.energy_drift:g}"] * math.isfinite(target.energy_drift)
     reached = "every one diverged"
     error, drift = math.inf, math.inf
     if selection is not None:
         error, drift = selection.error, selection.drift
         name = type(selection.trial.choice.integrator).__name__
-        reached = f"the best was {name}, off by {error:.1e}{suffix(scene)} with a drift of {drift:.1e}"
+        reached = f"the best was {name}, off by {error:.1e}{experiment.suffix} with a drift of {drift:.1e}"
     raise AccuracyError(
         f"{'accuracy' if target.compares else 'energy_drift'}: no method gets there ({', '.join(asked)}): "
         f"{reached}; {_advice(options, scene)}",
@@ -185,12 +185,12 @@ def _refuse_trees(selection: Selection, target: Target) -> None:
     """
     experiment, trial = selection.candidate.experiment, selection.trial
     scene = experiment.scene
-    trees = [index for index, force in enumerate(scene.forces) if _finer(force) is not force]
+    trees = [index for index, force in enumerate(scene.forces) if force.finer() is not force]
     if not trees or not target.compares:
         return
     finer = Scene(
         *scene.bodies,
-        *map(_finer, scene.forces),
+        *(force.finer() for force in scene.forces),
         *scene.boundaries,
         *scene.constraints,
         *scene.systems,
@@ -203,20 +203,11 @@ def _refuse_trees(selection: Selection, target: Target) -> None:
     error = float(experiment.distances(trial.samples[:common], samples[:common]).max()) * 8.0 / 7.0
     if error + selection.error > target.accuracy:
         raise AccuracyError(
-            f"forces[{trees[0]}].opening_angle: the trees alone are off by {error:.1e}{suffix(scene)}, and "
-            f"{target.accuracy:g}{suffix(scene)} is asked; take a smaller one, or 0 for exact sums",
+            f"forces[{trees[0]}].opening_angle: the trees alone are off by {error:.1e}{experiment.suffix}, and "
+            f"{target.accuracy:g}{experiment.suffix} is asked; take a smaller one, or 0 for exact sums",
             error=error + selection.error,
             energy_drift=selection.drift,
         )
-
-
-def _finer(force: Force) -> Force:
-    """A force with trees of half the opening angle, or of a tenth of the error; others as they are."""
-    if not isinstance(force, (Gravitation, Coulomb)) or force.opening_angle == 0.0:
-        return force
-    if force.opening_angle == "auto":
-        return replace(force, force_error=0.1 * force.force_error)
-    return replace(force, opening_angle=0.5 * force.opening_angle)
 
 
 def _advice(numerics: Options, scene: Scene) -> str:
@@ -239,7 +230,7 @@ def _proof(selection: Selection) -> str:
     method = f"{name} with dt = {dt:.4g}{selection.candidate.experiment.scene.units.suffix('s')}"
     if not selection.candidate.target.compares:
         return f"{method} keeps within an energy drift of {selection.drift:.1e}"
-    measured = suffix(selection.candidate.experiment.scene)
+    measured = selection.candidate.experiment.suffix
     return (
         f"{method} keeps within {selection.error:.1e}{measured} "
         f"(energy drift {selection.drift:.1e}), as runs with other steps prove"

@@ -19,7 +19,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.step_warnings import unwarned
-from physcore.studies.state import nudge, place
+from physcore.studies.state import compared, nudge
 from physcore.units.systems import SI, UnitSystem
 
 STEPS = 2000
@@ -158,10 +158,9 @@ def _stable(scene: Scene, numerics: Numerics, dt: float, theory: float) -> bool:
         run = Simulation(
             scene, numerics.integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH, fluids=numerics.fluids or "auto"
         )
-    places = place(run)
     # For particles the range of positions, for a field the range of its values.
-    extent = float(np.ptp(places, axis=0 if scene.bodies else None).max()) or 1.0
-    nudge(run, NUDGE * extent / theory, seed=0)
+    ranges = [np.ptp(each.values(run).reshape(-1, each.components), axis=0).max() for each in compared(scene)]
+    nudge(run, [NUDGE * (float(extent) or 1.0) / theory for extent in ranges], seed=0)
     try:
         run.step(STEPS)
     except SimulationDiverged:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from numpy.typing import ArrayLike
 
-from physcore.checks import FloatArray, broadcast, frozen, number, text
+from physcore.checks import BoolArray, FloatArray, broadcast, frozen, number, text
 from physcore.scene.points import PointSystem, points
 
 
@@ -42,6 +43,8 @@ class PointVortices(PointSystem):
     1992, chapter 7; for the core, R. Krasny, J. Comput. Phys. 65, 292 (1986).
     """
 
+    dimensions: ClassVar[tuple[int, ...]] = (2,)
+
     centers: FloatArray
     """Initial positions [m], shape (N, 2)."""
     circulations: FloatArray
@@ -58,6 +61,11 @@ class PointVortices(PointSystem):
             core=number(core, "PointVortices.core", least=0.0),
             name=None if name is None else text(name, "PointVortices.name"),
         )
+
+    @property
+    def signs(self) -> BoolArray:
+        """Which vortices turn anticlockwise."""
+        return self.circulations > 0.0
 
     @property
     def start(self) -> FloatArray:

@@ -68,6 +68,7 @@ class ReactionDiffusion(GridSystem):
     """
 
     equation: ClassVar[Equation] = "first order"
+    has_varying_limit: ClassVar[bool] = True
     default_integrator: ClassVar[str] = "RungeKutta4"
     parts: ClassVar[tuple[type, ...]] = (Grid, Dirichlet, Neumann, *KINETICS)
 

@@ -121,6 +121,7 @@ class Schrodinger(GridSystem):
     signed: ClassVar[bool] = False
     equation: ClassVar[Equation] = "schrodinger"
     default_integrator: ClassVar[str] = "SplitStep"
+    derived: ClassVar[tuple[str, ...]] = ("density",)
     parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing)
 
     wave_function: FloatArray
@@ -165,6 +166,13 @@ class Schrodinger(GridSystem):
             name=None if name is None else text(name, "Schrodinger.name"),
             absorbing=absorbing_layer(absorbing, layer, words, "Schrodinger.absorbing"),
         )
+
+    @property
+    def landscape(self) -> FloatArray | None:
+        """The potential."""
+        potential = np.broadcast_to(np.asarray(self.potential, dtype=float), self.grid.cells)
+        height = float(np.ptp(potential))
+        return (potential - potential.min()) / height if height > 0.0 else None
 
     def unresolved(self, integrator: str) -> list[str]:
         """A note on an initial wave function that differences slow down; SplitStep takes modes, which are exact."""

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 from numpy.typing import ArrayLike
 
 from physcore.checks import FloatArray, shown, text
 from physcore.errors import SceneError
+from physcore.scene.items import System
 from physcore.scene.points import PointSystem, points
-from physcore.systems.flows import FLOWS, VelocityField
+from physcore.systems.flows import FLOWS, Flow, VelocityField
 from physcore.systems.point_vortices import PointVortices
 
 
@@ -51,13 +53,22 @@ class Tracers(PointSystem):
         if not isinstance(flow, (*FLOWS, PointVortices)):
             known = ", ".join(f"{kind.__name__}(…)" for kind in (*FLOWS, PointVortices))
             raise SceneError(f"Tracers.flow: must be one of {known}, got {shown(flow)}")
-        dimensions = (flow.dimension,) if isinstance(flow, PointVortices) else flow.dimensions
-        if places.shape[1] not in dimensions:
+        if places.shape[1] not in flow.dimensions:
             raise SceneError(
-                f"Tracers.flow: {type(flow).__name__} is in {dimensions[0]}D, and the positions are in "
+                f"Tracers.flow: {type(flow).__name__} is in {flow.dimensions[0]}D, and the positions are in "
                 f"{places.shape[1]}D"
             )
         self._set(positions=places, flow=flow, name=None if name is None else text(name, "Tracers.name"))
+
+    def timed(self) -> Iterator[tuple[str, Callable[[float], object]]]:
+        """The flow at the first tracer, if it is a function."""
+        if isinstance(flow := self.flow, Flow) and len(self):
+            yield "flow", lambda time: flow(time, self.positions[:1].copy())
+
+    @property
+    def partners(self) -> tuple[System, ...]:
+        """The systems that a scene of the tracers has to have: the vortices, if the flow is theirs."""
+        return tuple(cast("System", other) for others in self.named().values() for other in others or ())
 
     @property
     def start(self) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeAlias
 
@@ -302,6 +302,13 @@ class Wave(GridSystem):
     def units(self) -> Mapping[str, str]:
         """The units of displacement and rate."""
         return {"displacement": "m", "rate": "m/s"}
+
+    def timed(self) -> Iterator[tuple[str, Callable[[float], object]]]:
+        """The signals of sources, and the functions of edges."""
+        for index, source in enumerate(self.sources):
+            if callable(source.signal):
+                yield f"sources[{index}].signal", source.signal
+        yield from super().timed()
 
     @property
     def solid(self) -> BoolArray | None:

@@ -12,7 +12,8 @@ from physcore.errors import SceneError
 from physcore.film.camera.track import Camera, Follow, is_camera
 from physcore.film.derived import Derived
 from physcore.scene.bodies import Body
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.contents import BodyKey
+from physcore.scene.scene import Scene
 from physcore.simulation.sources import Source, SourceFrame
 
 Member = BodyKey | tuple[BodyKey, int]

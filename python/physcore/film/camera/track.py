@@ -14,8 +14,9 @@ from physcore.checks import BoolArray, FloatArray, called, number, shown, span, 
 from physcore.errors import SceneError
 from physcore.film.camera.view import Orbit, Still, Window
 from physcore.scene.bodies import Body
+from physcore.scene.contents import BodyKey
 from physcore.scene.periodic import Periodic
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.scene import Scene
 
 Easing = Literal["smooth", "linear"]
 OPEN = ("target", "extent")

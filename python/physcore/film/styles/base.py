@@ -148,7 +148,7 @@ class BodyStyle(Style):
 
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter for all bodies."""
-        parts = [Part(body, source.scene.slice(body)) for body in items if isinstance(body, Body)]
+        parts = [Part(body, source.scene.slice(body)) for body in cast("Sequence[Body]", items)]
         painter = self.painter(source, parts, theme)
         painter.parts = parts
         return [painter]
@@ -173,8 +173,7 @@ class SystemStyle(Style):
         every = [*scene.bodies, *scene.systems]
         parts = [
             SystemPart(item, str(scene.system(item)), next(at for at, each in enumerate(every) if each is item))
-            for item in items
-            if isinstance(item, System)
+            for item in cast("Sequence[System]", items)
         ]
         return [self.painter(source, part, theme) for part in parts]
 
@@ -275,7 +274,7 @@ class Painter(ABC):
 
 def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Body | System | str, ...] | None:
     """The validated value of `on`, as items or names; None: all."""
-    if kind is Body or on is None:
+    if on is None or kind.section == "bodies":
         return chosen(on, path)
     systems = (on,) if isinstance(on, (System, str)) else on
     if not isinstance(systems, (tuple, list)) or not all(isinstance(each, (System, str)) for each in systems):

@@ -11,8 +11,9 @@ import numpy as np
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.film.colors.themes import Theme
-from physcore.forces import Coulomb, ElectromagneticField
+from physcore.forces import Coulomb
 from physcore.scene.bodies import Body, Particles
+from physcore.scene.items import Force
 from physcore.scene.scene import Scene
 from physcore.scene.selection import Selection
 from physcore.simulation.simulation import Simulation
@@ -27,11 +28,10 @@ def require(scene: Scene, kind: Kind, path: str) -> None:
     Raises:
         SceneError: the scene has none.
     """
-    fields = [force for force in scene.forces if isinstance(force, ElectromagneticField)]
-    charged = any(body.charge.any() for body in scene.bodies) and any(isinstance(f, Coulomb) for f in scene.forces)
-    if kind == "electric" and not charged and not any(field.is_electric for field in fields):
+    charged = any(body.charge.any() for body in scene.bodies) and any(force.needs_charges for force in scene.forces)
+    if kind == "electric" and not charged and not any(force.is_electric for force in scene.forces):
         raise SceneError(f"{path}: this scene has no electric field: no charges under Coulomb(), no electric=")
-    if kind == "magnetic" and not any(field.is_magnetic for field in fields):
+    if kind == "magnetic" and not any(force.is_magnetic for force in scene.forces):
         raise SceneError(f"{path}: this scene has no magnetic field: ElectromagneticField(magnetic=…) is one")
     if kind == "magnetic" and scene.dimension == 2:
         raise SceneError(f"{path}: in 2D the magnetic field points out of the plane, and has no lines in it")
@@ -63,8 +63,8 @@ class Fields:
         def body_of(body: object) -> Particles:
             return held[self.scene.bodies.index(cast("Body", body))]
 
-        def alone(force: Coulomb | ElectromagneticField) -> Coulomb | ElectromagneticField:
-            named = force.targets("sources") if isinstance(force, Coulomb) else None
+        def alone(force: Force) -> Force:
+            named = force.targets("sources") if "sources" in force.naming else None
             if named is None:
                 return replace(force, on=None)
             sources = [
@@ -72,8 +72,8 @@ class Fields:
             ]
             return replace(cast("Coulomb", force), on=None, sources=sources)
 
-        forces = [alone(each) for each in self.scene.forces if isinstance(each, (Coulomb, ElectromagneticField))]
-        return Simulation(Scene(*held, *forces), dt=1.0)
+        forces = (force for force in self.scene.forces if force.needs_charges or force.is_electric or force.is_magnetic)
+        return Simulation(Scene(*held, *map(alone, forces)), dt=1.0)
 
     def at(self, kind: Kind, points: FloatArray) -> FloatArray:
         """The field (M, D) at points (M, D); NaN where it is not finite."""

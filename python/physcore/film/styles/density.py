@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BRIGHT, Painter, SystemPart, SystemStyle
 from physcore.film.styles.typical import MANY
+from physcore.scene.items import System
 from physcore.scene.points import PointSystem
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -62,9 +64,9 @@ class Density(SystemStyle):
         if self.spread is not None:
             self._set(spread=number(self.spread, "Density.spread", above=0.0, most=WIDEST))
 
-    def can_draw(self, item: object) -> bool:
+    def can_draw(self, item: System) -> bool:
         """Whether an item has many points."""
-        return isinstance(item, PointSystem) and len(item) > FEW
+        return item.elements.get("points", 0) > FEW
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
         """The painter of one system."""
@@ -76,9 +78,9 @@ class PointsPainter(Painter):
 
     def __init__(self, style: SystemStyle, source: Source, part: SystemPart) -> None:
         kind = type(style).__name__
-        if not isinstance(part.system, PointSystem):
+        if "points" not in part.system.elements:
             raise SceneError(f"{kind}.on: {part.system!r} has no points; only tracers and vortices have")
-        self.style, self._system, self._field = style, part.system, f"{part.path}.positions"
+        self.style, self._system, self._field = style, cast("PointSystem", part.system), f"{part.path}.positions"
         if not source.has(self._field):
             raise SceneError(f"{kind}.on: {self._field} were not recorded; record them: channels=({self._field!r},)")
 

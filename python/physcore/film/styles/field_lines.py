@@ -14,7 +14,6 @@ from physcore.film.colors.themes import Theme
 from physcore.film.styles.arrows import heads
 from physcore.film.styles.base import BodyStyle, Painter, Part, inks
 from physcore.film.styles.charges import Fields, Kind, mixed, require
-from physcore.forces import Coulomb, ElectromagneticField
 from physcore.simulation.sources import Source, SourceFrame
 
 STEPS = 360
@@ -84,7 +83,7 @@ class FieldLinesPainter(Painter):
 
     def __init__(self, style: FieldLines, source: Source, theme: Theme) -> None:
         self.style, self._style, self._scene, self._theme = style, style, source.scene, theme
-        charges = any(isinstance(force, Coulomb) for force in self._scene.forces)
+        charges = any(force.needs_charges for force in self._scene.forces)
         self._charge = np.concatenate([body.charge for body in self._scene.bodies] or [np.empty(0)])
         if style.field == "magnetic" or not charges:
             self._charge = np.zeros_like(self._charge)
@@ -151,7 +150,7 @@ class FieldLinesPainter(Painter):
         """The lines (L, K, D); those of the previous frame if nothing has changed."""
         charged = frame.positions[self._charge != 0.0]
         still = self._known is not None and np.array_equal(self._known[0], charged) and self._known[1] is view
-        changes = any(isinstance(force, ElectromagneticField) and force.changes for force in self._scene.forces)
+        changes = any(force.changes for force in self._scene.forces)
         if changes or not still:
             fields = Fields(self._scene, frame)
             self._lines = self._from_charges(fields, charged, view) if len(charged) else self._even(fields, view)

@@ -14,7 +14,6 @@ from physcore.errors import PhyscoreError, SceneError
 from physcore.film.camera.view import View
 from physcore.film.styles.base import Part, places
 from physcore.film.styles.base import sums as row_sums
-from physcore.forces import CustomForce, LennardJones, SoftSpheres
 from physcore.scene.bodies import Particles
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
@@ -28,7 +27,6 @@ LAYERS = 7
 """Number of sample points along the longest side of the view in 3D."""
 MARGIN = 2
 """Number of empty squares around those with particles."""
-INTERNAL = (CustomForce, LennardJones, SoftSpheres)
 """Forces that are not fields in space: forces between particles, and functions that know their particles."""
 UNITS = {"velocities": ("speed", "m/s"), "acceleration": ("acceleration", "m/s²")}
 
@@ -177,7 +175,7 @@ def _widened(counts: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArr
 
 def _acceleration(scene: Scene) -> FieldFunction:
     """The acceleration of a test particle at rest by the forces of a scene [m/s²]."""
-    forces = [replace(force, on=None) for force in scene.forces if not isinstance(force, INTERNAL)]
+    forces = [replace(force, on=None) for force in scene.forces if force.is_shown]
     anchor = Particles(np.zeros((1, scene.dimension)), fixed=True)
     simulation = Simulation(Scene(anchor, *forces), dt=1.0)
 

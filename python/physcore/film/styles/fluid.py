@@ -92,7 +92,7 @@ class Fluid(BodyStyle):
 
     def can_draw(self, body: Body) -> bool:
         """Whether a body is a fluid."""
-        return isinstance(body, fluid.Fluid)
+        return body.is_fluid
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """The painter with the color scale of one film."""
@@ -116,7 +116,7 @@ class FluidPainter(Painter):
         self._where = places(parts)
         self._table = sequential(style.colormap, theme.part, "Fluid.colormap")
         self._sky = mixed(theme.background, SKY, 0.5)
-        bodies = [part.body for part in parts if isinstance(part.body, fluid.Fluid)]
+        bodies = [cast("fluid.Fluid", part.body) for part in parts]
         sizes = [len(body) for body in bodies]
         self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
         self._rest = np.repeat([body.density for body in bodies], sizes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from physcore.film.looks.box import draw_edges
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.typical import TYPICAL, Typical
 from physcore.scene.grid import GridSystem
+from physcore.scene.items import System
 from physcore.simulation.sources import Source, SourceFrame
 
 LOUDEST = 0.2
@@ -91,9 +92,9 @@ class Field(SystemStyle):
             self._set(contours=int(number(self.contours, "Field.contours", least=1.0, most=100.0)))
         self._set(relief=number(self.relief, "Field.relief", least=0.0, most=1.0))
 
-    def can_draw(self, item: object) -> bool:
+    def can_draw(self, item: System) -> bool:
         """Whether an item is on a grid in 2D or 3D."""
-        return isinstance(item, GridSystem) and item.dimension in self.dimensions
+        return "cells" in item.elements and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
         """The painter with the color scale of one film."""
@@ -108,13 +109,13 @@ class GridPainter(Painter):
     def __init__(
         self, style: SystemStyle, quantity: str | None, source: Source, part: SystemPart, theme: Theme, path: str
     ) -> None:
-        assert isinstance(part.system, GridSystem)  # the style has checked this
-        self.style, self._system, self._grid, self._theme = style, part.system, part.system.grid, theme
-        units = part.system.units
+        system = cast("GridSystem", part.system)  # the style has checked this
+        self.style, self._system, self._grid, self._theme = style, system, system.grid, theme
+        units = system.units
         self.quantity = next(iter(units)) if quantity is None else quantity
         if self.quantity not in units:
             raise SceneError(f"{path}.quantity: must be one of {', '.join(units)}, got {self.quantity!r}")
-        self.unit, self._field = part.system.unit(self.quantity), f"{part.path}.{self.quantity}"
+        self.unit, self._field = system.unit(self.quantity), f"{part.path}.{self.quantity}"
         self._suffix = source.scene.units.suffix(self.unit)
         if not source.has(self._field):
             raise SceneError(f"{path}.quantity: {self._field} was not recorded; record it: channels=({self._field!r},)")

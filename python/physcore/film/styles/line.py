@@ -20,10 +20,8 @@ from physcore.film.styles.base import Painter, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
 from physcore.scene.bodies import Body
 from physcore.scene.edges import holds_value
-from physcore.scene.grid import GridSystem
 from physcore.scene.items import System
 from physcore.simulation.sources import Source, SourceFrame
-from physcore.systems.schrodinger import Schrodinger
 
 ASPECT = 0.3
 """Least aspect ratio of the view: height over width."""
@@ -69,9 +67,9 @@ class Line(SystemStyle):
             text(self.quantity, "Line.quantity")
         self._set_positive("range", "width")
 
-    def can_draw(self, item: object) -> bool:
+    def can_draw(self, item: System) -> bool:
         """Whether an item is on a grid in 1D."""
-        return isinstance(item, GridSystem) and item.dimension in self.dimensions
+        return "cells" in item.elements and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
         """The painter with the scale of one film."""
@@ -90,11 +88,7 @@ class LinePainter(GridPainter):
         self.top = style.range or 0.0
         self.together: Sequence[LinePainter] = [self]
         """All painters of curves in the same picture, in order."""
-        self._potential: FloatArray | None = None
-        if isinstance(part.system, Schrodinger):
-            potential = np.broadcast_to(np.asarray(part.system.potential, dtype=float), self._grid.cells)
-            height = float(np.ptp(potential))
-            self._potential = (potential - potential.min()) / height if height > 0.0 else None
+        self._potential = self._system.landscape
 
     @property
     def legend(self) -> list[tuple[Body | System, Color]]:

@@ -18,9 +18,8 @@ from physcore.film.looks.base import corners, lines
 from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
-from physcore.scene.grid import GridSystem
+from physcore.scene.items import System
 from physcore.simulation.sources import Source, SourceFrame
-from physcore.systems.schrodinger import Schrodinger
 
 SOFT = 0.55
 """Exponent of the density in the brightness, so that weak waves are visible beside strong ones."""
@@ -61,9 +60,9 @@ class Phase(SystemStyle):
         word(self.palette, "Phase.palette", PALETTES)
         self._set_positive("range")
 
-    def can_draw(self, item: object) -> bool:
+    def can_draw(self, item: System) -> bool:
         """Whether an item is a wave function in 2D."""
-        return isinstance(item, Schrodinger) and item.dimension in self.dimensions
+        return "wave_function" in item.units and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
         """The painter with the scale of one film."""
@@ -77,12 +76,9 @@ class PhasePainter(GridPainter):
 
     def __init__(self, style: Phase, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, "wave_function", source, part, theme, "Phase")
-        assert isinstance(part.system, Schrodinger)
         self._style, self._table = style, circle(style.palette)
         self.top = style.range or 0.0
-        potential = np.broadcast_to(np.asarray(part.system.potential, dtype=float), self._grid.cells)
-        height = float(np.ptp(potential))
-        self._potential = (potential - potential.min()) / height if height > 0.0 else None
+        self._potential = self._system.landscape
 
     @property
     def signed(self) -> bool:
@@ -137,7 +133,6 @@ class PhasePainter(GridPainter):
         canvas.picture(self._picture(frame.fields[self._field], weights), int(x[0]), int(y[0]))
         box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
                         [left, top, right, top]], dtype=np.float32)  # fmt: skip
-        assert isinstance(self._system, GridSystem)
         shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
         if len(shut):
             lines(canvas, shut, self._theme.edge, 1.0)

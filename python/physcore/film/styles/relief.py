@@ -20,7 +20,7 @@ from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
 from physcore.film.styles.grid_field import LOUDEST, NEVER, GridPainter
 from physcore.film.styles.typical import Typical
-from physcore.scene.grid import GridSystem
+from physcore.scene.items import System
 from physcore.simulation.sources import Source, SourceFrame
 
 RISE = 0.05
@@ -77,9 +77,9 @@ class Relief(SystemStyle):
             sequential(self.colormap, (0.0, 1.0), "Relief.colormap")
         self._set(gloss=number(self.gloss, "Relief.gloss", least=0.0, most=1.0))
 
-    def can_draw(self, item: object) -> bool:
+    def can_draw(self, item: System) -> bool:
         """Whether an item is on a 2D grid."""
-        return isinstance(item, GridSystem) and item.dimension in self.dimensions
+        return "cells" in item.elements and item.dimension in self.dimensions
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
         """The painter with the scale of one film."""

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from physcore._core import Canvas
 from physcore.checks import FloatArray, IntArray
-from physcore.constraints import SelfContact
 from physcore.film.camera.view import View
 from physcore.film.styles.base import sums
 from physcore.scene.bodies import Body
@@ -19,8 +18,7 @@ ENDS = (0, 1, 1, 0)
 
 def thickness_of(body: Body, scene: Scene) -> float:
     """The thickness of a body in its SelfContact [m]; 0 without one."""
-    own = (each for each in scene.constraints if isinstance(each, SelfContact) and body in (each.bodies("body") or ()))
-    return max((each.thickness for each in own), default=0.0)
+    return max((each.thickness_of(body) for each in scene.constraints), default=0.0)
 
 
 def paint_rim(

@@ -19,7 +19,6 @@ from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.torn import has_tears, intact
 from physcore.film.styles.typical import Typical
 from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.channels import first_spring
 from physcore.simulation.sources import Source, SourceFrame
 
 WIDTHS = (1.0, 3.4)
@@ -80,7 +79,7 @@ class Strain(BodyStyle):
 
     def can_draw(self, body: Body) -> bool:
         """Whether a body has springs."""
-        return isinstance(body, SpringNetwork) and len(body.pairs) > 0
+        return body.elements.get("springs", 0) > 0
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """The painter with the color scale of one film."""
@@ -98,12 +97,11 @@ class StrainPainter(Painter):
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
         pairs, rest, chain, brace, fixed, springs, rods, nodes, radii = [], [], [], [], [], [], [], [], []
         for part in parts:
-            body = part.body
-            assert isinstance(body, SpringNetwork)  # the style has checked this
+            body = cast("SpringNetwork", part.body)  # the style has checked this
             shown = ~covered(body.pairs, body.rest_length)
             pairs.append(body.pairs[shown] + part.where.start)
             rods.append(body.rods[shown])
-            springs.append(np.flatnonzero(shown) + first_spring(source.scene, body))
+            springs.append(np.flatnonzero(shown) + source.scene.first_spring(body))
             rest.append(body.rest_length[shown])
             brace.append(body.rest_length[shown] > BRACE * _spacing(body.pairs[shown], body.rest_length[shown]))
             chain.append(np.full(shown.sum(), shown.sum() < 1.5 * len(body)))

@@ -25,7 +25,6 @@ from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.styles.torn import has_tears, intact, sides
 from physcore.film.styles.typical import Typical
 from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.channels import first_spring
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -111,7 +110,7 @@ class Surface(BodyStyle):
 
     def can_draw(self, body: Body) -> bool:
         """Whether a body has faces."""
-        return isinstance(body, SpringNetwork) and len(body.faces) > 0
+        return body.network is not None and len(body.network.faces) > 0
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """The painter with the color scale of one film."""
@@ -129,12 +128,11 @@ class SurfacePainter(Painter):
         self._domain: Periodic | None = source.scene.periodic
         faces, pairs, rest, spots, springs = [], [], [], [], []
         for part in parts:
-            body = part.body
-            assert isinstance(body, SpringNetwork)  # the style has checked this
+            body = cast("SpringNetwork", part.body)  # the style has checked this
             faces.append(body.faces + part.where.start)
             pairs.append(body.pairs + part.where.start)
             rest.append(body.rest_length)
-            springs.append(np.arange(len(body.pairs)) + first_spring(source.scene, body))
+            springs.append(np.arange(len(body.pairs)) + source.scene.first_spring(body))
             spots.append(spread(body.positions))
         self._faces: IntArray = np.concatenate(faces)
         self._pairs: IntArray = np.concatenate(pairs)
@@ -148,13 +146,8 @@ class SurfacePainter(Painter):
         self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
         start = np.concatenate([body.positions for body in source.scene.bodies])
         self._around = None if start.shape[1] < 3 else _around(start, self._faces)
-        self._closed = np.concatenate(
-            [
-                np.full(len(part.body.faces), _closed(part.body.faces))
-                for part in parts
-                if isinstance(part.body, SpringNetwork)
-            ]
-        )
+        sheets = [cast("SpringNetwork", part.body).faces for part in parts]
+        self._closed = np.concatenate([np.full(len(sheet), _closed(sheet)) for sheet in sheets])
         self._where = places(parts)
         count = source.scene.particles
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)

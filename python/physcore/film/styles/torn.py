@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from physcore.checks import BoolArray, IntArray
 from physcore.film.styles.base import Part
 from physcore.scene.bodies import SpringNetwork
-from physcore.scene.channels import first_spring
 from physcore.scene.scene import Scene
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -17,7 +18,7 @@ BROKEN = "broken"
 
 def has_tears(source: Source, parts: list[Part]) -> bool:
     """Whether springs of these bodies may break in a film."""
-    return source.has(BROKEN) and any(isinstance(part.body, SpringNetwork) and part.body.can_tear for part in parts)
+    return source.has(BROKEN) and any(BROKEN in part.body.quantities for part in parts)
 
 
 def intact(frame: SourceFrame, springs: IntArray) -> BoolArray:
@@ -30,8 +31,7 @@ def sides(scene: Scene, parts: list[Part]) -> IntArray:
     """The springs along the three sides of each face of these bodies (T, 3), as indices in the scene; -1: no spring."""
     found = []
     for part in parts:
-        body = part.body
-        assert isinstance(body, SpringNetwork)  # the style has checked this
+        body = cast("SpringNetwork", part.body)  # the style has checked this
         count = len(body)
         keys = np.sort(body.pairs, axis=1) @ [count, 1]
         order = np.argsort(keys, kind="stable")
@@ -39,5 +39,5 @@ def sides(scene: Scene, parts: list[Part]) -> IntArray:
         at = np.minimum(np.searchsorted(keys[order], wanted), max(len(keys) - 1, 0))
         exists = keys[order][at] == wanted if len(keys) else np.zeros(wanted.shape, dtype=np.bool_)
         springs = order[at] if len(keys) else np.zeros(wanted.shape, dtype=np.int64)
-        found.append(np.where(exists, springs + first_spring(scene, body), -1))
+        found.append(np.where(exists, springs + scene.first_spring(body), -1))
     return np.concatenate(found)

@@ -16,10 +16,7 @@ from physcore.film.styles.density import FEW, PointsPainter
 from physcore.film.styles.past import Past
 from physcore.scene.bodies import Body
 from physcore.scene.items import System
-from physcore.scene.points import PointSystem
 from physcore.simulation.sources import Source, SourceFrame
-from physcore.systems.point_vortices import PointVortices
-from physcore.systems.tracers import Tracers
 
 SHARE = 0.3
 """Default duration of a trail, as a fraction of the film."""
@@ -63,9 +60,9 @@ class Trails(SystemStyle):
         if self.color is not None:
             self._set(color=color(self.color, "Trails.color"))
 
-    def can_draw(self, item: object) -> bool:
+    def can_draw(self, item: System) -> bool:
         """Whether an item has few points."""
-        return isinstance(item, PointSystem) and len(item) <= FEW
+        return item.elements.get("points", FEW + 1) <= FEW
 
     def painter(self, source: Source, part: SystemPart, theme: Theme) -> TrailsPainter:
         """The painter of one system."""
@@ -85,9 +82,9 @@ class TrailsPainter(PointsPainter):
         self._past = Past(1.0 / source.fps, max(1, min(round(frames), most)))
         palette = np.array(theme.bodies, dtype=float)
         each = np.arange(len(self._system)) % len(palette)
-        if isinstance(self._system, PointVortices):
-            each = (self._system.circulations > 0.0).astype(int)
-        elif sum(isinstance(other, Tracers) for other in source.scene.systems) > 1:
+        if self._system.signs is not None:
+            each = self._system.signs.astype(int)
+        elif sum(other.signs is None for other in source.scene.clouds) > 1:
             each[:] = part.index % len(palette)
         self._colors = palette[each]
         if style.color is not None:

@@ -9,8 +9,8 @@ from physcore.checks import is_word, shown
 from physcore.errors import SceneError
 from physcore.numerics.fluids.base import FluidMethod
 from physcore.numerics.fluids.weakly_compressible import WeaklyCompressible
-from physcore.scene.fluid import Fluid
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.contents import BodyKey
+from physcore.scene.scene import Scene
 from physcore.spelling import did_you_mean
 
 FLUID_METHODS: tuple[type[FluidMethod], ...] = (WeaklyCompressible,)
@@ -46,7 +46,7 @@ def fluid_methods(value: object, scene: Scene) -> dict[str, FluidMethod]:
     Raises:
         SceneError: something is no method or no fluid.
     """
-    paths = [scene.path(index) for index, body in enumerate(scene.bodies) if isinstance(body, Fluid)]
+    paths = [scene.path(fluid) for fluid in scene.fluids]
     given: dict[str, FluidMethod | None] = {}
     if isinstance(value, Mapping):
         for key, each in value.items():
@@ -67,10 +67,9 @@ def check_flows(methods: Mapping[str, FluidMethod], scene: Scene) -> None:
         MachWarning, SceneWarning: as the methods say.
     """
     several = len(set(methods.values())) > 1
-    for index, body in enumerate(scene.bodies):
-        if isinstance(body, Fluid):
-            path = scene.path(index)
-            methods[path].check(body, f"fluids[{path}]" if several else "fluids", scene.units)
+    for fluid in scene.fluids:
+        path = scene.path(fluid)
+        methods[path].check(fluid, f"fluids[{path}]" if several else "fluids", scene.units)
 
 
 def _path(key: object, scene: Scene, paths: Sequence[str], place: str) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.scene.fluid import Fluid
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
 
@@ -24,15 +23,15 @@ SAMPLE = 500
 
 def clumps(case: Case) -> Iterator[Finding]:
     """Compare the spacing of the particles of each fluid with the given one."""
-    for index, body in enumerate(case.scene.bodies):
-        if not isinstance(body, Fluid) or len(body) <= 2 * body.dimension:
+    for body in case.scene.fluids:
+        if len(body) <= 2 * body.dimension:
             continue
         lattice = lattice_spacing(body.positions)
         ratio = body.spacing / lattice
         if 1.0 / LARGEST_RATIO <= ratio <= LARGEST_RATIO:
             continue
         close = ratio > 1.0
-        name = case.scene.path(index)
+        name = case.scene.path(body)
         what = "each is pushed by more neighbors than there is room for" if close else "each has too few neighbors"
         meter = case.scene.units.suffix("m")
         cause = (

@@ -8,8 +8,6 @@ import numpy as np
 
 from physcore.arithmetic import dots
 from physcore.checks import FloatArray
-from physcore.scene.bodies import SpringNetwork
-from physcore.scene.grid import GridSystem
 from physcore.scene.items import System
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
@@ -35,13 +33,13 @@ def coarse(case: Case) -> Iterator[Finding]:
 
 def _folds(case: Case) -> Iterator[Finding]:
     """Check the angles between adjacent triangles of each surface, at the end."""
-    for index, body in enumerate(case.scene.bodies):
-        if not isinstance(body, SpringNetwork) or case.scene.dimension != 3 or case.positions is None:
+    for body in case.scene.networks:
+        if case.scene.dimension != 3 or case.positions is None:
             continue
-        share = folded(case.positions[-1, case.scene.slice(index)], body.faces)
+        share = folded(case.positions[-1, case.scene.slice(body)], body.faces)
         if share > FOLDED:
             cause = (
-                f"{case.scene.path(index)} has {share:.0%} of its inner edges folded by more than 90°: its wrinkles "
+                f"{case.scene.path(body)} has {share:.0%} of its inner edges folded by more than 90°: its wrinkles "
                 "are as short as its springs"
             )
             cure = "take a finer mesh, or a stiffness against bending (pc.Dihedral or bend=) that makes wrinkles longer"
@@ -69,8 +67,8 @@ def folded(positions: FloatArray, faces: np.ndarray[tuple[int, ...], np.dtype[np
 
 def _waves(case: Case) -> Iterator[Finding]:
     """Check the spectra of the first, middle and last frames of fields on grids."""
-    for system in case.scene.systems:
-        if not isinstance(system, GridSystem) or system.solid is not None:
+    for system in case.scene.grids:
+        if system.solid is not None:
             continue
         begin = LAST_MODES if case.plan.integrator == "SplitStep" else OCTAVE
         share = max((_share(field, begin) for field in _fields(case, system)), default=0.0)
@@ -97,7 +95,7 @@ def _fields(case: Case, system: System) -> list[np.ndarray[tuple[int, ...], np.d
     else:
         assert case.simulation is not None
         own = case.simulation[system].fields
-    values = own.get("wave_function", own.get(next(iter(system.shapes()))))
+    values = own.get("wave_function", own.get(system.primary))
     if values is None:
         return []
     if case.recording is None:

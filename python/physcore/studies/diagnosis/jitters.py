@@ -33,10 +33,10 @@ def jitters(case: Case) -> Iterator[Finding]:
     late = slice(2 * len(case.recording) // 3, None)
     if len(case.recording.times[late]) < FEWEST_FRAMES:
         return
-    for index, body in enumerate(case.scene.bodies):
-        if not isinstance(body, SpringNetwork) or len(body.pairs) < FEWEST_SPRINGS:
+    for body in case.scene.networks:
+        if len(body.pairs) < FEWEST_SPRINGS:
             continue
-        part = case.scene.slice(index)
+        part = case.scene.slice(body)
         positions, velocities = case.positions[late, part], case.velocities[late, part]
         mass = body.mass[np.newaxis, :, np.newaxis]
         # Relative to the center of mass, whose velocity may reverse too.
@@ -47,7 +47,7 @@ def jitters(case: Case) -> Iterator[Finding]:
         extent = float(np.ptp(positions, axis=(0, 1)).max())
         if share > REVERSED and jumps > VISIBLE * extent:
             cause = (
-                f"{share:.0%} of the kinetic energy in {case.scene.path(index)} turns around from one frame to the "
+                f"{share:.0%} of the kinetic energy in {case.scene.path(body)} turns around from one frame to the "
                 f"next, in jumps of {jumps:.2g}{case.scene.units.suffix('m')}, where it should be at rest"
             )
             yield Finding("jitters", cause, _cure(body), share)

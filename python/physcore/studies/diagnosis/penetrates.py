@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
-from physcore.boundaries import Sphere
 from physcore.checks import BoolArray, FloatArray, IntArray
-from physcore.forces import CustomForce, LennardJones, SoftSpheres
-from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.fluid import Fluid
+from physcore.forces import SoftSpheres
+from physcore.scene.bodies import Body
 from physcore.scene.items import Force
 from physcore.scene.overlaps import close_pairs
 from physcore.scene.scene import Scene
@@ -66,7 +65,7 @@ def _of_particles(scene: Scene, worst: Overlap) -> Finding:
     one, other = (_owner(scene, particle) for particle in (worst.one, worst.other))
     names = f"{scene.path(one)} and {scene.path(other)}" if one != other else f"particles of {scene.path(one)}"
     figure = f"overlap by {worst.depth:.2g} of the smaller radius"
-    spheres = [force for force in scene.forces if isinstance(force, SoftSpheres)]
+    spheres = [cast("SoftSpheres", force) for force in scene.forces if force.is_contact]
     acting = [force for force in spheres if scene.members(force)[[worst.one, worst.other]].all()]
     if not acting:
         cause = f"{names} {figure}, and no force keeps them apart"
@@ -130,24 +129,19 @@ class _Excused:
     def __init__(self, scene: Scene, radius: FloatArray, owner: IntArray, start: FloatArray) -> None:
         self._radius, self._owner, self._start = radius, owner, start
         self._fixed = np.concatenate([body.fixed for body in scene.bodies])
-        starts = np.cumsum([0, *(len(body) for body in scene.bodies)])
-        pairs = [
-            np.sort(body.pairs + starts[index], axis=1)
-            for index, body in enumerate(scene.bodies)
-            if isinstance(body, SpringNetwork)
-        ]
+        pairs = [np.sort(network.pairs + scene.slice(network).start, axis=1) for network in scene.networks]
         self._count = len(radius)
         keys = [row[:, 0] * self._count + row[:, 1] for row in pairs]
         self._springs = np.concatenate(keys or [np.empty(0, np.int64)])
-        kept = _together(scene, (LennardJones, CustomForce))
-        network = np.array([isinstance(body, SpringNetwork) for body in scene.bodies])
+        kept = _together(scene, [force for force in scene.forces if not (force.is_shown or force.is_contact)])
+        network = np.array([body.network is not None for body in scene.bodies])
         free = np.diag(network)
         for one, other, distance in _touching(start, radius):
             placed = distance < radius[one] + radius[other]
             first, second = owner[one[placed]], owner[other[placed]]
             swarm = (first == second) | (network[first] & network[second])
             free[first[swarm], second[swarm]] = free[second[swarm], first[swarm]] = True
-        self._kept = kept | (free & ~_together(scene, (SoftSpheres,)))
+        self._kept = kept | (free & ~_together(scene, [force for force in scene.forces if force.is_contact]))
 
     def __call__(self, one: IntArray, other: IntArray) -> BoolArray:
         """A mask of the allowed pairs."""
@@ -159,11 +153,9 @@ class _Excused:
         return excused
 
 
-def _together(scene: Scene, kinds: tuple[type[Force], ...]) -> BoolArray:
-    """Mask of the pairs of bodies between which a force of some classes acts, shape (B, B)."""
-    targets = [
-        [scene.index(body) for body in scene.targets(force)] for force in scene.forces if isinstance(force, kinds)
-    ]
+def _together(scene: Scene, forces: list[Force]) -> BoolArray:
+    """Mask of the pairs of bodies between which one of these forces acts, shape (B, B)."""
+    targets = [[scene.index(body) for body in scene.targets(force)] for force in forces]
     acting = np.zeros((len(scene.bodies), len(scene.bodies)), dtype=bool)
     for bodies in targets:
         acting[np.ix_(bodies, bodies)] = True
@@ -172,10 +164,10 @@ def _together(scene: Scene, kinds: tuple[type[Force], ...]) -> BoolArray:
 
 def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
     """Find springs and faces of networks whose middle is inside a sphere or a ball while their corners are outside."""
-    for index, body in enumerate(scene.bodies):
-        if not isinstance(body, SpringNetwork) or not len(body.faces):
+    for body in scene.networks:
+        if not len(body.faces):
             continue
-        part = scene.slice(index)
+        part = scene.slice(body)
         for name, centers, radii in _balls(scene, body, frames):
             depth = max(
                 _depth(mesh[body.pairs].mean(axis=1), center, radii)
@@ -184,7 +176,7 @@ def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
             if depth > DEEPEST:
                 width, meter = float(body.rest_length.min()), scene.units.suffix("m")
                 cause = (
-                    f"{name} reaches through {scene.path(index)} by {depth:.2g} of its radius: the mesh, of springs of "
+                    f"{name} reaches through {scene.path(body)} by {depth:.2g} of its radius: the mesh, of springs of "
                     f"{width:.2g}{meter} and more, is coarse beside it"
                 )
                 cure = f"take a finer mesh, of a spacing of {0.5 * float(radii.min()):.2g}{meter}, or a larger ball"
@@ -194,11 +186,12 @@ def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
 def _balls(scene: Scene, mesh: Body, frames: FloatArray) -> Iterator[tuple[str, FloatArray, FloatArray]]:
     """The balls that a mesh may be too coarse for: name, centers in each frame (F, B, D), and radii (B,) [m]."""
     for place, boundary in enumerate(scene.boundaries):
-        if isinstance(boundary, Sphere) and not boundary.inside and mesh in scene.targets(boundary):
-            center = np.broadcast_to(np.array(boundary.center), (len(frames), 1, scene.dimension))
-            yield f"boundaries[{place}] (Sphere)", center, np.array([boundary.radius])
+        if boundary.ball is not None and mesh in scene.targets(boundary):
+            middle, radius = boundary.ball
+            center = np.broadcast_to(np.array(middle), (len(frames), 1, scene.dimension))
+            yield f"boundaries[{place}] ({type(boundary).__name__})", center, np.array([radius])
     for index, body in enumerate(scene.bodies):
-        alone = not isinstance(body, (SpringNetwork, Fluid)) and len(body) <= MOST_LARGE
+        alone = body.is_loose and len(body) <= MOST_LARGE
         if alone and (body.radius > 0.0).all() and scene.dimension == 3:
             yield scene.path(index), frames[:, scene.slice(index)], body.radius
 

@@ -21,12 +21,12 @@ critical damping.
 
 def sluggish(case: Case) -> Iterator[Finding]:
     """Check the damping ratios of springs, and the numerical damping of the method."""
-    for index, body in enumerate(case.scene.bodies):
-        if isinstance(body, SpringNetwork) and len(body.pairs):
+    for body in case.scene.networks:
+        if len(body.pairs):
             ratio = float(np.median(_damping_ratios(body)))
             if ratio > OVERDAMPED:
                 cause = (
-                    f"the springs of {case.scene.path(index)} have a damping ratio of {ratio:.3g}, and 1 is critical: "
+                    f"the springs of {case.scene.path(body)} have a damping ratio of {ratio:.3g}, and 1 is critical: "
                     "they creep back instead of swinging"
                 )
                 cure = f"divide damping by {ratio:.2g} or more: {ratio:.2g} times less is critical damping"

@@ -9,7 +9,6 @@ from physcore.numerics.choices import Options, steps_to
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
 from physcore.studies.lyapunov.neighbors import APART, TINY, orthonormalized, random_frame
-from physcore.systems.point_vortices import PointVortices
 from physcore.systems.tracers import Tracers
 
 
@@ -30,7 +29,7 @@ class Flow:
         dimension = tracers.dimension
         self.directions = dimension
         self._cloud = Tracers(np.repeat(tracers.positions, dimension + 1, axis=0), tracers.flow)
-        scene = Scene(self._cloud, tracers.flow) if isinstance(tracers.flow, PointVortices) else Scene(self._cloud)
+        scene = Scene(self._cloud, *tracers.partners)
         self._run = Simulation(scene, **numerics)
         # 2/|∇v|, from the limit of accuracy 0.1/|∇v|; without a limit, the time step.
         limit = self._run.plan.dt_limit

@@ -10,7 +10,6 @@ from physcore.arithmetic import lengths, row_space
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.numerics.choices import Options, StepRule, steps_to
-from physcore.scene.bodies import SpringNetwork
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.step_warnings import unwarned
@@ -99,11 +98,7 @@ class Mechanics:
         Here r is the separation of the ends of a rod and v its rate. Rows have the length 1, or 0 where both vanish.
         """
         places, speeds = self._run.positions, self._run.velocities
-        rods = [
-            body.pairs[body.rods] + self._scene.slice(index).start
-            for index, body in enumerate(self._scene.bodies)
-            if isinstance(body, SpringNetwork)
-        ]
+        rods = [network.pairs[network.rods] + self._scene.slice(network).start for network in self._scene.networks]
         first, second = np.concatenate([np.zeros((0, 2), dtype=np.int64), *rods]).T
         count = len(first)
         at = np.arange(count)
@@ -153,7 +148,7 @@ def _refuse_more_than_places_and_velocities(scene: Scene) -> None:
     Raises:
         SceneError: there is further state.
     """
-    networks = [body for body in scene.bodies if isinstance(body, SpringNetwork)]
+    networks = scene.networks
     reasons = {
         "no bodies": not scene.bodies,
         "systems beside bodies": bool(scene.systems),

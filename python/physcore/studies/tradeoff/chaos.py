@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from physcore.arithmetic import log
 from physcore.checks import FloatArray
 from physcore.simulation.simulation import Simulation
-from physcore.studies.state import motion, nudge
+from physcore.studies.state import compared, nudge
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment
 
 NUDGE = 1e-10
@@ -47,7 +47,8 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
 
     The distance in phase space is √(mean |Δx|²/L² + mean |Δv|²/V²), with the largest displacement L and the largest
     speed V of the run. With an observer, only the observed values count. The growth is the largest distance so far,
-    which does not oscillate with the motion.
+    which does not oscillate with the motion. Each item has a distance of its own; the item with the shortest horizon
+    counts.
 
     Source: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14, 2338 (1976), for two nearby orbits; C. Froeschlé,
     E. Lega, R. Gonczi, Celest. Mech. Dyn. Astron. 67, 41 (1997), for the distinction of exponential and power-law
@@ -55,23 +56,49 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
     """
     first, other = experiment.start(choice), experiment.start(choice)
     states = list(_states(experiment, first, choice))
-    speed = max(float(np.abs(velocities).max()) for velocities, _ in states) or 1.0
-    nudge(other, NUDGE * speed, seed)
-    scales = [max(float(np.abs(state[part] - states[0][part]).max()) for state in states) for part in (0, 1)]
-    parts = [(0, max(speed, scales[0])), (1, scales[1])] if experiment.observer is None else [(1, scales[1])]
+    speeds = [max(float(np.abs(state[item][0]).max()) for state in states) or 1.0 for item in range(len(states[0]))]
+    nudge(other, [NUDGE * speed for speed in speeds], seed)
+    twins = list(_states(experiment, other, choice))
+    found = []
+    for item, (own, difference) in enumerate(_compared(experiment, speeds)):
+        pairs = [(state[item], twin[item]) for state, twin in zip(states, twins, strict=True)]
+        found.append(_growth(experiment, pairs, own, difference))
+    return min(found, key=lambda chaos: (chaos.horizon, -float(chaos.growth[-1])))
+
+
+_State = tuple[FloatArray, FloatArray]
+"""The rate of change of an item, and its compared values."""
+_Difference = Callable[[FloatArray, FloatArray], FloatArray]
+
+
+def _compared(experiment: Experiment, speeds: list[float]) -> list[tuple[float | None, _Difference]]:
+    """For each item its largest speed, None for observed values, and the difference of compared values."""
+    if experiment.observer is not None:
+        return [(None, experiment.difference)]
+    primaries = compared(experiment.scene)
+    return [(speed, each.difference) for speed, each in zip(speeds, primaries, strict=True)]
+
+
+def _growth(
+    experiment: Experiment, pairs: list[tuple[_State, _State]], speed: float | None, difference: _Difference
+) -> Chaos:
+    """The growth of the distance between two runs of an item, from pairs of states at the same times."""
+    first = pairs[0][0]
+    scales = [max(float(np.abs(state[part] - first[part]).max()) for state, _ in pairs) for part in (0, 1)]
+    parts = [(1, scales[1])] if speed is None else [(0, max(speed, scales[0])), (1, scales[1])]
     distances = [
         math.sqrt(
             sum(
-                _mean_square(state[part], twin[part], experiment, part) / (scale * scale)
+                _mean_square(state[part], twin[part], difference if part == 1 else np.subtract) / (scale * scale)
                 for part, scale in parts
                 if scale
             )
         )
-        for state, twin in zip(states, _states(experiment, other, choice), strict=True)
+        for state, twin in pairs
     ]
     # An observer may not show the perturbation initially, so its size is the initial distance.
-    start = distances[0] if experiment.observer is None else NUDGE
-    growth: FloatArray = np.maximum.accumulate(np.array(distances) / start) if start > 0.0 else np.ones(len(states))
+    start = NUDGE if speed is None else distances[0]
+    growth: FloatArray = np.maximum.accumulate(np.array(distances) / start) if start > 0.0 else np.ones(len(pairs))
     times: FloatArray = experiment.interval * np.arange(len(growth), dtype=np.float64)
     return judge(times, growth, FAR / max(start, NUDGE * NUDGE))
 
@@ -100,14 +127,24 @@ def _slope(x: FloatArray, y: FloatArray) -> float:
     return float((from_mean * y).sum() / (from_mean * from_mean).sum())
 
 
-def _states(experiment: Experiment, simulation: Simulation, choice: Choice) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """The rate of change of the state and the observed values, at the start and the end of each interval."""
-    yield motion(simulation), experiment.observe(simulation)
+def _states(experiment: Experiment, simulation: Simulation, choice: Choice) -> Iterator[list[_State]]:
+    """The states of all items, or of the observed values, at the start and the end of each interval."""
+    yield _present(experiment, simulation)
     for _ in range(SAMPLES):
         simulation.step(choice.steps)
-        yield motion(simulation), experiment.observe(simulation)
+        yield _present(experiment, simulation)
 
 
-def _mean_square(one: FloatArray, other: FloatArray, experiment: Experiment, part: int) -> float:
-    change = experiment.difference(one[None], other[None]) if part == 1 else one - other
-    return float(np.mean(change * change))
+def _present(experiment: Experiment, simulation: Simulation) -> list[_State]:
+    """The present states. Observed values belong to the first item."""
+    primaries = compared(experiment.scene)
+    states = [(each.rates(simulation), each.values(simulation)) for each in primaries]
+    if experiment.observer is None:
+        return states
+    observed = experiment.observe(simulation)
+    return [(rates, observed) for rates, _ in states]
+
+
+def _mean_square(one: FloatArray, other: FloatArray, difference: _Difference) -> float:
+    change = difference(one[np.newaxis], other[np.newaxis])
+    return float(np.mean(change.real * change.real + change.imag * change.imag))

@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.arithmetic import lengths
 from physcore.checks import FloatArray, array
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.numerics.choices import DivergenceRule
 from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
-from physcore.scene.scene import ItemKey, Scene
+from physcore.scene.contents import ItemKey
+from physcore.scene.scene import Scene
 from physcore.simulation.energy import Energy, EnergySeries
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.step_warnings import unwarned
 from physcore.studies import clock
-from physcore.studies.state import place, primary
+from physcore.studies.state import Primary, compared
 
 SAMPLES = 32
 """Default number of intervals of the duration. Every time step divides an interval."""
@@ -91,8 +91,8 @@ class Experiment:
     """Simulated duration [s]."""
     threads: int | None = None
     observer: Observer | None = None
-    """Function of the compared values. None: the positions of all particles; without particles, the first field of the
-    first system.
+    """Function of the compared values. None: the primary fields of all items. Those of several items are one array, in
+    which each but the first moving one is scaled to move as far as that one (`scales`).
     """
     intervals: int = SAMPLES
     """Number of equal parts of the duration; values are compared at their ends."""
@@ -104,6 +104,55 @@ class Experiment:
     """Integrators of the items, if given; the integrator of a choice is then that of the first item."""
     fluids: Fluids = "auto"
     """Methods of fluids, as in Simulation."""
+    scales: tuple[float, ...] = ()
+    """Largest change of each compared item, if there are several, in a run with the default numerics. The run is made
+    unless the changes are given.
+    """
+
+    def __post_init__(self) -> None:
+        if self.observer is None and len(self._compared) > 1 and not self.scales:
+            object.__setattr__(self, "scales", self._measured_scales())
+
+    @property
+    def _compared(self) -> tuple[Primary, ...]:
+        """The compared fields without an observer."""
+        return compared(self.scene)
+
+    @property
+    def _first(self) -> int:
+        """The index of the item in whose unit errors are: the first one that moves."""
+        return next((index for index, scale in enumerate(self.scales) if scale > 0.0), 0)
+
+    @property
+    def suffix(self) -> str:
+        """The unit of errors as it follows a number."""
+        return self._compared[self._first].suffix
+
+    @property
+    def _weights(self) -> tuple[float, ...]:
+        """The factor of each of several compared items; 1 for the first moving one, and for those at rest."""
+        return tuple(self.scales[self._first] / scale if scale > 0.0 else 1.0 for scale in self.scales)
+
+    def weighed(self, values: Sequence[float], power: int) -> list[float]:
+        """One value for each compared item in a power of its unit, as values of the first moving item."""
+        weights = self._weights or (1.0,)
+        return [math.prod([weight] * power) * value for weight, value in zip(weights, values, strict=True)]
+
+    def _measured_scales(self) -> tuple[float, ...]:
+        """The largest change of each item since the start, in a run with the default numerics or until it diverges."""
+        with unwarned():
+            run = Simulation(self.scene, threads=self.threads, fluids=self.fluids)
+            starts = [each.values(run) for each in self._compared]
+            scales = [0.0] * len(starts)
+            for _ in range(SAMPLES):
+                try:
+                    run.run(self.duration / SAMPLES)
+                except SimulationDiverged:
+                    break
+                for index, (each, start) in enumerate(zip(self._compared, starts, strict=True)):
+                    change = each.difference(each.values(run), start)[np.newaxis]
+                    scales[index] = max(scales[index], float(each.distances(change).max(initial=0.0)))
+        return tuple(scales)
 
     @property
     def interval(self) -> float:
@@ -143,29 +192,54 @@ class Experiment:
             SceneError: the observer does not return an array of finite numbers.
         """
         if self.observer is None:
-            return place(simulation)
+            return self._joined([each.values(simulation) for each in self._compared], 0)
         return array(self.observer(simulation), "observe")
+
+    def _joined(self, values: list[FloatArray], axes: int) -> FloatArray:
+        """The values of all items in one array, after `axes` common axes; that of a single item as it is."""
+        if len(values) == 1:
+            return values[0]
+        scaled = [
+            weight * each.reshape(*each.shape[:axes], -1) for weight, each in zip(self._weights, values, strict=True)
+        ]
+        return np.concatenate(scaled, axis=-1)
+
+    def parts(self, samples: FloatArray) -> list[FloatArray]:
+        """The values of each item in its own unit (F, …), from joined values (F, …)."""
+        if len(self._compared) == 1:
+            return [samples]
+        ends = np.cumsum([math.prod(each.shape) for each in self._compared])
+        columns = np.split(samples, ends[:-1], axis=-1)
+        return [
+            (own / weight).reshape(*own.shape[:-1], *each.shape)
+            for each, own, weight in zip(self._compared, columns, self._weights, strict=True)
+        ]
 
     def difference(self, one: FloatArray, other: FloatArray) -> FloatArray:
         """The difference one − other; for positions in a periodic domain, the displacement to the nearest image."""
         if one.shape[1:] != other.shape[1:]:
             raise SceneError(f"observe: must always give one shape, gave {other.shape[1:]} and then {one.shape[1:]}")
-        change: FloatArray = one - other
-        if self._positions and self.scene.periodic is not None:
-            return self.scene.periodic.nearest(change)
-        return change
-
-    @property
-    def _positions(self) -> bool:
-        """Whether positions are compared."""
-        return self.observer is None and bool(self.scene.bodies)
+        if self.observer is not None:
+            return one - other
+        if self.scene.periodic is None or self._compared[0].system is not None:
+            return one - other
+        pairs = zip(self._compared, self.parts(one), self.parts(other), strict=True)
+        return self._joined([each.difference(first, second) for each, first, second in pairs], 1)
 
     def distances(self, one: FloatArray, other: FloatArray) -> FloatArray:
-        """The largest distance of any particle, or of any observed value, at each time; shape (F,)."""
+        """The largest distance of any particle, or of any observed value, at each time; shape (F,). With several items,
+        the largest of any item, scaled to the motion of the first moving one.
+        """
         change = self.difference(one, other)
-        sizes = lengths(change) if self._positions else np.abs(change)
-        largest: FloatArray = sizes.reshape(len(sizes), -1).max(axis=1)
-        return largest
+        if self.observer is not None:
+            largest: FloatArray = np.abs(change).reshape(len(change), -1).max(axis=1)
+            return largest
+        own = [each.distances(part) for each, part in zip(self._compared, self.parts(change), strict=True)]
+        if len(own) == 1:
+            return own[0]
+        weights = np.array(self._weights)[:, np.newaxis]
+        farthest: FloatArray = (weights * np.stack(own)).max(axis=0)
+        return farthest
 
     def attempt(self, choice: Choice) -> Trial:
         """Run a choice once, until the end or until it diverges.
@@ -219,7 +293,8 @@ class Experiment:
         seconds = clock.seconds() - begin
         taken = simulation.steps * recording.plan.evaluations
         drift = _largest_drift(recording.energy)
-        return Trial(choice, recording.channels[primary(self.scene)], seconds, taken, drift, None, recording)
+        samples = self._joined([recording.channels[each.channel] for each in self._compared], 1)
+        return Trial(choice, samples, seconds, taken, drift, None, recording)
 
 
 def series(budget: list[Energy]) -> EnergySeries:

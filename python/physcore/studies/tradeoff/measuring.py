@@ -81,7 +81,8 @@ def tradeoff(
             the limit of its own resolutions.
         observe: function of the simulation that returns the compared values, an array of numbers. None: the positions
             of all particles [m], or with `resolutions` the centers of the bodies; without particles, the first field of
-            the first system.
+            the first system. The first fields of further systems are compared too, scaled so that their largest
+            changes in a run with the default numerics are as large.
         budget: approximate total time [s]. The first three rows of each integrator may take as long again, and the very
             first ones are always run.
         threads: as in Simulation.

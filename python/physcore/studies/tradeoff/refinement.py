@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from physcore.arithmetic import power
 from physcore.checks import FloatArray
-from physcore.forces import LennardJones, SoftSpheres
 from physcore.studies.tradeoff.convergence import Convergence, convergence, errors_of, order_between, stagnant
 from physcore.studies.tradeoff.experiment import Experiment, Trial
 
@@ -83,7 +82,7 @@ class Refinement:
         scene = self.experiment.scene
         if scene.boundaries:
             return 1
-        kinked = scene.fluids or any(isinstance(force, (SoftSpheres, LennardJones)) for force in scene.forces)
+        kinked = scene.fluids or any(force.has_kink for force in scene.forces)
         return 2 if kinked and self.order > 2 else None
 
     @property

@@ -10,7 +10,8 @@ import numpy as np
 from physcore.arithmetic import log
 from physcore.checks import FloatArray
 from physcore.errors import SceneError, SimulationDiverged
-from physcore.studies.state import State, motion, nudge, place, restore, state
+from physcore.simulation.simulation import Simulation
+from physcore.studies.state import Primary, State, compared, nudge, restore, state
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment
@@ -46,8 +47,8 @@ class Windows:
     """Bound on the error of the windows [m], or in the unit of the observed values."""
     agrees: bool
     """Whether the windows of a method of another family, if there is one, agree within the uncertainties."""
-    nudge: float
-    """Perturbation of the members of an ensemble [m/s]."""
+    nudge: tuple[float, ...]
+    """Perturbation of the rates of each item in the members of an ensemble, such as [m/s] of particles."""
     averages: FloatArray
     """Averages of each member of the ensemble, shape (8, 3)."""
     doubts: FloatArray
@@ -87,12 +88,14 @@ def windows(
     parts = 1 << (math.ceil(growth) - 1).bit_length() if growth > 1.0 else 1
     choice = replace(choice, steps=multiple(choice.steps, parts))
     simulation = experiment.start(choice)
-    starts, fastest = [], 0.0
+    primaries = compared(experiment.scene)
+    starts, fastest = [], [0.0] * len(primaries)
     for _ in range(SAMPLES):
         starts.append(state(simulation))
-        fastest = max(fastest, float(np.abs(motion(simulation)).max()))
+        own = [float(np.abs(each.rates(simulation)).max()) for each in primaries]
+        fastest = list(map(max, fastest, own))
         simulation.step(choice.steps)
-    scatter = SCATTER * fastest
+    scatter = tuple(SCATTER * speed for speed in fastest)
     averages, doubts = _settle(experiment, choice, scatter, seed, budget.share(0.4))
     choice, ends, uncertainty = _converge(experiment, choice, starts, parts, budget.share(0.5 if others else 1.0))
     agrees = True
@@ -107,7 +110,7 @@ def windows(
 
 
 def _settle(
-    experiment: Experiment, choice: Choice, nudge: float, seed: int, budget: Budget
+    experiment: Experiment, choice: Choice, nudge: tuple[float, ...], seed: int, budget: Budget
 ) -> tuple[FloatArray, FloatArray]:
     """Averages of ensembles with decreasing steps, until the means are stable or the budget is spent; and their
     remaining changes.
@@ -154,7 +157,7 @@ def error(experiment: Experiment, choice: Choice, reference: Windows) -> float:
     return float(experiment.distances(ends, reference.ends).max())
 
 
-def ensemble(experiment: Experiment, choice: Choice, nudge: float, seed: int) -> FloatArray:
+def ensemble(experiment: Experiment, choice: Choice, nudge: tuple[float, ...], seed: int) -> FloatArray:
     """Averages over the second half of the duration, of slightly perturbed members; shape (8, 3).
 
     Raises:
@@ -176,20 +179,21 @@ def bias(found: FloatArray, reference: FloatArray, doubts: FloatArray) -> Bias:
     return Bias(AVERAGES[worst], float(difference[worst]), float(spread[worst]))
 
 
-def _averages(experiment: Experiment, choice: Choice, size: float, seed: int) -> FloatArray:
+def _averages(experiment: Experiment, choice: Choice, sizes: tuple[float, ...], seed: int) -> FloatArray:
     """Kinetic energy, potential energy relative to the start, and rms distance from the middle; for a field, rms
-    deviation from its mean.
+    deviation from its mean; for several items, the rms of theirs, each scaled as errors are.
     """
     simulation = experiment.start(choice)
-    nudge(simulation, size, seed)
+    nudge(simulation, sizes, seed)
     begin = simulation.energy()
     sums = np.zeros(len(AVERAGES))
     for sample in range(SAMPLES):
         simulation.step(choice.steps)
         if sample < SAMPLES // 2:
             continue
-        energy, places = simulation.energy(), place(simulation).reshape(-1, *_vector(experiment))
-        radius = float(np.sqrt(np.mean(np.square(places - places.mean(axis=0)).sum(axis=1))))
+        energy = simulation.energy()
+        squares = [_spread(each, simulation) for each in compared(experiment.scene)]
+        radius = float(np.sqrt(np.mean(experiment.weighed(squares, 2))))
         sums += energy.kinetic, energy.potential + energy.internal - begin.potential - begin.internal, radius
     return sums / (SAMPLES - SAMPLES // 2)
 
@@ -208,6 +212,7 @@ def _ends(experiment: Experiment, choice: Choice, starts: list[State], parts: in
     return np.stack(ends)
 
 
-def _vector(experiment: Experiment) -> tuple[int]:
-    """The number of components of the compared values."""
-    return (experiment.scene.dimension if experiment.scene.bodies else 1,)
+def _spread(primary: Primary, simulation: Simulation) -> float:
+    """The mean square distance from the middle, or of values from their mean."""
+    places = primary.values(simulation).reshape(-1, primary.components)
+    return float(np.mean(np.square(places - places.mean(axis=0)).sum(axis=1)))
