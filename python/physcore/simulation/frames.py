@@ -86,6 +86,11 @@ def frame(world: World, scene: Scene) -> Frame:
     )
 
 
+def present(world: World, scene: Scene, dt: float) -> Frame:
+    """The present step as the user sees it, without means over an interval."""
+    return replace(engine.shown(_measured(frame(world, scene), None, 0.0), scene), dt=dt)
+
+
 def frame_count(duration: float, fps: float, units: UnitSystem) -> int:
     """The number of frames of a duration [s], including the first and the last one.
 

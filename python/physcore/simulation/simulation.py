@@ -249,6 +249,14 @@ class Simulation(Measured):
             self._stepper.run(interval, watch=watch)
             self._stepper.settle(watch)
 
+    def frame(self) -> Frame:
+        """The present state with its budgets, as a Frame.
+
+        frame = simulation.frame()
+        frame.time, frame["cloth"].positions, frame.energy.total
+        """
+        return sampling.present(self._world, self._scene, self.dt)
+
     def frames(self, duration: float, fps: float = FRAMES_PER_SECOND, events: Sequence[Event] = ()) -> Iterator[Frame]:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
 
