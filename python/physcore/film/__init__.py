@@ -1,7 +1,7 @@
 """Films of a recording or a running simulation, as GIF, WebP, APNG or MP4, and still pictures.
 
-A film is drawn by `film`, a single state by `Renderer`. Folders: `styles` for the drawing styles of bodies, `camera` for
-the views, `colors` for the themes, and `writers` for the file formats. To add a style or a format, add a file to
+A film is drawn by `film`, a single state by `Renderer`. Folders: `styles` for the drawing styles of bodies, `camera`
+for the views, `colors` for the themes, and `writers` for the file formats. To add a style or a format, add a file to
 `styles/` or `writers/` and a line to its `__init__.py`.
 """
 
