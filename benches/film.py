@@ -34,7 +34,7 @@ from rivals import optional
 import physcore as pc
 from physcore._core import Gif
 from physcore.film.colors.themes import resolve
-from physcore.film.renderer import Renderer
+from physcore.film.film_renderer import FilmRenderer
 from physcore.film.writers import delays
 from physcore.simulation.sources import sources
 
@@ -104,9 +104,9 @@ def matplotlib_animation(recording: pc.Recording, frames: int, path: Path) -> No
     pyplot.close(figure)
 
 
-def renderer_of(recording: pc.Recording) -> Renderer:
+def renderer_of(recording: pc.Recording) -> FilmRenderer:
     """What `physcore.film` draws."""
-    return Renderer(sources(recording, None, None, {}), SIZE, STYLE, None, resolve("dark"), None, False)
+    return FilmRenderer(sources(recording, None, None, {}), SIZE, STYLE, None, resolve("dark"), None, False)
 
 
 @contextmanager
@@ -148,7 +148,7 @@ def million(dimension: int) -> float:
     """Processor time per frame of drawing and encoding a million particles on one core, the best of five [ms]."""
     with one_core():
         found = sources(bouncing(MILLION, dimension, 6), None, None, {})
-        renderer = Renderer(found, LARGE, None, None, resolve("dark"), None, False)
+        renderer = FilmRenderer(found, LARGE, None, None, resolve("dark"), None, False)
         gif = Gif(None, renderer.reserved)
         for canvas in renderer.samples():
             gif.observe(canvas)

@@ -20,8 +20,8 @@ from hypothesis import strategies as st
 import physcore as pc
 from contracts.scenes import SCENES
 from physcore.film import DARK
+from physcore.film.film_renderer import FilmRenderer
 from physcore.film.labels import drawing
-from physcore.film.renderer import Renderer
 from physcore.simulation.serial import unpack_scene
 from physcore.simulation.sources import sources
 from physcore.studies.audit import audit
@@ -349,7 +349,7 @@ def written(recording: Any, monkeypatch: pytest.MonkeyPatch, **options: Any) -> 
             monkeypatch.setattr(module, "text_width", spied(module.text_width, 0))
     found = sources(recording, None, None, {})
     style = options.pop("style", None)
-    with Renderer(found, (640, 480), style, None, DARK, None, False, **options) as renderer:
+    with FilmRenderer(found, (640, 480), style, None, DARK, None, False, **options) as renderer:
         for _ in renderer.frames():
             pass
     return "\n".join(texts)

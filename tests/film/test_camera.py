@@ -17,7 +17,7 @@ import physcore as pc
 from physcore.film import DARK, Follow, Keyframes, Orbit, Window
 from physcore.film.camera.track import middle, smooth
 from physcore.film.camera.view import fit
-from physcore.film.renderer import Renderer
+from physcore.film.film_renderer import FilmRenderer
 from physcore.simulation.sources import sources
 
 SIZE = (160, 120)
@@ -39,7 +39,7 @@ def recorded(
 def pictures(recording: Any, camera: Any, size: tuple[int, int] = SIZE, **options: Any) -> list[np.ndarray]:
     """Every frame of a film without text."""
     style = pc.styles.Points(color="body", size=4.0, trail=0.0)
-    with Renderer(
+    with FilmRenderer(
         sources(recording, None, None, {}), size, style, camera, DARK, None, False, **SHARP, **options
     ) as renderer:
         return [canvas.pixels().astype(int) for canvas in renderer.frames()]
@@ -122,7 +122,7 @@ def test_a_follower_is_as_slow_in_seconds_at_any_frame_rate() -> None:
         recording.fps, recording.times = fps, np.arange(round(4 * fps) + 1) / fps
         recording.positions = np.stack([body.positions + max(time - 2.0, 0.0) for time in recording.times])
         recording.channels["positions"] = recording.positions
-        with Renderer(sources(recording, None, None, {}), SIZE, None, Follow(0), DARK, None, False) as renderer:
+        with FilmRenderer(sources(recording, None, None, {}), SIZE, None, Follow(0), DARK, None, False) as renderer:
             looked.append(renderer._panels[0].view.at(round(1.5 * fps)).center[0])
     # ∫ (t − 2) of a bell of 0.5 s about 1.5 s: 0.5 (φ(1) − Φ(−1)) = 0.0417 m; sampled five times per deviation.
     np.testing.assert_allclose(looked, 0.5 * (0.2420 - 0.1587), atol=2e-3)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import physcore as pc
 from physcore.film import DARK
-from physcore.film.renderer import Renderer
+from physcore.film.film_renderer import FilmRenderer
 from physcore.film.styles.typical import RARE, TYPICAL, Typical
 
 ENOUGH = 1000
@@ -43,7 +43,7 @@ def top(recording: Any, style: Any) -> float:
     from physcore.simulation.sources import sources
 
     found = sources(recording, None, None, {})
-    with Renderer(found, (160, 120), style, None, DARK, None, False) as made:
+    with FilmRenderer(found, (160, 120), style, None, DARK, None, False) as made:
         return made._painters[0][0].top
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import physcore as pc
 from physcore.film import DARK, Corotating, Orbit, Window
-from physcore.film.renderer import Renderer
+from physcore.film.film_renderer import FilmRenderer
 from physcore.simulation.sources import Source, sources
 
 MASSES = np.array([3.0, 1.0, 0.5, 0.25])
@@ -93,7 +93,7 @@ def test_a_film_in_the_frame_of_what_turns_stands_still() -> None:
     def pictures(camera: Corotating) -> list[np.ndarray]:
         found = sources(recording, None, None, {})
         options: dict[str, Any] = {"labels": (), "color_bar": False}
-        with Renderer(found, (120, 90), style, camera, DARK, None, False, **options) as renderer:
+        with FilmRenderer(found, (120, 90), style, camera, DARK, None, False, **options) as renderer:
             return [canvas.pixels().astype(int) for canvas in renderer.frames()]
 
     for inner in (None, Window((-2.0, -2.0), (2.0, 2.0))):

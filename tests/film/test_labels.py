@@ -15,9 +15,9 @@ from PIL import Image
 
 import physcore as pc
 from physcore.film import DARK, Orbit, Window
+from physcore.film.film_renderer import FilmRenderer
 from physcore.film.labels.scale_bar import UNITS, ScaleBar, rounded
 from physcore.film.layout import Heading
-from physcore.film.renderer import Renderer
 from physcore.simulation.sources import sources
 
 if TYPE_CHECKING:
@@ -28,11 +28,11 @@ BODY = pc.styles.Points("body")
 COLORS = {"sun": (250, 200, 10), "earth": (20, 90, 250), "moon": (120, 220, 130)}
 
 
-def renderer(scene: pc.Scene, **options: Any) -> Renderer:
+def renderer(scene: pc.Scene, **options: Any) -> FilmRenderer:
     """That of a film of a tenth of a second."""
     found = sources(pc.simulate(scene, 0.1, progress=False), None, None, {})
     style, camera = options.pop("style", BODY), options.pop("camera", None)
-    return Renderer(found, SIZE, style, camera, DARK, options.pop("heading", Heading()), False, **options)
+    return FilmRenderer(found, SIZE, style, camera, DARK, options.pop("heading", Heading()), False, **options)
 
 
 def system(dimension: int = 2) -> pc.Scene:
@@ -60,7 +60,7 @@ def test_a_legend_lists_the_named_bodies_in_their_colors(dimension: int) -> None
 def test_a_legend_of_several_panels_has_each_name_once() -> None:
     scene = system()
     found = [*sources(pc.simulate(scene, 0.1, progress=False), None, None, {})] * 2
-    with Renderer(found, (640, 240), BODY, None, DARK, Heading(), False, legend=True) as made:
+    with FilmRenderer(found, (640, 240), BODY, None, DARK, Heading(), False, legend=True) as made:
         assert [name for name, _ in made._footer._legend] == list(COLORS)
 
 
@@ -95,7 +95,7 @@ def test_a_legend_lists_systems_that_are_drawn_in_one_color() -> None:
 def test_labels_of_a_panel_stay_below_it(panels: int, size: tuple[int, int]) -> None:
     recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]])), 0.1, integrator=pc.ImplicitMidpoint(), progress=False)
     found, labels = [*sources(recording, None, None, {})] * panels, ("dt", "integrator", "energy")
-    with Renderer(found, size, BODY, None, DARK, Heading(), False, labels=labels, color_bar=False) as made:  # type: ignore[arg-type]
+    with FilmRenderer(found, size, BODY, None, DARK, Heading(), False, labels=labels, color_bar=False) as made:  # type: ignore[arg-type]
         below, margin = made._layout.size[1] - made._layout.footer, made._layout.text // 2
         picture = next(iter(made.frames())).pixels()[below:]
     for panel in range(1, panels + 1):
@@ -141,7 +141,7 @@ def test_a_name_with_a_sign_that_no_face_has_is_warned_of(option: str, tmp_path:
         pc.film(scene, tmp_path / "film.png", duration=0.1, style=BODY, **{option: True})
 
 
-def rectangles(made: Renderer) -> list[tuple[float, float, float, float]]:
+def rectangles(made: FilmRenderer) -> list[tuple[float, float, float, float]]:
     """Those that the names take in the first frame: left, top, right and bottom [pixels]."""
     panel = made._panels[0]
     frame = next(iter(panel.source.frames()))
@@ -188,7 +188,7 @@ def test_a_name_stays_on_its_side_as_long_as_it_can() -> None:
     recording.channels["positions"][:, 1] = np.stack([np.full(31, 0.06), 1.2 * (times - 0.5)], axis=1)
     found = sources(recording, None, None, {})
     camera = Window((-0.5, -0.4), (0.5, 0.4))
-    with Renderer(found, SIZE, BODY, camera, DARK, Heading(), False, name_tags=sun) as made:
+    with FilmRenderer(found, SIZE, BODY, camera, DARK, Heading(), False, name_tags=sun) as made:
         panel = made._panels[0]
         sides = []
         for frame in found[0].frames():

@@ -26,12 +26,12 @@ from physcore._core import text_width
 from physcore.film import DARK, LIGHT, Follow, Orbit, Window, frame_cache, gif_bytes
 from physcore.film.colors.colormaps import COLORMAPS, sequential
 from physcore.film.colors.themes import LEGIBLE, contrast, legible
+from physcore.film.film_renderer import FilmRenderer
 from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.footer import Footer, bars
 from physcore.film.labels.text import ends, text_height, wrapped
 from physcore.film.layout import Heading
-from physcore.film.renderer import Renderer
 from physcore.film.styles.base import Scale
 from physcore.simulation.energy import Drift
 from physcore.simulation.sources import Running, sources
@@ -49,10 +49,10 @@ def dust(lower: tuple[float, ...], upper: tuple[float, ...]) -> pc.Recording:
     return pc.simulate(pc.Scene(pc.Particles(np.concatenate([points, [lower, upper]]))), 0.1)
 
 
-def renderer(items: Any, size: Any = SIZE, **options: Any) -> Renderer:
+def renderer(items: Any, size: Any = SIZE, **options: Any) -> FilmRenderer:
     found = sources(items, options.pop("duration", None), options.pop("fps", None), {})
     style, camera, theme = options.pop("style", None), options.pop("camera", None), options.pop("theme", DARK)
-    return Renderer(found, size, style, camera, theme, Heading(tuple(options.pop("titles", ()))), False, **options)
+    return FilmRenderer(found, size, style, camera, theme, Heading(tuple(options.pop("titles", ()))), False, **options)
 
 
 def pictures(items: Any, size: Any = SIZE, **options: Any) -> list[np.ndarray]:
@@ -355,10 +355,10 @@ def test_a_color_bar_shows_the_scale_and_equal_scales_once() -> None:
 def test_labels_keep_their_width() -> None:
     clock = Clock(np.linspace(0.0, 119.0, 1191), 10.0, 10.0, None)
     footer = Footer(("time", "dt", "integrator", "energy"), clock, [("RungeKutta4", 1e-3)], [])
-    lines = [footer._lines(16, 640, [error], frame) for frame, error in ((0, 0.0), (99, 3.21e-17), (1190, 0.5))]
+    lines = [footer._lines(16, 640, [error], time) for time, error in ((0.0, 0.0), (9.9, 3.21e-17), (119.0, 0.5))]
     assert len({text_width(line, 16) for _, line in lines}) == 1
     assert lines[1][1] == "\u2007\u20079.90 s   dt 0.001 s   RungeKutta4   energy error 3.2e−17"
-    narrow = footer._lines(16, 200, [0.0], 0)[0][0]
+    narrow = footer._lines(16, 200, [0.0], 0.0)[0][0]
     assert len(narrow) > 1
     assert all(text_width(line, 16) <= 200 for line in narrow)
     assert wrapped(["aa", "bb", "cc"], 16, text_width("aa   bb", 16)) == [["aa", "bb"], ["cc"]]
@@ -371,7 +371,7 @@ def test_labels_keep_their_width() -> None:
 def test_time_is_written_in_the_unit_of_the_motion(duration: float, unit: str | None, written: str) -> None:
     fps = 30.0 / duration if duration > 1e4 else 3.0 / duration
     clock = Clock(np.array([0.0, duration]), fps, fps, unit)
-    number, sign = clock.text(1).replace("\u2007", "").split()
+    number, sign = clock.text(clock.times[1]).replace("\u2007", "").split()
     assert float(number) == pytest.approx(float(written.split()[0]))
     assert sign == written.split()[1]
 

@@ -667,7 +667,7 @@ def test_a_path_has_its_corner_at_the_wall(phase: float) -> None:
         height = 1.0 - 0.5 * g * time**2 if fall else rise * (time - hit) - 0.5 * g * (time - hit) ** 2
         speed = -g * time if fall else rise - g * (time - hit)
         points = np.array([[0.7 * time, height]])
-        corners.append(curve.piece(points, velocity + np.array([[0.0, speed]])))
+        corners.append(curve.piece(time, points, velocity + np.array([[0.0, speed]])))
     way = np.concatenate(corners)[:, 0]
     low = way[way[:, 1].argmin()]
     # The arcs are exact here; the time at which they meet is that of a parabola through moments dt/32 apart.
@@ -681,7 +681,7 @@ def test_a_smooth_path_is_the_cubic_through_frames(tmp_path: Path) -> None:
     pieces = []
     for time in step * np.arange(8):
         place, along = np.array([[np.cos(time), np.sin(time)]]), np.array([[-np.sin(time), np.cos(time)]])
-        pieces.append(curve.piece(place, along))
+        pieces.append(curve.piece(time, place, along))
     away = np.abs(np.linalg.norm(np.concatenate(pieces), axis=2) - 1.0)
     assert away.max() < 1.1 * step**4 / 384 < 0.1 * step**2 / 8
 

@@ -1,7 +1,8 @@
 """Films of a recording or a running simulation, as GIF, WebP, APNG or MP4, and still pictures.
 
-`film` draws them. `styles` has the drawing styles of bodies, `camera` the views, `colors` the themes, and `writers` the
-file formats. To add a style or a format, add a file to `styles/` or `writers/` and a line to its `__init__.py`.
+A film is drawn by `film`, a single state by `Renderer`. Folders: `styles` for the drawing styles of bodies, `camera`
+for the views, `colors` for the themes, and `writers` for the file formats. To add a style or a format, add a file to
+`styles/` or `writers/` and a line to its `__init__.py`.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from physcore.film.camera.view import Orbit, Window
     from physcore.film.colors.themes import DARK, LIGHT, Theme
     from physcore.film.metadata import provenance
+    from physcore.film.renderer import Renderer
 
 __all__ = [
     "DARK",
@@ -30,6 +32,7 @@ __all__ = [
     "Follow",
     "Keyframes",
     "Orbit",
+    "Renderer",
     "Theme",
     "Window",
     "film",
@@ -45,6 +48,7 @@ _MODULES = {
     "Follow": "camera.track",
     "Keyframes": "camera.track",
     "Orbit": "camera.view",
+    "Renderer": "renderer",
     "Theme": "colors.themes",
     "Window": "camera.view",
     "provenance": "metadata",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
@@ -26,15 +25,14 @@ if TYPE_CHECKING:
     from physcore.film.labels.scale_bar import LengthUnit
     from physcore.film.labels.tags import Listed, Named
     from physcore.film.layout import Format
+    from physcore.film.quality import Quality
     from physcore.film.styles import Style
-    from physcore.film.writers import Film, Loop, Quality
+    from physcore.film.writers import Film, Loop
     from physcore.scene.scene import Scene
     from physcore.simulation.recording import Recording
 
 HEAVY = 5_000_000
 """Size above which a GIF causes a warning [bytes]: pages load it slowly, and some refuse it."""
-SAMPLES: dict[Quality, int] = {"fast": 1, "high": 2}
-"""Samples per pixel along each side, in 3D."""
 
 
 @entrance
@@ -156,11 +154,13 @@ def film(
         PhyscoreError: a package that the format needs is not installed.
         SimulationDiverged: the simulation of the scene diverged.
     """
+    from physcore.film.colors.themes import chosen_theme
+    from physcore.film.film_renderer import FilmRenderer
     from physcore.film.labels.clock import check_unit
     from physcore.film.labels.dates import check_start
     from physcore.film.layout import check_format, check_heading, check_size, line_of
     from physcore.film.metadata import metadata, sidecar_of, write_sidecar
-    from physcore.film.renderer import Renderer
+    from physcore.film.quality import SAMPLES
     from physcore.film.writers import WRITERS, FilmJob, check_loop
     from physcore.simulation.sources import sources
     from physcore.storage.files import require_writable
@@ -177,11 +177,11 @@ def film(
     repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving)
     _check_bytes(quality, max_bytes)
     sides = check_format(format, check_size(size), video=writer.video)
-    colors, heading = _colors(theme, background), check_heading(title, titles, subtitle, len(found))
+    colors, heading = chosen_theme(theme, background), check_heading(title, titles, subtitle, len(found))
     note = "" if credit is None else line_of(credit, "credit")
     begin = check_start(start, units)
     try:
-        with units.worded(), Renderer(
+        with units.worded(), FilmRenderer(
             found, sides, style, camera, colors, heading, shown,
             labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
             inset=inset, credit=note, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
@@ -219,15 +219,15 @@ def gif_bytes(
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; arguments as in `film`."""
     from physcore.film.colors.themes import resolve
+    from physcore.film.film_renderer import FilmRenderer
     from physcore.film.metadata import metadata
-    from physcore.film.renderer import Renderer
     from physcore.film.writers import FilmJob, GifWriter
     from physcore.simulation.sources import sources
 
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed, found[0].scene.units)
     _check_bytes("fast", max_bytes)
-    with Renderer(found, size, style, None, resolve(theme), None, False, rate=rate) as renderer:
+    with FilmRenderer(found, size, style, None, resolve(theme), None, False, rate=rate) as renderer:
         return GifWriter.content(FilmJob(renderer, rate, "fast", max_bytes, lambda: metadata(found), False))
 
 
@@ -237,19 +237,8 @@ def _check_bytes(quality: object, max_bytes: object) -> None:
     Raises:
         SceneError: one of them is not valid.
     """
-    from physcore.film.writers import QUALITIES
+    from physcore.film.quality import QUALITIES
 
     word(quality, "quality", QUALITIES)
     if max_bytes is not None:
         whole_number(max_bytes, "max_bytes", least=1)
-
-
-def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
-    from physcore.film.colors.themes import color, legible, resolve
-
-    chosen = resolve(theme)
-    return (
-        chosen
-        if background is None
-        else legible(replace(chosen, background=color(background, "background"), backdrop=None))
-    )

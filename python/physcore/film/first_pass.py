@@ -54,13 +54,13 @@ class Bounds:
         for frame in range(len(self.axes)):
             self.add(points, margin, frame)
 
-    def add_near(self, points: FloatArray, margin: float = 0.0) -> None:
+    def add_near(self, points: FloatArray, margin: float = 0.0, near: float = NEAR) -> None:
         """Extend the boxes of all frames by points at rest, as far as they are near the present box. If a box is empty
-        or a single point, all of them count.
+        or a single point, all of them count. `near` is a fraction of the extent of all.
         """
         lower, upper = self.lower.copy(), self.upper.copy()
         self.add_to_all(points, margin)
-        reach = NEAR * (upper - lower).max(axis=1, keepdims=True)
+        reach = near * (upper - lower).max(axis=1, keepdims=True)
         moved = np.isfinite(reach[:, 0]) & (reach[:, 0] > 0.0)
         self.lower[moved] = np.maximum(self.lower, np.minimum(lower - reach, lower))[moved]
         self.upper[moved] = np.minimum(self.upper, np.maximum(upper + reach, upper))[moved]
@@ -139,6 +139,7 @@ def first_pass(
     axes: Sequence[FloatArray],
     follow: Follow | None,
     tick: Callable[[int], None],
+    near: float = NEAR,
 ) -> FirstPass:
     """Collect bounds, samples and energies from every frame of a source.
 
@@ -150,6 +151,7 @@ def first_pass(
         axes: the axes of each candidate camera, shape (K, D, D) with K = 1 or one for each frame.
         follow: the bodies to follow.
         tick: called with the number of frames done.
+        near: largest distance of visible scenery from the motion, over the extent of the motion.
     """
     scene = source.scene
     radius = max((float(body.radius.max(initial=0.0)) for body in scene.bodies), default=0.0)
@@ -187,15 +189,15 @@ def first_pass(
         for painter in painters:
             if painter.landmarks is not None:
                 box.add_to_all(painter.landmarks)
-    _add_scenery(scene, whole, boxes)
+    _add_scenery(scene, whole, boxes, near)
     return found
 
 
-def _add_scenery(scene: Scene, whole: Bounds, boxes: Sequence[Bounds]) -> None:
+def _add_scenery(scene: Scene, whole: Bounds, boxes: Sequence[Bounds], near: float) -> None:
     """Extend the bounds by boundaries and other scenery."""
     for box in (whole, *boxes):
         for points, around in landmarks(scene):
-            box.add_near(points, around)
+            box.add_near(points, around, near)
         box.settle()
     ground = grounds(scene, whole.lower[0], whole.upper[0])
     for box in (whole, *boxes):

@@ -69,10 +69,10 @@ def _preview(recording: Recording) -> str | None:
 def _size(recording: Recording) -> tuple[int, int]:
     """The size that `film` would choose, scaled down to SIDE."""
     from physcore.film.colors.themes import resolve
-    from physcore.film.renderer import Renderer
+    from physcore.film.film_renderer import FilmRenderer
     from physcore.simulation.sources import sources
 
-    with Renderer(sources(recording, None, None, {}), None, None, None, resolve("dark"), None, False) as renderer:
+    with FilmRenderer(sources(recording, None, None, {}), None, None, None, resolve("dark"), None, False) as renderer:
         width, height = renderer.size
     scale = min(SIDE / max(width, height), 1.0)
     return 2 * round(scale * width / 2), 2 * round(scale * height / 2)

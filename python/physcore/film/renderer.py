@@ -1,82 +1,75 @@
-"""Renderer of a film: panels side by side with all their contents."""
+"""Pictures of single states, without a film."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import chain
-from types import TracebackType
-from typing import Self
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
-from physcore._core import Canvas
-from physcore.checks import FloatArray
+from physcore.checks import count, flag, shown, span, word
 from physcore.errors import SceneError
-from physcore.film import assignment
-from physcore.film.camera.corotating import Corotating, corotating
-from physcore.film.camera.framing import CameraTrack, Extent, PanelView, camera_track, extents
-from physcore.film.camera.track import Camera, Follow
-from physcore.film.colors.light import LAMP, OCCLUSION, REACH, SHADOW
-from physcore.film.colors.samples import palette_samples
-from physcore.film.colors.themes import Color, Theme
+from physcore.film.camera.corotating import Corotating
+from physcore.film.camera.framing import Extent, camera_track, extents
+from physcore.film.camera.track import Camera, Follow, middle, still
+from physcore.film.camera.view import View, look_at
+from physcore.film.colors.themes import Color, Theme, ThemeName, chosen_theme
+from physcore.film.composition import Composition, Panel
 from physcore.film.first_pass import FirstPass, first_pass
-from physcore.film.frame_cache import FrameCache
-from physcore.film.labels.clock import Clock
-from physcore.film.labels.dates import Start
-from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
-from physcore.film.labels.drawing import write
-from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
-from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
-from physcore.film.labels.tags import Listed, Named, NameTags, check_named
-from physcore.film.labels.text import text_height
-from physcore.film.layout import Heading, Layout, best, check_size
-from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
-from physcore.film.styles import Painter, Style
-from physcore.progress import Progress
-from physcore.scene.bodies import Body
-from physcore.simulation.sources import Source, SourceFrame
+from physcore.film.labels.clock import Clock, check_unit
+from physcore.film.labels.dates import check_start
+from physcore.film.labels.diagram import Inset
+from physcore.film.labels.footer import Label
+from physcore.film.labels.scale_bar import LengthUnit
+from physcore.film.labels.tags import Listed, Named
+from physcore.film.layout import Format, check_format, check_heading, check_size, line_of
+from physcore.film.present import Present
+from physcore.film.quality import QUALITIES, SAMPLES, Quality
+from physcore.film.styles import Style
+from physcore.numerics.choices import FRAMES_PER_SECOND
+from physcore.scene.scene import Scene
+from physcore.simulation.simulation import Simulation, require_scene
+from physcore.simulation.sources import SourceFrame
+from physcore.simulation.state import Snapshot
 
-SHADES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
-"""Brightness factors of colors in 3D, from full light to shade."""
+if TYPE_CHECKING:
+    from datetime import date
 
-
-@dataclass(eq=False)
-class Panel:
-    """One source with its rectangle and its painters."""
-
-    source: Source
-    painters: list[Painter]
-    rectangle: tuple[int, int, int, int]
-    """Left, top, right and bottom of the panel [pixels]."""
-    free: tuple[int, int, int, int]
-    """The part of the panel without text. In 2D, moving objects are clipped to it."""
-    pixels: float
-    """The area of the rectangle [pixels]."""
-    view: PanelView
-    samples: list[tuple[int, SourceFrame]]
-    tags: NameTags
-    bar: ScaleBar | None
-    diagram: Diagram | None = None
+FRAMES = 300
+"""Nominal number of frames: ten seconds of a film."""
+NEAR = 2.0
+"""Largest distance of visible scenery, over the extent of the first state, which is going to move within it."""
+AUDITED = ("dt", "energy")
+"""Labels that need a time step or an energy."""
+State: TypeAlias = Simulation | Snapshot
 
 
-class Renderer:
-    """The canvas of a film with its panels, drawn frame by frame.
+class Renderer(Composition):
+    """Draws pictures of a scene, one state at a time: of a running simulation, or of a frame.
 
-    The constructor runs a first pass, which finds all that depends on the whole film. Only one pass is needed if the
-    camera gives target and extent, and each painter knows its color scale. Close the renderer at the end, because it
-    may hold a temporary file.
+        renderer = pc.Renderer(scene, size=(640, 360))
+        simulation = pc.Simulation(scene)
+        picture = renderer.draw(simulation)  # (360, 640, 3), for matplotlib's imshow or PIL.Image.fromarray
+        simulation.run(0.1)
+        later = renderer.draw(simulation)  # in the same view
+
+    A film of the whole motion is drawn by `physcore.film`, which looks at all frames first. A renderer knows only what
+    it has drawn. The first picture frames the view around its state and the scenery, unless the camera gives one, and
+    the view stays. Trails, paths and the diagram of energy consist of the states drawn before. The ends of color scales
+    that a style does not give are typical values of these states.
 
     Args:
-        found: the sources, one for each panel.
-        size: width and height [pixels]; None: a size that suits the motion.
-        style, camera: as in `film`.
-        theme: the colors.
-        heading: the titles above the picture; None: no titles.
-        progress, labels, color_bar, legend, name_tags, scale_bar, inset, credit, time_unit, start: as in `film`.
-        rate: frames per second of the film; None: as many as of the simulation.
-        samples: samples per pixel along each side in 3D; a pixel is their mean.
+        scene: the scene.
+        size, format, style, theme, background, title, subtitle, credit, labels, color_bar, legend, name_tags,
+            scale_bar, inset, time_unit, start, quality: as in `film`.
+        camera: as in `film`. A function of the time or Keyframes without an extent show the first state completely in
+            all directions of the next `duration`. Follow looks exactly at the center of mass, because smoothing needs
+            later frames.
+        fps: how many pictures are going to be drawn per second of the simulation, or other unit of time of its scene.
+            They may be drawn at any times; the lengths of trails in frames, and the digits of time, follow from it.
+        duration: the expected duration [s], for the lengths of trails and the unit of time; None: 300 frames.
 
     Raises:
         SceneError: an argument is not valid.
@@ -84,293 +77,190 @@ class Renderer:
 
     def __init__(
         self,
-        found: Sequence[Source],
-        size: tuple[int, int] | None,
-        style: Style | Sequence[Style] | None,
-        camera: Camera | Follow | Corotating | None,
-        theme: Theme,
-        heading: Heading | None,
-        progress: bool | None,
+        scene: Scene,
         *,
+        size: tuple[int, int] | None = None,
+        format: Format | None = None,
+        style: Style | Sequence[Style] | None = None,
+        camera: Camera | Follow | Corotating | None = None,
+        theme: Theme | ThemeName = "dark",
+        background: Color | str | None = None,
+        title: str | None = None,
+        subtitle: str | None = None,
+        credit: str | None = None,
         labels: Sequence[Label] = ("time",),
         color_bar: bool = True,
         legend: Listed = False,
         name_tags: Named = False,
         scale_bar: bool | LengthUnit = False,
         inset: Inset | None = None,
-        credit: str = "",
         time_unit: str | None = None,
-        start: Start | None = None,
-        rate: float | None = None,
-        samples: int = 1,
+        start: str | date | None = None,
+        quality: Quality = "fast",
+        fps: float = FRAMES_PER_SECOND,
+        duration: float | None = None,
     ) -> None:
-        self._theme, self._samples, asked = theme, samples, check_size(size)
-        self._units = found[0].scene.units
-        self._heading, self._labels = heading or Heading(), check_labels(labels, found)
-        diagram, self._bar = check_inset(inset, found), check_scale_bar(scale_bar, self._units)
-        self._listed = check_named(legend, "legend", found, systems=True)
-        self._tagged = check_named(name_tags, "name_tags", found)
-        self._all_listed = isinstance(legend, (bool, np.bool_))
-        styles = assignment.asked(style, found)
-        camera, found = corotating(camera, [assignment.shown(source, styles) for source in found])
-        self._found = found
-        self._painters = [assignment.painters(source, styles, theme) for source in found]
-        self.count = max(source.count for source in found)
-        self._clock = _clock(found, self.count)
-        track = camera_track(camera, found, self._clock)
-        self._once = track.closed and diagram is None and "dt" not in self._labels and self._settled
-        self._caches: list[FrameCache | None] = [None] * len(found)
-        self._opened: list[Iterator[SourceFrame]] = []
-        try:
-            passes = self._look_at_all(track, progress)
-            assignment.share_scales(self._painters)
-            fps = found[0].fps
-            written = Clock(self._clock, fps, fps if rate is None else rate, time_unit, self._units, start)
-            self._footer = self._make_footer(passes, color_bar, written, credit)
-            self._passes, self._extents = passes, extents(track, passes, found)
-            self._diagrammed, self._moving = diagram is not None, track.moving
-            flat = found[0].scene.dimension < 3
-            self._over = not flat and any(extent.given for extent in self._extents)
-            self.resize(asked)
-        except BaseException:
-            self.close()
-            raise
+        require_scene(scene)
+        self._fps = span(fps, "fps")
+        self._duration = FRAMES / self._fps if duration is None else span(duration, "duration")
+        self._asked = check_format(format, check_size(size), video=False)
+        self._time_unit, self._start = time_unit, start
+        self._contents = {
+            "style": style,
+            "camera": camera,
+            "theme": chosen_theme(theme, background),
+            "heading": check_heading(title, None, subtitle, 1),
+            "labels": labels,
+            "color_bar": flag(color_bar, "color_bar"),
+            "legend": legend,
+            "name_tags": name_tags,
+            "scale_bar": scale_bar,
+            "inset": inset,
+            "credit": "" if credit is None else line_of(credit, "credit"),
+            "samples": SAMPLES[word(quality, "quality", QUALITIES)],
+        }
+        self._arrange(scene)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Delete the temporary files of the frames."""
-        for cache in self._caches:
-            if cache is not None:
-                cache.close()
-
-    def resize(self, size: tuple[int, int] | None) -> None:
-        """Draw in another size [pixels] from now on; None: a size that suits the motion."""
-        self._panels = self._lay_out(size, self._extents, self._passes)
-        if self._diagrammed:
-            self._add_diagrams(self._passes)
-        self._canvas = self._prepared()
+    def _arrange(self, scene: Scene) -> None:
+        """Prepare for the states of a scene, without a view."""
+        number = count(max(1.0, round(self._duration * self._fps)), "duration")
+        self._present = Present(scene, self._fps, number)
+        super().__init__([self._present], **self._contents)  # type: ignore[arg-type]
+        check_unit(self._time_unit, scene.units)
+        self._first_date = check_start(self._start, scene.units)
+        self._extent: Extent | None = None
+        self._seen: FirstPass | None = None
+        self._last: tuple[SourceFrame, NDArray[np.uint8]] | None = None
 
     @property
-    def size(self) -> tuple[int, int]:
-        """Width and height of the picture [pixels]."""
-        return self._layout.size
+    def scene(self) -> Scene:
+        """The scene of the last state, or the one that was given."""
+        return self._present.scene
 
-    @property
-    def repeatable(self) -> bool:
-        """Whether all frames can be drawn again without a second simulation."""
-        return not self._once or not any(source.simulated for source in self._found)
+    def draw(self, state: State) -> NDArray[np.uint8]:
+        """The picture of a state: a Simulation at its present time, or a Frame or Snapshot of a whole scene.
 
-    @property
-    def reserved(self) -> list[Color]:
-        """Colors that the palette must contain exactly."""
-        return [self._theme.background]
+        Drawing does not change a simulation. A state that is not later than the last one begins trails anew. A state of
+        another scene, as after `Simulation.replace`, is drawn in the same view, with colors and trails that begin anew.
 
-    @property
-    def colors(self) -> list[Color]:
-        """Colors that may occur in the film but not in the samples: of bodies and scales, in 3D in light and shade."""
-        every = np.concatenate([painter.palette for painter in chain.from_iterable(self._painters)])
-        shades = SHADES if any(source.scene.dimension == 3 for source in self._found) else (1.0,)
-        shaded = np.unique(np.concatenate([np.rint(shade * every) for shade in shades]).astype(int), axis=0)
-        return [(red, green, blue) for red, green, blue in shaded.clip(0, 255).tolist()]
+        Returns:
+            Colors (height, width, 3), from 0 to 255.
 
-    def samples(self) -> Iterator[Canvas]:
-        """Sampled frames of the film, to choose its palette from; each canvas is valid until the next is requested."""
-        for index in range(max(len(panel.samples) for panel in self._panels)):
-            self._begin()  # trails must not connect samples, which are far apart in time
-            chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
-            yield self._draw([index for index, _ in chosen], [frame for _, frame in chosen])
-        for source, painters in zip(self._found, self._painters, strict=True):
-            if self._once or any(painter.traced is not None for painter in painters):
-                bodies, flat = len(source.scene.bodies), source.scene.dimension < 3
-                yield palette_samples(painters, bodies, self._theme, flat=flat, once=self._once)
-
-    def frames(self) -> Iterator[Canvas]:
-        """All frames; each canvas is valid until the next is requested. A panel that ends early repeats its last frame
-        in the rest of the film.
+        Raises:
+            SceneError: the value is no such state; a label or the inset needs a Frame or a Simulation; or a style needs
+                items that the scene of the state does not have.
         """
-        self._begin()
-        self._footer.begin()
-        running, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
-        frames = [next(each) for each in running]
-        for index in range(self.count):
-            yield self._draw([index] * len(frames), frames)
-            frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
+        frame, scene, integrator = self._parts_of(state)
+        with scene.units.worded():
+            if scene is not self._present.scene:
+                self._change(scene)
+            self._present.frame, self._present.integrator = frame, integrator
+            frame = next(self._found[0].frames())
+            if self._last is not None and _equal(frame, self._last[0]):
+                return self._last[1].copy()
+            pixels = self._drawn(frame)
+            self._last = frame, pixels
+            return pixels.copy()
 
-    def _begin(self) -> None:
-        """Reset all state that depends on earlier frames."""
-        for painter in chain.from_iterable(self._painters):
-            painter.begin()
-        for panel in self._panels:
-            panel.tags.begin()
+    def reset(self) -> None:
+        """Forget all states drawn so far, with their view: the next picture is framed as the first one was."""
+        self._arrange(self._present.scene)
 
-    @property
-    def _settled(self) -> bool:
-        """Whether each painter knows its color scale already."""
-        return all(painter.settled for painter in chain.from_iterable(self._painters))
-
-    def _look_at_all(self, track: CameraTrack, progress: bool | None) -> list[FirstPass]:
-        """Run the first pass over each source: over the whole film, or over its first frame if that is enough."""
-        passes = []
-        for index, (source, painters) in enumerate(zip(self._found, self._painters, strict=True)):
-            with Progress(source.count, "first pass", False if self._once else progress) as bar:
-                frames = self._first(index)
-                passes.append(first_pass(source, frames, self.count, painters, track.axes, track.follow, bar.update))
-        return passes
-
-    def _first(self, index: int) -> Iterable[SourceFrame]:
-        """The frames of a source that the first pass goes through."""
-        source = self._found[index]
-        if self._once:
-            frames = source.frames()
-            first = next(frames)
-            self._opened.append(chain([first], frames))
-            return [first]
-        if not source.simulated:
-            return source.frames()
-        cache = self._caches[index] = FrameCache(source)
-        return cache.first()
-
-    def _again(self, index: int) -> Iterator[SourceFrame]:
-        """All frames of a source for the second pass."""
-        cache = self._caches[index]
-        return self._found[index].frames() if cache is None else cache.again()
-
-    def _make_footer(self, passes: Sequence[FirstPass], color_bar: bool, clock: Clock, credit: str) -> Footer:
-        """The footer of the picture."""
-        facts = [
-            (source.integrator if "integrator" in self._labels else None, seen.dt)
-            for source, seen in zip(self._found, passes, strict=True)
-        ]
-        painters = list(chain.from_iterable(self._painters))
-        scales: list[Bar] = bars([each.scale for each in painters], self._units) if color_bar else []
-        return Footer(self._labels, clock, facts, scales, credit, self._legend(painters), self._units)
-
-    def _legend(self, painters: Sequence[Painter]) -> list[tuple[str, Color]]:
-        """The names of the legend with the colors of their bodies or systems, without duplicates."""
-        colors = {id(item): color for painter in painters for item, color in painter.legend}
-        entries = {(item.name or "", colors.get(id(item))): item for panel in self._listed for item in panel}
-        for (_, color), item in entries.items():
-            if color is None and (isinstance(item, Body) or not self._all_listed):
-                style = "colors by body, such as styles.Points('body')"
-                if not isinstance(item, Body):
-                    style = "has one color, such as styles.Trails(color='tomato')"
-                raise SceneError(f"legend: {item!r} is not drawn in one color; give it a style that {style}")
-        return [(name, color) for name, color in entries if color is not None]
-
-    def _layout_of(self, size: tuple[int, int]) -> Layout:
-        footer = self._footer.height(text_height(*size), size[0])
-        return Layout(size, len(self._found), self._heading, footer)
-
-    def _inset(self, layout: Layout, index: int) -> float:
-        """Distance of the motion from a panel's edge [pixels]."""
-        pixels = layout.pixels(index)
-        return layout.margin(index) + max(painter.inset(pixels) for painter in self._painters[index])
-
-    def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
-        """Divide the picture into panels and fit the common camera."""
-
-        def magnification(candidate: tuple[int, int]) -> float:
-            layout = self._layout_of(candidate)
-            return min(
-                extent.magnification(layout.area(index), self._inset(layout, index))
-                for index, extent in enumerate(found)
+    def _parts_of(self, state: State) -> tuple[SourceFrame, Scene, str | None]:
+        """The frame of a state, its scene, and the name of its integrator."""
+        present = state.frame() if isinstance(state, Simulation) else state
+        if not isinstance(cast("object", present), Snapshot) or present.scene is None:
+            raise SceneError(
+                f"draw.state: must be a Simulation, or a Frame or Snapshot of a whole scene, got {shown(state)}"
             )
+        energy, dt = getattr(present, "energy", None), getattr(present, "dt", None)
+        integrator = type(state.integrator).__name__ if isinstance(state, Simulation) else None
+        needed = [f"the label {label!r}" for label in AUDITED if label in self._labels]
+        needed += ["the inset"] if self._diagrammed else []
+        if needed and energy is None:
+            raise SceneError(f"draw.state: {needed[0]} needs a Frame or a Simulation, got {shown(state)}")
+        if "integrator" in self._labels and integrator is None:
+            raise SceneError(f"draw.state: the label 'integrator' needs a Simulation, got {shown(state)}")
+        return SourceFrame(present.time, present.fields, energy, dt), present.scene, integrator
 
-        if size is None:
-            size = best(len(found), magnification, fixed=any(extent.given for extent in found))
-        self._layout = layout = self._layout_of(size)
-        panels = []
-        for index, (source, painters, extent, seen) in enumerate(
-            zip(self._found, self._painters, found, passes, strict=True)
-        ):
-            view = PanelView(extent, layout.area(index), self._inset(layout, index))
-            free, pixels = layout.area(index), layout.pixels(index)
-            tags = NameTags(self._tagged[index], painters, free, layout.text, self._theme)
-            bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme, self._units)
-            panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags, bar))
-        return panels
+    def _change(self, scene: Scene) -> None:
+        """Go on with another scene in the same view, if it has the same dimension."""
+        kept = self._extent
+        self._arrange(scene)
+        drawn = self._found[0].scene
+        if kept is not None and kept.centers.shape[1] == max(drawn.dimension, 2):
+            domain = drawn.periodic if kept.follows else None
+            self._extent = replace(kept, scenery=replace(kept.scenery, domain=drawn.periodic), domain=domain)
 
-    def _add_diagrams(self, passes: Sequence[FirstPass]) -> None:
-        """Create the diagram of each panel."""
-        history = History([seen.energies for seen in passes], float(self._clock[-1] - self._clock[0]), self._units)
-        for number, panel in enumerate(self._panels):
-            occupied = [np.empty((0, 2), dtype=np.float32)]
-            for index, frame in panel.samples:
-                view = panel.view.at(index)
-                if len(frame.positions) > 0:
-                    occupied.append(view.project(panel.view.shown(frame, view).positions)[0])
-            area, text = self._layout.area(number), self._layout.text
-            panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
+    def _drawn(self, frame: SourceFrame) -> NDArray[np.uint8]:
+        """Draw a frame that differs from the last one."""
+        if self._last is not None and frame.time <= self._last[0].time:
+            self._begin()
+            self._footer.begin()
+            if self._seen is not None:
+                self._seen.energies.clear()
+        if self._seen is None:
+            self._look_at(frame)
+        else:
+            for painter in self._painters[0]:
+                painter.observe(frame)
+            self._label(frame)
+            if frame.energy is not None:
+                self._seen.energies.append(frame.energy)
+        assert self._seen is not None
+        if self._diagrammed:
+            first = self._seen.energies[0].time
+            self._add_diagrams([self._seen], max(self._duration, frame.time - first))
+        views = [self._view(panel, frame) for panel in self._panels]
+        return self._draw([frame], views, [len(self._seen.energies) - 1], frame.time).pixels()
 
-    def _prepared(self) -> Canvas:
-        """A canvas with all static content."""
-        flat = all(panel.view.at(0).flat for panel in self._panels)
-        canvas = Canvas(*self.size, self._theme.background, 1 if flat else self._samples)
+    def _look_at(self, frame: SourceFrame) -> None:
+        """Find the view and the color scales from the first frame, and lay out the picture."""
+        camera = self._camera.camera if isinstance(self._camera, Follow) else self._camera
+        moments = self._present.times if callable(camera) else np.zeros(1)
+        track = camera_track(self._camera, self._found, frame.time + moments)
+        source, painters = self._found[0], self._painters[0]
+        self._seen = first_pass(source, [frame], len(moments), painters, track.axes, track.follow, lambda _: None, NEAR)
+        if self._extent is None:
+            self._extent = extents(track, [self._seen], self._found)[0]
+        self._moving = track.moving
+        self._footer = self._make_footer(self._clock_at(frame.time), [frame.dt])
+        self._compose(self._asked, [self._extent], [self._seen], still=not self._moving)
+
+    def _label(self, frame: SourceFrame) -> None:
+        """Renew the footer, whose scales may have changed; lay out the picture again if its height has changed."""
+        before, self._footer = self._footer, self._make_footer(self._clock_at(frame.time), [frame.dt])
+        self._footer.go_on(before)
+        if self._layout_of(self.size).footer != self._layout.footer:
+            assert self._extent is not None
+            assert self._seen is not None
+            self._compose(self.size, [self._extent], [self._seen], still=not self._moving)
+
+    def _clock_at(self, time: float) -> Clock:
+        """The clock of a picture at a time [s]."""
+        times = np.array([0.0, max(self._duration, time)])
+        return Clock(times, self._fps, self._fps, self._time_unit, self._units, self._first_date, paced=False)
+
+    def _view(self, panel: Panel, frame: SourceFrame) -> View:
+        """The view of a frame."""
         if not self._moving:
-            self._draw_scenery(canvas, 0)
-            canvas.keep()
-        return canvas
-
-    def _draw_scenery(self, canvas: Canvas, index: int) -> None:
-        """Draw all that is behind every moving object."""
-        for panel in self._panels:
-            canvas.clip(*panel.rectangle)
-            view = panel.view.at(index)
-            if not view.flat:
-                canvas.eye(view.scale, view.middle, view.distance)
-                draw_backdrop(canvas, panel.source.scene, panel.rectangle, self._theme)
-            draw_behind(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
-        canvas.clip(0, 0, *self.size)
-
-    def _write_titles(self, canvas: Canvas) -> None:
-        outline = self._theme.background if self._over else None
-        for line, middle, top, height in self._layout.written():
-            color = self._theme.label if line == self._heading.subtitle else self._theme.text
-            write(canvas, line, middle, top, height, color, 0, outline)
-
-    def _draw(self, indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
-        """Draw one frame of the film, from one frame of each panel with its index."""
-        canvas, clock = self._canvas, max(indices)
-        canvas.clear()
-        if self._moving:
-            self._draw_scenery(canvas, clock)
-        for panel, index, frame in zip(self._panels, indices, frames, strict=True):
-            view = panel.view.at(clock)
-            shown = panel.view.shown(frame, view)
-            for painter in panel.painters:
-                shown = painter.raised(shown)
-            canvas.clip(*(panel.free if view.flat else panel.rectangle))  # in 3D the ground extends below the text
-            canvas.lens(view.blur, view.distance)
-            if not view.flat:
-                canvas.eye(view.scale, view.middle, view.distance)
-                canvas.light(LAMP, SHADOW, OCCLUSION, REACH * math.sqrt(panel.pixels))
-            draw_among(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
-            for painter in panel.painters:
-                painter.paint(canvas, shown, view, panel.pixels)
-            canvas.paint()
-            taken = []
-            if panel.diagram is not None:
-                panel.diagram.draw(canvas, index)
-                taken.append(panel.diagram.box)
-            if panel.bar is not None:
-                taken.append(panel.bar.draw(canvas, view, *taken))
-            panel.tags.draw(canvas, shown, view, panel.pixels, taken)
-        canvas.clip(0, 0, *self.size)
-        self._write_titles(canvas)
-        energies, text = [each.energy for each in frames], self._layout.text
-        self._footer.draw(canvas, self.size, text, self._theme, clock, energies, over=self._over)
-        return canvas
+            return panel.view.at(0)
+        extent, follow = panel.view.extent, self._camera if isinstance(self._camera, Follow) else None
+        camera = self._camera if follow is None else follow.camera
+        assert not isinstance(camera, (Follow, Corotating))  # the composition has taken the camera out of these
+        now = still(camera, frame.time, flat=extent.stills[0].axes.shape[0] == 2) if callable(camera) else None
+        now = extent.stills[0] if now is None else now
+        target = look_at(now)
+        if follow is not None:
+            scene, chosen = panel.source.scene, follow.particles(panel.source.scene)
+            mass = np.concatenate([body.mass for body in scene.bodies])[chosen]
+            target = middle(frame.positions[chosen], mass, scene.periodic)
+        if target is None:
+            target = extent.stills[0].axes.T @ extent.centers[0]
+        return panel.view.toward(now, target)
 
 
-def _clock(found: Sequence[Source], count: int) -> FloatArray:
-    """The time of each frame of the film [s]; a panel that ends early stays at its last time."""
-    each = [source.times[np.minimum(np.arange(count), source.count - 1)] for source in found]
-    clock: FloatArray = np.max(each, axis=0)
-    return clock
+def _equal(one: SourceFrame, other: SourceFrame) -> bool:
+    """Whether two frames show the same state."""
+    same = one.time == other.time and one.dt == other.dt and one.fields.keys() == other.fields.keys()
+    return same and all(np.array_equal(one.fields[name], other.fields[name], equal_nan=True) for name in one.fields)

@@ -17,6 +17,7 @@ from physcore.scene.fields import FLOW
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
+from physcore.simulation.earlier import EARLIER
 from physcore.simulation.provenance import SEGMENTS
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
 from physcore.simulation.stepper import Captured
@@ -43,7 +44,7 @@ class Checkpoint(NamedTuple):
         """
         bounds = dict.fromkeys(("dt", "stability", "accuracy", "certified", "endured"), real(least=0.0, finite=False))
         limits = several(of(Limit, **bounds), lengths=(0, 2))
-        stepper = of(Captured, limits=limits, segments=SEGMENTS)
+        stepper = of(Captured, limits=limits, segments=SEGMENTS, earlier=EARLIER)
         shape = record(scene=unpack_scene, numerics=unpack_numerics, stepper=stepper, world=table(_numbers))
         checked = shape(content, "")
         return cls(**{**checked, "numerics": check(checked["numerics"], checked["scene"])})

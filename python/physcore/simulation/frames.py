@@ -13,6 +13,7 @@ from physcore.numerics.choices import steps_to
 from physcore.scene.fields import GAUGES
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
+from physcore.simulation.earlier import Earlier
 from physcore.simulation.energy import Amount, Energy
 from physcore.simulation.state import Frame
 from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
@@ -21,9 +22,9 @@ from physcore.simulation.within import between
 from physcore.units.systems import UnitSystem
 
 
-def audit(world: World, units: UnitSystem) -> tuple[Energy, dict[str, Amount]]:
-    """The energy budget at the present step, and those of other conserved quantities by name; warn if the energy is not
-    finite.
+def audit(world: World, units: UnitSystem, earlier: Earlier) -> tuple[Energy, dict[str, Amount]]:
+    """The energy budget at the present step, and those of other conserved quantities by name, with what they have from
+    earlier scenes; warn if the energy is not finite.
     """
     rows, others = world.budgets()
 
@@ -42,10 +43,11 @@ def audit(world: World, units: UnitSystem) -> tuple[Energy, dict[str, Amount]]:
         units=units,
     )
     _warn_if_beyond("energy", budget.balance, world, units)
-    return budget, {
+    amounts = {
         name: Amount(units.symbol(unit), stored, dict(removed), dict(supplied), world.time, units=units)
         for name, unit, stored, removed, supplied in others
     }
+    return earlier.on(budget, amounts)
 
 
 def momentum(world: World, units: UnitSystem) -> FloatArray:
@@ -73,9 +75,9 @@ def _warn_if_beyond(quantity: str, value: float, world: World, units: UnitSystem
     )
 
 
-def frame(world: World, scene: Scene) -> Frame:
+def frame(world: World, scene: Scene, earlier: Earlier) -> Frame:
     """The present step as a frame, with positions not wrapped into the periodic domain."""
-    budget, budgets = audit(world, scene.units)
+    budget, budgets = audit(world, scene.units, earlier)
     return Frame(
         **vars(engine.snapshot(world, scene)),
         dt=world.dt,
@@ -84,6 +86,12 @@ def frame(world: World, scene: Scene) -> Frame:
         angular_momentum=angular_momentum(world, scene.units),
         budgets=budgets,
     )
+
+
+def present(world: World, scene: Scene, stepper: Stepper) -> Frame:
+    """The present step as the user sees it, without means over an interval."""
+    sample = _measured(frame(world, scene, stepper.earlier), None, 0.0)
+    return replace(engine.shown(sample, scene), dt=stepper.dt)
 
 
 def frame_count(duration: float, fps: float, units: UnitSystem) -> int:
@@ -133,6 +141,7 @@ def _frames(
             break
         yield replace(engine.shown(_measured(sample, before, fps), scene), time=time, dt=stepper.dt)
         before = sample
+        stepper.require_present()
         if world.steps != here:
             raise PhyscoreError(
                 f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "
@@ -161,7 +170,7 @@ def _stepped(
     for index in range(count):
         if index > 0:
             stepper.run(1.0 / fps, fps, watch)
-        yield frame(world, scene)
+        yield frame(world, scene, stepper.earlier)
 
 
 def _interpolated(
@@ -172,7 +181,7 @@ def _interpolated(
     """
     dt = stepper.dt
     rates = {info.name: info.rate for info in engine.fields(world, scene)}
-    done, before = 0, frame(world, scene)
+    done, before = 0, frame(world, scene, stepper.earlier)
     for index in range(count):
         target = index / (fps * dt)
         nearest = round(target)
@@ -180,7 +189,7 @@ def _interpolated(
         first = nearest if on_step else math.floor(target)
         if done <= first:
             stepper.step(first - done, watch)
-            done, before = first, frame(world, scene)
+            done, before = first, frame(world, scene, stepper.earlier)
         if on_step:
             yield before
             continue

@@ -11,6 +11,7 @@ from physcore.scene.contents import BodyKey
 from physcore.scene.scene import Scene
 from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Amount, Energy
+from physcore.simulation.stepper import Stepper
 
 
 class Measured:
@@ -18,6 +19,7 @@ class Measured:
 
     _scene: Scene
     _world: World
+    _stepper: Stepper
 
     def energy(self) -> Energy:
         """The energy budget of the present state.
@@ -30,11 +32,11 @@ class Measured:
             StabilityWarning: it is not finite: particles coincide, or the run has diverged, which
                 on_divergence="ignore" leaves to you.
         """
-        return sampling.audit(self._world, self._scene.units)[0]
+        return sampling.audit(self._world, self._scene.units, self._stepper.earlier)[0]
 
     def budgets(self) -> dict[str, Amount]:
         """The budgets of what is conserved beside energy, by name; none where nothing is."""
-        return sampling.audit(self._world, self._scene.units)[1]
+        return sampling.audit(self._world, self._scene.units, self._stepper.earlier)[1]
 
     def momentum(self) -> FloatArray:
         """Total momentum of all particles that are not fixed [kg·m/s], shape (D,).

@@ -33,6 +33,7 @@ from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.alternation import alternating
 from physcore.simulation.checkpoint import Checkpoint
+from physcore.simulation.earlier import Earlier
 from physcore.simulation.event import Event, checked
 from physcore.simulation.measured import Measured
 from physcore.simulation.notes import noted, of_scene
@@ -40,6 +41,7 @@ from physcore.simulation.occurrences import Events
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance, version
 from physcore.simulation.recording import Recording, check_channels, collect
+from physcore.simulation.replacement import carry, numerics_for
 from physcore.simulation.serial import pack_numerics
 from physcore.simulation.state import Frame, Part
 from physcore.simulation.stepper import Stepper
@@ -241,6 +243,14 @@ class Simulation(Measured):
             self._stepper.run(interval, watch=watch)
             self._stepper.settle(watch)
 
+    def frame(self) -> Frame:
+        """The present state with its budgets, as a Frame.
+
+        frame = simulation.frame()
+        frame.time, frame["cloth"].positions, frame.energy.total
+        """
+        return sampling.present(self._world, self._scene, self._stepper)
+
     def frames(self, duration: float, fps: float = FRAMES_PER_SECOND, events: Sequence[Event] = ()) -> Iterator[Frame]:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
 
@@ -304,6 +314,45 @@ class Simulation(Measured):
         kept = check_channels(channels, self._scene)
         self._watch = Watch(given, self._world, self._scene, self._numerics, kept) if given else None
         return self._watch
+
+    def replace(self, scene: Scene) -> None:
+        """Go on with a changed scene, from the present state at the present time.
+
+            stiffer = pc.Scene(pc.cloth((12, 8), 0.05, stiffness=800.0, name="cloth"), pc.Gravity())
+            simulation.replace(stiffer)
+
+        Forces, boundaries, constraints and parameters are those of the new scene. Bodies and systems that both scenes
+        have keep their state: the same objects, those of one name, and without names those in the same order. They must
+        have as many particles, or fields of the same shape, as before. What is new begins as its scene says, what is
+        left out is gone. A particle that is newly held takes the velocity that the new scene gives it.
+
+        The change of energy counts as work, so that the energy balance goes on; so do other budgets, and the clock. A
+        time step that was left to be chosen is chosen anew, a number stays, as do the integrators, the precision and
+        all other choices. Lists of neighbors, warm starts of constraints and the earlier steps of methods that use such
+        are found anew from the state. Of iterations over `frames`, none goes on. Checkpoints, recordings and films have
+        the new scene; a recording has one scene, so record each part by itself.
+
+        Raises:
+            SceneError: the scene is not valid; something cannot be carried over, which is named; or a particle is now
+                beyond a boundary. The simulation is then as before.
+            PhyscoreError: the simulation is running.
+
+        Warns:
+            StabilityWarning: a given `dt` is above the limit of stability of the new scene.
+        """
+        require_scene(scene)
+        with scene.units.worded(), self._stepper.alone():
+            numerics = numerics_for(scene, self._scene, self._numerics)
+            check_flows(numerics.fluids, scene)
+            world = engine.build(scene, numerics)
+            carry(world, scene, self._world, self._scene)
+            stepper, units = Stepper(world, scene, numerics), scene.units
+            before = sampling.audit(self._world, units, self._stepper.earlier)
+            after = sampling.audit(world, units, Earlier())
+            stepper.begin()
+            stepper.succeed(self._stepper, self._stepper.earlier.then(before, after, world.time))
+            self._scene, self._numerics, self._world, self._stepper = scene, numerics, world, stepper
+            self.__dict__.pop("_scene_notes", None)
 
     def set(self, positions: State | None = None, velocities: State | None = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.

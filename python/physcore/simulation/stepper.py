@@ -14,6 +14,7 @@ from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.numerics.choices import FRAMES_PER_SECOND, AdaptiveStep, Limit, Numerics, divide, free_step, steps_to
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
+from physcore.simulation.earlier import Earlier
 from physcore.simulation.provenance import Segment, segments_from
 from physcore.simulation.rehearsal import steps_ahead
 from physcore.simulation.step_notes import notes_on
@@ -54,6 +55,7 @@ class Captured(TypedDict):
     substepped: int
     limits: list[dict[str, Any]]
     segments: list[dict[str, Any]]
+    earlier: dict[str, Any]
 
 
 class Stepper:
@@ -73,6 +75,11 @@ class Stepper:
         """The state before the last step that was watched."""
         self._cut: Cut | None = None
         """The last step that ended at an event."""
+        self._begun = world.steps
+        """The number of steps at the start of the scene."""
+        self._replaced = False
+        self.earlier = Earlier()
+        """Parts of the budgets from the scenes before this one."""
 
     def begin(self) -> None:
         """Find the limits before the first step. A stepper from a checkpoint uses `restore` instead.
@@ -83,6 +90,22 @@ class Stepper:
         if self.fixed is not None:
             self._warnings.of_instability(self.fixed)
         self._size.begin()
+
+    def succeed(self, before: Stepper, earlier: Earlier) -> None:
+        """Go on from the stepper of the scene before."""
+        self._substepped, self._segments, self.earlier = before._substepped, list(before._segments), earlier
+        before._replaced = True
+
+    def require_present(self) -> None:
+        """Refuse to go on with a scene that was replaced.
+
+        Raises:
+            PhyscoreError: it was.
+        """
+        if self._replaced:
+            raise PhyscoreError(
+                "the scene of this simulation was replaced between two of its frames: ask for frames, or record, anew"
+            )
 
     @property
     def fixed(self) -> float | None:
@@ -106,7 +129,8 @@ class Stepper:
         """
         if self._cut is not None and self._cut.steps == self._world.steps:
             return self._cut.dt
-        return self.fixed or self._world.dt or self._size.largest(FRAMES_PER_SECOND)
+        taken = self._world.dt if self._world.steps > self._begun else 0.0
+        return self.fixed or taken or self._size.largest(FRAMES_PER_SECOND)
 
     @property
     def segments(self) -> tuple[Segment, ...]:
@@ -124,7 +148,7 @@ class Stepper:
                 "dt: adaptive steps are not equal, and end where an interval ends: use run(duration), record or "
                 f"frames; or give dt a number{'' if self._numerics.integrator.self_adaptive else ', or AutoStep()'}"
             )
-        with self._alone():
+        with self.alone():
             if self.fixed is not None:
                 return self._advance_by(left, self.fixed, watch)
             while left > 0 and not stopped(watch):
@@ -139,7 +163,7 @@ class Stepper:
         """
         interval = number(duration, "run.duration", least=0.0)
         self.warn_if_long(interval)
-        with self._alone():
+        with self.alone():
             if self.fixed is not None:
                 return self._advance_by(max(0, steps_to(interval, self.fixed, TIME_TOLERANCE)), self.fixed, watch)
             if interval == 0.0:
@@ -170,7 +194,7 @@ class Stepper:
 
     def notes(self, limit: Limit) -> list[str]:
         """Notes of the plan about steps, whose present limit is known."""
-        return notes_on(self._size, self.dt, limit)
+        return [*notes_on(self._size, self.dt, limit), *self.earlier.notes(self._scene.units)]
 
     def _adapt(self, interval: float, fps: float, rule: AdaptiveStep, watch: Watch | None) -> None:
         """Advance by an interval [s] in steps that follow the motion."""
@@ -221,7 +245,7 @@ class Stepper:
         self._segments[max(0, start.segments - 1) :] = start.segment
 
     @contextmanager
-    def _alone(self) -> Iterator[None]:
+    def alone(self) -> Iterator[None]:
         """Lock against other threads, which could otherwise advance the world between two batches of steps."""
         if not self._stepping.acquire(blocking=False):
             raise PhyscoreError(
@@ -315,10 +339,12 @@ class Stepper:
         """The state of the stepper, in addition to that of the world: limits, segments and counts."""
         segments = [asdict(segment) for segment in self._segments]
         limits = [vars(limit) for limit in self._size.limits]
-        return {"substepped": self._substepped, "limits": limits, "segments": segments}
+        earlier = self.earlier.content()
+        return {"substepped": self._substepped, "limits": limits, "segments": segments, "earlier": earlier}
 
     def restore(self, state: Captured) -> None:
         """Restore the state from `capture`."""
         self._substepped = state["substepped"]
         self._segments = list(segments_from(state["segments"]))
+        self.earlier = Earlier.from_content(state["earlier"])
         self._size.restore([Limit(**limit) for limit in state["limits"]])

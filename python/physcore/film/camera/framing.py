@@ -139,6 +139,10 @@ class PanelView:
         """The view of a frame."""
         return self._view(index) if self._standing is None else self._standing
 
+    def toward(self, camera: Still, target: FloatArray) -> View:
+        """The view of a camera that looks at a point (D,) [m], at the scale of all views."""
+        return aim(camera, camera.axes @ target, self._framing, self.area)
+
     def scenery(self, view: View) -> Scenery:
         """The placement of the scenery in a view."""
         scenery, left, right = self.extent.scenery, self.area[0], self.area[2]

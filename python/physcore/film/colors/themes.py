@@ -139,6 +139,18 @@ def resolve(theme: object) -> Theme:
     raise SceneError(f"theme: must be one of {', '.join(map(repr, THEMES))} or a Theme, got {shown(theme)}")
 
 
+def chosen_theme(theme: object, background: object) -> Theme:
+    """The theme with a name, or a Theme; with another background if one is given.
+
+    Raises:
+        SceneError: there is no such theme, or the background is no color.
+    """
+    chosen = resolve(theme)
+    if background is None:
+        return chosen
+    return legible(replace(chosen, background=color(background, "background"), backdrop=None))
+
+
 def mixed(one: Color, other: Color, share: float) -> Color:
     """The color between two others, with the given share of the second."""
     red, green, blue = (round(p + (q - p) * share) for p, q in zip(one, other, strict=True))

@@ -42,6 +42,7 @@ class Clock:
         unit: the symbol of the unit of the labels; None: that of the scene, or in the SI one that suits the duration.
         units: the units of the scene.
         start: the date at the time 0; the labels are dates then.
+        paced: whether the pace is told.
     """
 
     def __init__(
@@ -52,8 +53,10 @@ class Clock:
         unit: str | None,
         units: UnitSystem = SI,
         start: Start | None = None,
+        *,
+        paced: bool = True,
     ) -> None:
-        self.times = times
+        self.times, self._paced = times, paced
         self._units, self._chosen, own = units, units.is_si, _known(units)
         self.unit = unit or (_suitable(float(abs(times[-1] - times[0]))) if self._chosen else units.time.symbol)
         self._length, self._pace = own[self.unit], rate / fps
@@ -64,18 +67,18 @@ class Clock:
         self._decimals = min(max(0 if long else 2, math.ceil(-math.log10(step) - 1e-9)), most)
         self._width = max((len(self._number(time)) for time in times[[0, -1]].tolist()), default=0)
 
-    def text(self, frame: int) -> str:
-        """The time at a frame as text of constant width: with its unit, "t = 2.50" without units, or a date."""
+    def text(self, time: float) -> str:
+        """A time as text of constant width: with its unit, "t = 2.50" without units, or a date."""
         if self._calendar is not None:
-            return self._calendar.text(self.times[frame])
-        number = self._number(self.times[frame]).rjust(self._width, FIGURE_SPACE)
+            return self._calendar.text(time)
+        number = self._number(time).rjust(self._width, FIGURE_SPACE)
         return f"{number} {self.unit}" if self.unit else f"t = {number}"
 
     @property
     def pace(self) -> str:
         """The simulated time per second of the film, such as "1 s = 90 d"; empty in real time."""
         pace = self._pace
-        if abs(pace * (self._units.time.value or 1.0) - 1.0) < 0.01:
+        if not self._paced or abs(pace * (self._units.time.value or 1.0) - 1.0) < 0.01:
             return ""
         if self._units.is_dimensionless:
             return f"{float(f'{pace:.3g}'):g} per second"

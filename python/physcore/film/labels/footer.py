@@ -121,9 +121,13 @@ class Footer:
         """Reset the energy drifts at the start of the film."""
         self._drifts = [Drift() for _ in self._facts]
 
+    def go_on(self, before: Footer) -> None:
+        """Go on with the energy drifts of an earlier footer."""
+        self._drifts = before._drifts
+
     def height(self, text: int, width: int) -> int:
         """The height of the footer in a picture of this width, with a text of this height [pixels]."""
-        own, common = self._lines(text, width, [0.0] * len(self._facts), 0)
+        own, common = self._lines(text, width, [0.0] * len(self._facts), self._clock.times[0])
         count = len(self._names(text, width)) + max(map(len, own)) + bool(common or self._bars)
         return round(LINE * text * count) + self._credit_height(text)
 
@@ -133,12 +137,12 @@ class Footer:
         size: tuple[int, int],
         text: int,
         theme: Theme,
-        frame: int,
+        time: float,
         energies: list[Energy | None],
         *,
         over: bool = False,
     ) -> None:
-        """Write the footer of a frame. Every frame of a film must be drawn once, in order. `over` tells whether the
+        """Write the footer of a frame at a time [s]. Every frame must be drawn once, in order. `over` tells whether the
         text may lie over moving objects.
         """
         width, height = size
@@ -148,7 +152,7 @@ class Footer:
             pen(self._credit, width - text // 2, height - round(1.2 * small), small, theme.label, 1)
             height -= self._credit_height(text)
         errors = [0.0 if now is None else drift.add(now) for drift, now in zip(self._drifts, energies, strict=True)]
-        own, common = self._lines(text, width, errors, frame)
+        own, common = self._lines(text, width, errors, time)
         pen(common, text // 2, height - round(1.2 * text), text, theme.label)
         rows = max(map(len, own)) + bool(common or self._bars)
         for row, lines in enumerate(zip_longest(*own, fillvalue="")):
@@ -163,18 +167,18 @@ class Footer:
     def _credit_height(self, text: int) -> int:
         return round(LINE * SMALL * text) if self._credit else 0
 
-    def _lines(self, text: int, width: int, errors: Sequence[float], frame: int) -> tuple[list[list[str]], str]:
+    def _lines(self, text: int, width: int, errors: Sequence[float], time: float) -> tuple[list[list[str]], str]:
         """The lines of each panel, and the common line."""
         each = width // len(errors) - text
         pieces = [self._own(panel, error, text, each) for panel, error in enumerate(errors)]
-        times = [self._clock.text(frame), self._clock.pace] if "time" in self._labels else []
-        time = GAP.join(filter(None, times))
+        times = [self._clock.text(time), self._clock.pace] if "time" in self._labels else []
+        common = GAP.join(filter(None, times))
         if len(pieces) == 1:
-            line = GAP.join(piece for piece in (time, *pieces[0]) if piece)
+            line = GAP.join(piece for piece in (common, *pieces[0]) if piece)
             needed = [text_width(line, text), *(bar.width(text, WIDEST) for bar in self._bars)]
             if sum(needed) + text_width(GAP, text) * (len(needed) - 1) <= width - text:
                 return [[]], line
-        return [[GAP.join(line) for line in wrapped(own, text, each)] for own in pieces], time
+        return [[GAP.join(line) for line in wrapped(own, text, each)] for own in pieces], common
 
     def _own(self, panel: int, error: float, text: int, room: int) -> list[str]:
         """The labels of one panel, of constant width; abbreviated if there is little room."""

@@ -14,6 +14,8 @@ SUDDEN = 3.0
 """A change of velocity above this multiple of the one in the previous interval counts as a collision."""
 MEETING = 0.05
 """Tolerance of the corner: least distance of the two arcs, relative to |Δv| Δt."""
+NEARLY = 1e-6
+"""Relative difference from the usual interval up to which an interval counts as that: times are rounded."""
 MOMENTS = 33
 """Number of instants within an interval that are tried for a collision."""
 FLAT = 1e-9
@@ -26,28 +28,34 @@ class Curve:
     Smooth pieces are cubic Hermite interpolants of positions and velocities. After a sudden change of velocity, a piece
     consists of two parabolas, one from its start and one toward its end. Both have the acceleration of the interval
     before. The corner is where they are nearest to each other. In a bounce this is the wall, with an error of O(Δt³).
+
+    Args:
+        interval: the usual interval between two frames [s].
+        smooth: whether paths are curved between frames.
     """
 
     def __init__(self, interval: float, *, smooth: bool = True) -> None:
         self._interval, self._smooth = interval, smooth
-        self._last: tuple[FloatArray, FloatArray | None] | None = None
+        self._last: tuple[float, FloatArray, FloatArray | None] | None = None
         self._acceleration: FloatArray | None = None
 
     def begin(self) -> None:
         """Forget earlier frames."""
         self._last = self._acceleration = None
 
-    def piece(self, points: FloatArray, velocities: FloatArray | None) -> FloatArray:
-        """The path since the last frame (K, N, D) [m], including its end. K is the same for all pieces except the
-        first.
+    def piece(self, time: float, points: FloatArray, velocities: FloatArray | None) -> FloatArray:
+        """The path since the last frame (K, N, D) [m], including its end at a time [s]. K is the same for all pieces
+        except the first.
         """
-        last, self._last = self._last, (points, velocities)
+        last, self._last = self._last, (time, points, velocities)
         if last is None:
             return points[np.newaxis]
-        before, slopes = last
+        moment, before, slopes = last
         if velocities is None or slopes is None or not self._smooth or len(points) > MANY:
             return points[np.newaxis]
-        dt = self._interval
+        dt = time - moment
+        if dt <= 0.0 or abs(dt - self._interval) < NEARLY * self._interval:
+            dt = self._interval
         s = (np.arange(1, BETWEEN + 1) / BETWEEN)[:, np.newaxis, np.newaxis]
         r, shift = 1.0 - s, points - before
         way: FloatArray = before + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * slopes - s * velocities)

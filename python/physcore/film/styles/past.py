@@ -42,7 +42,7 @@ class Past:
     """The paths of N particles over the last frames, updated frame by frame.
 
     Args:
-        interval: time between two frames [s].
+        interval: the usual time between two frames [s].
         frames: number of frames kept, including the present one; None: all.
         domain: the periodic domain, if any; paths in a domain are straight between frames.
     """
@@ -61,9 +61,9 @@ class Past:
         self._pieces.clear()
         self._curve.begin()
 
-    def add(self, points: FloatArray, velocities: FloatArray | None) -> None:
-        """Add a frame: positions (N, D) [m], and velocities [m/s] if they were recorded."""
-        self._pieces.append(_Piece(self._curve.piece(points, velocities)))
+    def add(self, time: float, points: FloatArray, velocities: FloatArray | None) -> None:
+        """Add a frame at a time [s]: positions (N, D) [m], and velocities [m/s] if they were recorded."""
+        self._pieces.append(_Piece(self._curve.piece(time, points, velocities)))
 
     def seen(self, view: View) -> tuple[PixelArray, PixelArray | None]:
         """Pixels (K, N, 2) and depths (K, N) (None in 2D), from the end of the oldest piece on."""

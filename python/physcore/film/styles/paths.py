@@ -115,7 +115,7 @@ class PathsPainter(Painter):
         """Queue the lines."""
         del pixels
         velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
-        self._past.add(frame.positions[self._where], velocities)
+        self._past.add(frame.time, frame.positions[self._where], velocities)
         points, depth = self._past.seen(view)
         gaps = self._past.gaps
         if self._past.frames is not None:

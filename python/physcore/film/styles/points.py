@@ -199,7 +199,9 @@ class PointsPainter(Painter):
         ink = self._inks(fraction, depth if self._style.shading else None, view)
         radii = self._radii(scale, view, pixels)
         if self._past.frames != 1:
-            self._past.add(positions, frame.fields["velocities"][self._where] if "velocities" in frame.fields else None)
+            self._past.add(
+                frame.time, positions, frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
+            )
             self._paint_trails(canvas, view, self._inks(fraction, None, view), 0.7 * self._chosen(pixels))
         if self._style.glow > 0.0:
             self._paint_halos(canvas, centers, radii, ink, depth, fraction)

@@ -109,7 +109,7 @@ class TrailsPainter(PointsPainter):
         """Queue the trails, then the discs."""
         del pixels
         points = frame.fields[self._field]
-        self._past.add(points, None if self._rates is None else frame.fields[self._rates])
+        self._past.add(frame.time, points, None if self._rates is None else frame.fields[self._rates])
         places, depth = self._past.seen(view)
         widths = np.full(len(points), self._trails.width, dtype=np.float32)
         plain = inks(self._colors, self._theme, None)

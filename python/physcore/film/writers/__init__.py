@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physcore.film.writers.apng import ApngWriter
-from physcore.film.writers.base import QUALITIES, Film, FilmJob, Quality, Writer, delays
+from physcore.film.writers.base import Film, FilmJob, Writer, delays
 from physcore.film.writers.gif import GifWriter
 from physcore.film.writers.loops import Loop, check_loop
 from physcore.film.writers.mp4 import Mp4Writer
@@ -13,4 +13,4 @@ from physcore.film.writers.webp import WebpWriter
 WRITERS: tuple[type[Writer], ...] = (GifWriter, WebpWriter, ApngWriter, Mp4Writer, PngWriter)
 """All formats of films."""
 
-__all__ = ["QUALITIES", "WRITERS", "Film", "FilmJob", "GifWriter", "Loop", "Quality", "Writer", "check_loop", "delays"]
+__all__ = ["WRITERS", "Film", "FilmJob", "GifWriter", "Loop", "Writer", "check_loop", "delays"]

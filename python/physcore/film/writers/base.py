@@ -8,19 +8,19 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import ClassVar, Literal, get_args
+from typing import ClassVar
 
 from physcore._core import Canvas
 from physcore.checks import span
 from physcore.errors import SceneError, SceneWarning, warn
-from physcore.film.renderer import Renderer
+from physcore.film.film_renderer import FilmRenderer
+from physcore.film.quality import Quality
 from physcore.film.writers.loops import Repeat
 from physcore.markup import inline_image
 from physcore.progress import Progress
 from physcore.storage.formats import Format
 from physcore.units.systems import SI, UnitSystem
 
-Quality = Literal["fast", "high"]
 KINDS = {".gif": "gif", ".webp": "webp", ".apng": "apng", ".png": "png"}
 """Suffixes of films that a page shows as images, with their types."""
 LONG = 2.0
@@ -28,7 +28,6 @@ LONG = 2.0
 
 INLINE = 3_000_000
 """Largest size of a film that is embedded in a notebook [bytes]."""
-QUALITIES: tuple[Quality, ...] = get_args(Quality)
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ class Film:
 class FilmJob:
     """Job of a writer: a film whose frames are drawn one at a time."""
 
-    renderer: Renderer
+    renderer: FilmRenderer
     """The renderer of its frames."""
     rate: float
     """Frames per second."""

@@ -1,0 +1,259 @@
+"""The composition of a picture: panels side by side with their painters, the layout, and the text around them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.errors import SceneError
+from physcore.film import assignment
+from physcore.film.camera.corotating import Corotating, corotating
+from physcore.film.camera.framing import Extent, PanelView
+from physcore.film.camera.track import Camera, Follow
+from physcore.film.camera.view import View
+from physcore.film.colors.light import LAMP, OCCLUSION, REACH, SHADOW
+from physcore.film.colors.themes import Color, Theme
+from physcore.film.first_pass import FirstPass
+from physcore.film.labels.clock import Clock
+from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
+from physcore.film.labels.drawing import write
+from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
+from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
+from physcore.film.labels.tags import Listed, Named, NameTags, check_named
+from physcore.film.labels.text import text_height
+from physcore.film.layout import Heading, Layout, best
+from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
+from physcore.film.styles import Painter, Style
+from physcore.scene.bodies import Body
+from physcore.simulation.sources import Source, SourceFrame
+
+
+@dataclass(eq=False)
+class Panel:
+    """One source with its rectangle and its painters."""
+
+    source: Source
+    painters: list[Painter]
+    rectangle: tuple[int, int, int, int]
+    """Left, top, right and bottom of the panel [pixels]."""
+    free: tuple[int, int, int, int]
+    """The part of the panel without text. In 2D, moving objects are clipped to it."""
+    pixels: float
+    """The area of the rectangle [pixels]."""
+    view: PanelView
+    samples: list[tuple[int, SourceFrame]]
+    tags: NameTags
+    bar: ScaleBar | None
+    diagram: Diagram | None = None
+
+
+class Composition:
+    """The panels of a picture with all their contents. A subclass gives the extent of the view, and the frames.
+
+    Args:
+        found: the sources, one for each panel.
+        style, camera, labels, color_bar, legend, name_tags, scale_bar, inset, credit: as in `film`.
+        theme: the colors.
+        heading: the titles above the picture; None: no titles.
+        samples: samples per pixel along each side in 3D; a pixel is their mean.
+
+    Raises:
+        SceneError: an argument is not valid.
+    """
+
+    _footer: Footer
+
+    def __init__(
+        self,
+        found: Sequence[Source],
+        style: Style | Sequence[Style] | None,
+        camera: Camera | Follow | Corotating | None,
+        theme: Theme,
+        heading: Heading | None,
+        *,
+        labels: Sequence[Label] = ("time",),
+        color_bar: bool = True,
+        legend: Listed = False,
+        name_tags: Named = False,
+        scale_bar: bool | LengthUnit = False,
+        inset: Inset | None = None,
+        credit: str = "",
+        samples: int = 1,
+    ) -> None:
+        self._theme, self._samples, self._units = theme, samples, found[0].scene.units
+        self._heading, self._labels = heading or Heading(), check_labels(labels, found)
+        self._diagrammed = check_inset(inset, found) is not None
+        self._bar = check_scale_bar(scale_bar, self._units)
+        self._listed = check_named(legend, "legend", found, systems=True)
+        self._tagged = check_named(name_tags, "name_tags", found)
+        self._all_listed = isinstance(legend, (bool, np.bool_))
+        self._with_bars, self._credit = color_bar, credit
+        styles = assignment.asked(style, found)
+        self._camera, self._found = corotating(camera, [assignment.shown(source, styles) for source in found])
+        self._painters = [assignment.painters(source, styles, theme) for source in self._found]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture [pixels]."""
+        return self._layout.size
+
+    def _begin(self) -> None:
+        """Reset all state that depends on earlier frames."""
+        for painter in chain.from_iterable(self._painters):
+            painter.begin()
+        for panel in self._panels:
+            panel.tags.begin()
+
+    def _make_footer(self, clock: Clock, steps: Sequence[float | None]) -> Footer:
+        """The footer of the picture; `steps` are the time steps of the panels [s]."""
+        facts = [
+            (source.integrator if "integrator" in self._labels else None, step)
+            for source, step in zip(self._found, steps, strict=True)
+        ]
+        legend = self._legend(list(chain.from_iterable(self._painters)))
+        return Footer(self._labels, clock, facts, self._color_bars(), self._credit, legend, self._units)
+
+    def _color_bars(self) -> list[Bar]:
+        """The color bars of all painters, if there are to be any."""
+        every = [painter.scale for painter in chain.from_iterable(self._painters)]
+        return bars(every, self._units) if self._with_bars else []
+
+    def _legend(self, painters: Sequence[Painter]) -> list[tuple[str, Color]]:
+        """The names of the legend with the colors of their bodies or systems, without duplicates."""
+        colors = {id(item): color for painter in painters for item, color in painter.legend}
+        entries = {(item.name or "", colors.get(id(item))): item for panel in self._listed for item in panel}
+        for (_, color), item in entries.items():
+            if color is None and (isinstance(item, Body) or not self._all_listed):
+                style = "colors by body, such as styles.Points('body')"
+                if not isinstance(item, Body):
+                    style = "has one color, such as styles.Trails(color='tomato')"
+                raise SceneError(f"legend: {item!r} is not drawn in one color; give it a style that {style}")
+        return [(name, color) for name, color in entries if color is not None]
+
+    def _compose(
+        self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass], *, still: bool
+    ) -> None:
+        """Divide the picture into panels, and draw the static content if the view is at rest.
+
+        Args:
+            size: width and height [pixels]; None: a size that suits the motion.
+            found: the extent of each panel.
+            passes: what the first pass has seen of each panel.
+            still: whether the view is the same in all pictures.
+        """
+        flat = self._found[0].scene.dimension < 3
+        self._still, self._over = still, not flat and any(extent.given for extent in found)
+        self._panels = self._lay_out(size, found, passes)
+        views = [panel.view.at(0) for panel in self._panels]
+        self._canvas = Canvas(*self.size, self._theme.background, 1 if views[0].flat else self._samples)
+        if still:
+            self._draw_scenery(views)
+            self._canvas.keep()
+
+    def _layout_of(self, size: tuple[int, int]) -> Layout:
+        footer = self._footer.height(text_height(*size), size[0])
+        return Layout(size, len(self._found), self._heading, footer)
+
+    def _inset(self, layout: Layout, index: int) -> float:
+        """Distance of the motion from a panel's edge [pixels]."""
+        pixels = layout.pixels(index)
+        return layout.margin(index) + max(painter.inset(pixels) for painter in self._painters[index])
+
+    def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
+        """Divide the picture into panels and fit the common camera."""
+
+        def magnification(candidate: tuple[int, int]) -> float:
+            layout = self._layout_of(candidate)
+            return min(
+                extent.magnification(layout.area(index), self._inset(layout, index))
+                for index, extent in enumerate(found)
+            )
+
+        if size is None:
+            size = best(len(found), magnification, fixed=any(extent.given for extent in found))
+        self._layout = layout = self._layout_of(size)
+        panels = []
+        for index, (source, painters, extent, seen) in enumerate(
+            zip(self._found, self._painters, found, passes, strict=True)
+        ):
+            view = PanelView(extent, layout.area(index), self._inset(layout, index))
+            free, pixels = layout.area(index), layout.pixels(index)
+            tags = NameTags(self._tagged[index], painters, free, layout.text, self._theme)
+            bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme, self._units)
+            panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags, bar))
+        return panels
+
+    def _add_diagrams(self, passes: Sequence[FirstPass], duration: float) -> None:
+        """Create the diagram of each panel, for a duration [s]."""
+        history = History([seen.energies for seen in passes], duration, self._units)
+        for number, panel in enumerate(self._panels):
+            occupied = [np.empty((0, 2), dtype=np.float32)]
+            for index, frame in panel.samples:
+                view = panel.view.at(index)
+                if len(frame.positions) > 0:
+                    occupied.append(view.project(panel.view.shown(frame, view).positions)[0])
+            area, text = self._layout.area(number), self._layout.text
+            panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
+
+    def _draw_scenery(self, views: Sequence[View]) -> None:
+        """Draw all that is behind every moving object."""
+        canvas = self._canvas
+        for panel, view in zip(self._panels, views, strict=True):
+            canvas.clip(*panel.rectangle)
+            if not view.flat:
+                canvas.eye(view.scale, view.middle, view.distance)
+                draw_backdrop(canvas, panel.source.scene, panel.rectangle, self._theme)
+            draw_behind(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
+        canvas.clip(0, 0, *self.size)
+
+    def _write_titles(self, canvas: Canvas) -> None:
+        outline = self._theme.background if self._over else None
+        for line, middle, top, height in self._layout.written():
+            color = self._theme.label if line == self._heading.subtitle else self._theme.text
+            write(canvas, line, middle, top, height, color, 0, outline)
+
+    def _draw(
+        self, frames: Sequence[SourceFrame], views: Sequence[View], moments: Sequence[int], time: float
+    ) -> Canvas:
+        """Draw a picture.
+
+        Args:
+            frames: the frame of each panel.
+            views: the view of each panel.
+            moments: the moment of each panel in its diagram.
+            time: the time of the label [s].
+        """
+        canvas = self._canvas
+        canvas.clear()
+        if not self._still:
+            self._draw_scenery(views)
+        for panel, view, moment, frame in zip(self._panels, views, moments, frames, strict=True):
+            shown = panel.view.shown(frame, view)
+            for painter in panel.painters:
+                shown = painter.raised(shown)
+            canvas.clip(*(panel.free if view.flat else panel.rectangle))  # in 3D the ground extends below the text
+            canvas.lens(view.blur, view.distance)
+            if not view.flat:
+                canvas.eye(view.scale, view.middle, view.distance)
+                canvas.light(LAMP, SHADOW, OCCLUSION, REACH * math.sqrt(panel.pixels))
+            draw_among(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
+            for painter in panel.painters:
+                painter.paint(canvas, shown, view, panel.pixels)
+            canvas.paint()
+            taken = []
+            if panel.diagram is not None:
+                panel.diagram.draw(canvas, moment)
+                taken.append(panel.diagram.box)
+            if panel.bar is not None:
+                taken.append(panel.bar.draw(canvas, view, *taken))
+            panel.tags.draw(canvas, shown, view, panel.pixels, taken)
+        canvas.clip(0, 0, *self.size)
+        self._write_titles(canvas)
+        energies, text = [each.energy for each in frames], self._layout.text
+        self._footer.draw(canvas, self.size, text, self._theme, time, energies, over=self._over)
+        return canvas
