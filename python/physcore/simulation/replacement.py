@@ -15,7 +15,8 @@ from physcore.numerics.fluids import FluidMethod
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import Fluid
 from physcore.scene.items import System
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.contents import BodyKey
+from physcore.scene.scene import Scene
 from physcore.simulation import engine
 
 Item = TypeVar("Item", Body, System)

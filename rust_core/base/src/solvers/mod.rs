@@ -2,6 +2,7 @@
 
 pub mod coloring;
 pub mod conjugate_gradient;
+pub mod impulses;
 
 pub use coloring::colored;
 pub use conjugate_gradient::{ConjugateGradient, DefiniteSystem, Solved, VectorComponent};

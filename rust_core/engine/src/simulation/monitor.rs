@@ -366,7 +366,10 @@ impl Simulation {
         let first = self.first.filter(|first| first.dt() > 0.0 && dt >= RUN_AWAY * first.dt());
         Ok(if let Some(first) = first {
             let (most, name, term) = (first.dt(), first.name(), first.term);
-            format!("dt = {dt:.3e} s is beyond the {name} of {most:.3e} s at the start, set by {term}; take dt = {:.3e} s", 0.9 * most)
+            format!(
+                "dt = {dt:.3e} s is beyond the {name} of {most:.3e} s at the start, set by {term}; take dt = {:.3e} s",
+                0.9 * most
+            )
         } else if dt > RUN_AWAY * most {
             let smaller = 0.25 * dt;
             format!("the {name} set by {term} had fallen to {most:.3e} s by then; try dt = {smaller:.3e} s, or AdaptiveStep()")

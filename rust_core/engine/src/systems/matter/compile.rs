@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::MatterSystem;
 use super::constraints::{self, ConstraintProperties, ConstraintStage, Declaration, rods, self_contact};
 use super::dynamics::Dynamics;
-use super::method::{Method, MethodProperties as MethodAbout, Treatment};
+use super::methods::{Method, MethodProperties as MethodAbout, Treatment};
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::fluids;

@@ -15,7 +15,7 @@ use crate::matter::{Columns, Matter, Properties, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::stability::SpectralBound;
 use crate::systems::matter::constraints::Breakage;
-use crate::systems::matter::method::{Angle, Treatment};
+use crate::systems::matter::methods::{Angle, Treatment};
 
 pub use lone::LoneFields;
 

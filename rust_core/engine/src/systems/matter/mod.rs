@@ -2,22 +2,13 @@
 
 mod activity;
 mod budget;
-mod collisions;
 mod compile;
 mod constraints;
-mod coupled;
-mod displacement;
 mod dynamics;
 mod fields;
-mod implicit;
-mod independent;
 mod kernels;
-mod method;
-mod projection;
-mod radau;
-mod rattle;
+mod methods;
 mod step;
-mod stepper;
 mod test_particles;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -26,14 +17,14 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use activity::Activity;
 use constraints::{ConstrainedStep, Constraint, Constraints, ForcedState};
-use coupled::Workspace;
 use dynamics::Dynamics;
-use implicit::Implicit;
-use method::Treatment;
-use method::{Explicit, Job, Method, MethodProperties};
-use projection::{PROJECTIVE, ProjectionMethod, Projective, Sweeps, XPBD};
-use radau::GaussRadau15;
-use rattle::Rattle;
+use methods::coupled::Workspace;
+use methods::explicit::Explicit;
+use methods::implicit::Implicit;
+use methods::projection::{PROJECTIVE, ProjectionMethod, Projective, Sweeps, XPBD};
+use methods::radau::GaussRadau15;
+use methods::rattle::{self, Rattle};
+use methods::{Job, Method, MethodProperties, Treatment};
 
 use crate::error::{Error, Result};
 use crate::forces::Space;

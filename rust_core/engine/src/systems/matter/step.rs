@@ -9,12 +9,12 @@
 //!
 //! A composed method repeats this for each of its parts. Springs break between the steps of the whole method
 //! ([`super::MatterSystem`]). A method whose drifts follow its evaluations leaves contacts to its last sweep
-//! ([`super::coupled`]), and carries no constraints.
+//! ([`super::methods::coupled`]), and carries no constraints.
 
 use super::constraints::{ConstrainedStep, Constraints, DriftVelocity};
-use super::coupled::Workspace;
 use super::dynamics::Dynamics;
-use super::stepper::Collide;
+use super::methods::coupled::Workspace;
+use super::methods::stepper::Collide;
 use crate::contacts::Before;
 use crate::error::Result;
 use crate::forces::Space;

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::dynamics::Dynamics;
-use super::method::MethodProperties;
+use super::methods::MethodProperties;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::springs::Spring;
@@ -291,7 +291,7 @@ struct Carriers {
     hint: &'static str,
 }
 
-/// Name of the constraint of rods, and of self-contact and strain limits.
+/// Names of the constraints.
 const RODS: &str = "rods";
 const MESHES: &str = "SelfContact and strain limits";
 

@@ -10,7 +10,7 @@ use crate::forces::springs::{self, Spring};
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::matter::Matter;
-use crate::systems::matter::method::Treatment;
+use crate::systems::matter::methods::Treatment;
 
 /// Springs that can break, and springs that are broken.
 #[derive(Debug, Clone, Default)]

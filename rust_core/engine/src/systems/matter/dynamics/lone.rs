@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::super::method::Angle;
+use super::super::methods::Angle;
 use super::Dynamics;
 use crate::forces::Space;
 use crate::forces::{ElectromagneticLaw, InverseSquare, ReadyField};

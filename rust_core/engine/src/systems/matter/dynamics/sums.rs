@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::method::Treatment;
+use super::super::methods::Treatment;
 use super::{Dynamics, is_magnetic};
 use crate::error::Result;
 use crate::forces::{Rates, Space, StateView, Strength, VelocityDependence};

@@ -14,7 +14,7 @@ use crate::math::{AXES, Real};
 use crate::matter::Span;
 use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::method::Angle;
+use crate::systems::matter::methods::Angle;
 
 /// Particles of a part of a block, with the accelerations by the linear force [m/s²].
 struct Gyration<'a, V: Space> {

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::springs::Spring;
 use crate::matter::Properties;
-use crate::systems::matter::method::Treatment;
+use crate::systems::matter::methods::Treatment;
 
 impl Rods {
     /// Selects the rods among springs; None if there are none, or if the method projects them itself. Rods between two fixed

@@ -7,10 +7,11 @@
 
 use glam::DVec3;
 
-use super::impulses::{MeshContact, Origin};
+use super::{MeshContact, Origin};
 use crate::error::Result;
 use crate::forces::springs::{self, Spring};
 use crate::scene::Scene;
+use crate::solvers::impulses::Handle;
 
 /// Largest excess of a spring over its longest length, relative to that length, that needs no further iterations.
 pub const TOLERANCE: f64 = 1e-6;
@@ -72,8 +73,9 @@ impl StrainLimit {
     /// Constraint of the spring, with the impulse from the force of the last step [N·s]; None if both ends are fixed.
     pub fn constraint(&self, (normal, least): (DVec3, f64), impulse: f64, inverse_mass: &[f64]) -> Option<MeshContact> {
         let [one, other] = self.ends;
-        let nodes = ([one, other, one, other], Origin::Pair(self.key()));
-        let mut contact = MeshContact::new(nodes, [1.0, -1.0, 0.0, 0.0], -normal, (least, 0.0), inverse_mass)?;
+        let ends = [Handle::Particle(one), Handle::Particle(other), Handle::Fixed, Handle::Fixed];
+        let mut contact =
+            MeshContact::new((ends, Origin::Pair(self.key())), [1.0, -1.0, 0.0, 0.0], -normal, (least, 0.0), inverse_mass)?;
         contact.impulse = impulse;
         Some(contact)
     }

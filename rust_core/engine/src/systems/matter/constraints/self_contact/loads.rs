@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::SelfContacts;
-use super::impulses::{MeshContact, Origin};
+use super::{MeshContact, Origin};
 use crate::error::Result;
 use crate::history::{Archive, History};
 
@@ -21,9 +21,9 @@ impl Loads {
     pub fn new(contacts: &[MeshContact], h: f64) -> Self {
         let (mut pairs, mut walls) = (Vec::new(), Vec::new());
         for contact in contacts.iter().filter(|contact| contact.impulse > 0.0) {
-            match contact.origin {
+            match contact.mark {
                 Origin::Pair(key) => pairs.push((key, contact.impulse / h)),
-                Origin::Wall => walls.push((contact.nodes[0], contact.normal, contact.impulse / h)),
+                Origin::Wall(vertex) => walls.push((vertex, contact.normal, contact.impulse / h)),
                 Origin::Way => {}
             }
         }

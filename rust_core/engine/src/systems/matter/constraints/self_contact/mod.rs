@@ -3,7 +3,7 @@
 //! A step moves vertices along straight paths. Pairs that may touch on the way are searched ([`mesh`]): vertex and triangle,
 //! or edge and edge. Their list stays complete as paths change ([`nearby`]). Contacts are the pairs whose closest points are
 //! within both elements, or locally closest ([`touching`]). Impulses keep contacts from closing to less than the thickness
-//! ([`impulses`]). Conservative advancement then tests all pairs on the new paths ([`advancement`]). Pairs that still meet
+//! ([`crate::solvers::impulses`]). Conservative advancement then tests all pairs on the new paths ([`advancement`]). Pairs that still meet
 //! become contacts as they meet. If some rounds of this do not help, particles move on together ([`zones`]). No path of a
 //! step therefore lets an edge through a triangle, whatever its length. Module [`resolution`] contains this loop.
 //!
@@ -12,13 +12,13 @@
 use glam::DVec3;
 
 use super::ConstraintStage;
+use crate::solvers::impulses::ImpulseRow;
 
 mod advancement;
 mod constraint;
 mod crossing;
 mod declaration;
 mod distance;
-mod impulses;
 mod limits;
 mod loads;
 mod mesh;
@@ -37,6 +37,20 @@ use mesh::{ContactRule, Mesh};
 use nearby::Nearby;
 use resolution::ContactStep;
 use walls::InsidePosition;
+
+/// Contact of up to four particles.
+type MeshContact = ImpulseRow<Origin>;
+
+/// Origin of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    /// Pair that is near at the start of a step, by its key.
+    Pair(u64),
+    /// Vertex at a wall.
+    Wall(u32),
+    /// Pair that meets on its path.
+    Way,
+}
 
 /// Kind of the items.
 pub const KIND: &str = "SelfContact";

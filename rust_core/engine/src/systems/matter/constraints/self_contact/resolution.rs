@@ -5,13 +5,14 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::distance::Closest;
-use super::impulses::{self, MeshContact, Origin};
 use super::loads::Loads;
 use super::nearby::Near;
 use super::walls::WallProjection;
 use super::zones::Zones;
+use super::{MeshContact, Origin};
 use super::{SelfContacts, limits};
 use crate::parallel::Executor;
+use crate::solvers::impulses::{self, Handle};
 
 /// Number of rounds in which pairs that close or meet become contacts.
 const ROUNDS: u32 = 8;
@@ -56,9 +57,9 @@ struct Active {
 impl Active {
     fn extend(&mut self, contacts: impl IntoIterator<Item = MeshContact>) {
         for contact in contacts {
-            match contact.origin {
+            match contact.mark {
                 Origin::Pair(key) => _ = self.known.insert(key),
-                Origin::Wall => self.held[contact.nodes[0] as usize] = true,
+                Origin::Wall(vertex) => self.held[vertex as usize] = true,
                 Origin::Way => {}
             }
             self.contacts.push(contact);
@@ -163,7 +164,7 @@ impl SelfContacts {
             before += free[vertex].length_squared() / self.inverse_mass[vertex];
             after += velocities[vertex].length_squared() / self.inverse_mass[vertex];
         }
-        let is_fixed = |node: u32| self.inverse_mass[node as usize] == 0.0;
+        let is_fixed = |end: Handle| end.inverse_mass(&self.inverse_mass) == 0.0;
         let supplied: f64 = contacts.iter().map(|contact| contact.supplied(is_fixed, velocities)).sum();
         0.5 * (after - before) > supplied + ROUNDING * (before + after)
     }

@@ -6,12 +6,13 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::distance::{Closest, combined};
-use super::impulses::{MeshContact, Origin};
 use super::mesh::ElementPair;
 use super::nearby::Near;
 use super::resolution::ContactStep;
+use super::{MeshContact, Origin};
 use super::{SelfContacts, advancement};
 use crate::parallel::{BlockedSlice, Executor};
+use crate::solvers::impulses::Handle;
 
 /// Distance that is always kept: in units of the thickness, or of the present distance where that is less.
 const KEPT: f64 = 0.5;
@@ -114,7 +115,13 @@ impl SelfContacts {
         let bounces = rule.restitution > 0.0 && approach < least && self.loads.of(pair.key).is_none();
         let least = if bounces { least.max(-rule.restitution * approach) } else { least };
         let origin = Origin::Pair(pair.key);
-        MeshContact::new((pair.nodes, origin), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+        MeshContact::new(
+            (pair.nodes.map(Handle::Particle), origin),
+            closest.weights,
+            normal,
+            (least, rule.friction),
+            &self.inverse_mass,
+        )
     }
 
     /// Contact of a pair that meets on its path.
@@ -123,7 +130,13 @@ impl SelfContacts {
         let normal = closest.separation.normalize_or_zero();
         let gap = normal.dot(combined(&closest.weights, &pair.gather(&self.start)));
         let least = ((distance.min(rule.thickness) - gap) / h).min(0.0);
-        MeshContact::new((pair.nodes, Origin::Way), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+        MeshContact::new(
+            (pair.nodes.map(Handle::Particle), Origin::Way),
+            closest.weights,
+            normal,
+            (least, rule.friction),
+            &self.inverse_mass,
+        )
     }
 
     /// Whether no points near the closest points of a pair are closer.

@@ -6,8 +6,9 @@
 use glam::DVec3;
 
 use super::SelfContacts;
-use super::impulses::{self, MeshContact, Origin};
 use super::resolution::ContactStep;
+use super::{MeshContact, Origin};
+use crate::solvers::impulses::{self, Handle};
 
 /// A position inside all walls, with the coefficients of the wall in the way.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +57,8 @@ impl SelfContacts {
         (way > impulses::CONVERGED * (to - from).length()).then_some(())?;
         let least = normal.dot(inside.position - from) / h;
         let weights = [1.0, 0.0, 0.0, 0.0];
-        MeshContact::new(([vertex; 4], Origin::Wall), weights, normal, (least, inside.friction), &self.inverse_mass)
+        let ends = [Handle::Particle(vertex), Handle::Fixed, Handle::Fixed, Handle::Fixed];
+        MeshContact::new((ends, Origin::Wall(vertex)), weights, normal, (least, inside.friction), &self.inverse_mass)
     }
 
     /// Velocity of particles that move together, corrected so that none leaves the walls; 0 if no such velocity is found.

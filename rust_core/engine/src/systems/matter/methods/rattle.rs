@@ -10,7 +10,8 @@
 //! composition M. Suzuki, Phys. Lett. A 146, 319 (1990).
 
 use super::coupled;
-use super::method::{Explicit, Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use super::explicit::Explicit;
+use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::history::History;

@@ -18,7 +18,7 @@ use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::method::MethodProperties;
+use crate::systems::matter::methods::MethodProperties;
 
 /// Name of the class in Python.
 pub const NAME: &str = "XPBD";

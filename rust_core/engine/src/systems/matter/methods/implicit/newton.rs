@@ -14,7 +14,7 @@ use crate::forces::springs::Spring;
 use crate::parallel::Executor;
 use crate::solvers::conjugate_gradient::{ConjugateGradient, DefiniteSystem, dot};
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::projection::colored;
+use crate::systems::matter::methods::projection::colored;
 
 /// Maximum number of iterations of Newton's method, and of trials of a search along a direction.
 const MOST_ITERATIONS: u64 = 200;

@@ -14,11 +14,7 @@ pub use links::colored;
 pub use projective::{NAME as PROJECTIVE, Projective};
 pub use sweep::{NAME as XPBD, Sweeps};
 
-use super::constraints::DriftVelocity;
-use super::dynamics::Dynamics;
-use super::kernels;
-use super::method::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
-use super::step::MatterStep;
+use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
 use crate::error::Result;
 use crate::forces::Rates;
 use crate::forces::Space;
@@ -29,7 +25,11 @@ use crate::matter::{Columns, Matter, Power, SINKS};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::stability::{Limit, LimitCache, SpectralBound};
-use crate::systems::matter::coupled::BlocksWithForces;
+use crate::systems::matter::constraints::DriftVelocity;
+use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::kernels;
+use crate::systems::matter::methods::coupled::BlocksWithForces;
+use crate::systems::matter::step::MatterStep;
 
 /// Projector: finds displacements for springs.
 pub trait Projector<V: Space>: Send + Sync {

@@ -17,12 +17,8 @@ mod stiffness;
 
 use glam::DVec3;
 
-use super::constraints::DriftVelocity;
 use super::coupled::BlocksWithForces;
-use super::dynamics::Dynamics;
-use super::kernels;
-use super::method::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
-use super::step::MatterStep;
+use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
 use crate::error::{Error, Result};
 use crate::forces::Rates;
 use crate::forces::Space;
@@ -32,6 +28,10 @@ use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Item;
 use crate::simd::LANES;
 use crate::stability::{Limit, LimitCache, SpectralBound};
+use crate::systems::matter::constraints::DriftVelocity;
+use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::kernels;
+use crate::systems::matter::step::MatterStep;
 use crate::systems::unknown_integrator;
 use newton::{Equation, Newton};
 

@@ -1,14 +1,14 @@
 //! Explicit integrator with its kernels as values: sweeps over particles are compiled once for all integrators.
 
 use super::collisions::collide;
-use super::dynamics::Dynamics;
-use super::kernels::{self, Evaluation, StageAction};
 use crate::contacts::{Before, Contacts};
 use crate::forces::Space;
 use crate::forces::{InverseSquare, StateView};
 use crate::integrators::{Facts, Integrator};
 use crate::math::Vector;
 use crate::matter::Blocks;
+use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::kernels::{self, Evaluation, StageAction};
 
 type StageFunction<V> =
     fn(&Dynamics<V>, &Facts, Option<&StateView<'_, V>>, &mut Blocks<'_, V>, &Evaluation<'_, V>, f64, StageAction) -> f64;

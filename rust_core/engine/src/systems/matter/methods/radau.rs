@@ -13,11 +13,8 @@ mod block;
 
 use block::{LaneMemory, Largest, RadauBlock, Task};
 
-use super::activity::Activity;
 use super::coupled::Workspace;
-use super::dynamics::Dynamics;
-use super::kernels;
-use super::method::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
 use crate::error::{Error, Result};
 use crate::forces::Rates;
 use crate::forces::Space;
@@ -28,6 +25,9 @@ use crate::parallel::{BlockedSlice, Executor, Split};
 use crate::scene::Item;
 use crate::simd::{LANES, padded};
 use crate::stability::{Limit, LimitCache, SpectralBound};
+use crate::systems::matter::activity::Activity;
+use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::kernels;
 use crate::systems::{Control, Interval};
 
 /// Maximum number of iterations of a step.

@@ -11,10 +11,10 @@ use crate::simd::LANES;
 use crate::systems::Interval;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::constraints::DriftVelocity;
-use crate::systems::matter::displacement::displace;
 use crate::systems::matter::kernels::{self, Evaluation, StageAction, kicked};
+use crate::systems::matter::methods::displacement::displace;
+use crate::systems::matter::methods::stepper::Stepper;
 use crate::systems::matter::step::MatterStep;
-use crate::systems::matter::stepper::Stepper;
 
 /// Buffers of the sweeps.
 #[derive(Debug)]

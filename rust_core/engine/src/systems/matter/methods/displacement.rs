@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::forces::Space;
 use crate::matter::{Blocks, Columns, EnergySink, Matter};
 use crate::parallel::Executor;
-use crate::systems::matter::coupled::BlocksWithForces;
 use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::methods::coupled::BlocksWithForces;
 
 /// Displaces all particles by the shifts of the forces at `time`; `displacements` is a buffer.
 pub fn displace<V: Space>(

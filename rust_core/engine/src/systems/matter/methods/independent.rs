@@ -11,7 +11,7 @@ use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Evaluation, StageAction, kicked};
-use crate::systems::matter::stepper::Stepper;
+use crate::systems::matter::methods::stepper::Stepper;
 use crate::systems::{Interval, RecordedSteps};
 
 /// Number of steps between activities if steps run in registers. The count follows the steps of the clock's segment, so that

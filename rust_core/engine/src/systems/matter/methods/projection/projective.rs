@@ -25,7 +25,7 @@ use crate::scene::Item;
 use crate::simd::{Isa, Kernel, dispatch};
 use crate::sparse::Factorization;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::method::MethodProperties;
+use crate::systems::matter::methods::MethodProperties;
 
 /// Name of the class in Python.
 pub const NAME: &str = "ProjectiveDynamics";
