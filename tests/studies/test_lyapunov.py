@@ -154,13 +154,13 @@ def test_three_bodies_are_chaotic():
 @pytest.mark.parametrize(
     ("scene", "found"),
     [
-        (pc.Scene(pc.Wave(pc.Grid((8,), 0.1), 1.0)), "no bodies"),
+        (pc.Scene(pc.Wave(pc.Grid((8,), 0.1), 1.0, edges="absorbing")), "a field with absorbing edges"),
         (pc.Scene(pc.Fluid(pc.block((0.0, 0.0), (0.2, 0.2), 0.1), 0.1)), "a Fluid"),
         (pc.Scene(pc.rope(3, 1.0, 10.0, breaking_strain=0.1)), "springs that can break"),
         (pc.Scene(pc.rope(3, 0.4, 10.0), pc.Periodic((0.0, 0.0), (1.0, 1.0))), "springs in a periodic domain"),
     ],
 )
-def test_a_state_of_more_than_places_and_velocities_is_refused(scene, found):
+def test_a_state_of_more_than_places_velocities_and_fields_is_refused(scene, found):
     with pytest.raises(pc.SceneError, match=rf"lyapunov.scene: must be Tracers, or a scene .* got {found}"):
         pc.lyapunov(scene, 1.0)
 
@@ -195,3 +195,44 @@ def test_an_attractor_is_told_from_regular_motion():
     np.testing.assert_array_equal(found.exponential, [True, False, True])
     assert found.exponents[0] == pytest.approx(0.906, abs=4.0 * found.errors[0])
     assert found.errors[0] < 0.05
+
+
+def test_the_second_item_of_a_scene_counts():
+    """A free particle, of six directions, beside the chaos of dust in Lorenz's flow, 0.906, of three directions."""
+    particle = pc.Particles([[0.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]])
+    dust = pc.Tracers([[1.0, 1.0, 20.0]], pc.Lorenz())
+    found = pc.lyapunov(pc.Scene(particle, dust), 100.0, transient=10.0, dt=0.01)
+    assert found.exponents[0] == pytest.approx(0.906, abs=0.1)
+    assert found.directions == 9
+
+
+def test_fields_on_grids_have_the_rates_of_their_modes():
+    """u' = −k u + D ∇²u: the uniform mode decays by k, and the first wave of a periodic row by k + D (2 sin(π/n)/h)²
+    too. The three largest exponents are these and that of its partner, up to the errors of Runge and Kutta's method.
+    """
+    k, diffusion, n, h = 0.4, 0.2, 6, 0.5
+    row = pc.Grid((n,), h, periodic=True)
+    decay = pc.Reaction(("u",), lambda u: (-k * u,))
+    scene = pc.Scene(pc.ReactionDiffusion(row, decay, {"u": diffusion}, {"u": 1.0 + 0.1 * np.arange(n)}))
+    found = pc.lyapunov(scene, 20.0, transient=20.0, interval=0.5, exponents=3, dt=0.05)
+    first = k + diffusion * (2.0 * math.sin(math.pi / n) / h) ** 2
+    assert found.exponents == pytest.approx([-k, -first, -first], abs=2e-3)
+    assert found.directions == n
+
+
+def test_solid_cells_have_no_directions():
+    grid = pc.Grid((4, 4), 0.25)
+    walls = np.zeros((4, 4), dtype=bool)
+    walls[1, 1] = True
+    pond = pc.Wave(grid, 1.0, lambda x, y: 0.01 * x * y, walls=walls)
+    found = pc.lyapunov(pc.Scene(pond), 2.0, dt=0.02)
+    assert found.directions == 2 * 15
+    assert not found.exponential[0]
+
+
+def test_wave_functions_count_as_pairs_of_numbers():
+    line = pc.Grid((8,), 0.5)
+    electron = pc.Schrodinger(line, pc.wave_packet(line, 2.0, 0.5, 0.6))
+    found = pc.lyapunov(pc.Scene(electron), 2.0, dt=0.01)
+    assert found.directions == 16
+    assert found.exponents[0] == pytest.approx(0.0, abs=1e-3)  # unitary: no distance grows

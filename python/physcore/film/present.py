@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.scene.channels import field_names
 from physcore.scene.scene import Scene
 from physcore.simulation.provenance_record import ProvenanceRecord, record_of
 from physcore.simulation.sources import SourceFrame
@@ -39,7 +38,7 @@ class Present:
 
     def has(self, field: str) -> bool:
         """Whether the scene has a field of this name."""
-        return field in field_names(self.scene)
+        return field in self.scene.fields
 
     @property
     def provenance(self) -> ProvenanceRecord:

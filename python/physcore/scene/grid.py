@@ -276,9 +276,9 @@ class GridSystem(System):
         return None
 
     @property
-    def solid(self) -> BoolArray | None:
-        """Mask of the solid cells that are excluded from the fields; None if there are none."""
-        return None
+    def is_open(self) -> bool:
+        """Whether an edge absorbs."""
+        return any("absorbing" in self.conditions(field) for field in self.units)
 
     @property
     def elements(self) -> Mapping[Element, int]:

@@ -367,6 +367,11 @@ class System(SceneItem):
         return True
 
     @property
+    def solid(self) -> BoolArray | None:
+        """Mask of the solid cells that are excluded from the fields; None if there are none."""
+        return None
+
+    @property
     @abstractmethod
     def dimension(self) -> int:
         """The number of dimensions of space."""

@@ -11,7 +11,6 @@ import numpy as np
 from physcore.arithmetic import dots, lengths
 from physcore.boundaries import Box, Capsule, ConvexHull, Plane, Sphere
 from physcore.checks import FloatArray
-from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
 from physcore.scene.scene import Scene
 
@@ -98,7 +97,7 @@ def _gaps(scene: Scene) -> Iterator[Gap]:
     """The gaps between any two boundaries of a fluid."""
     parts = [_parts(boundary.resolved(scene.dimension)) for boundary in scene.boundaries]
     bodies = [
-        {scene.index(body): body.spacing for body in scene.targets(boundary) if isinstance(body, Fluid)}
+        {scene.index(fluid): fluid.spacing for fluid in scene.fluids if fluid in scene.targets(boundary)}
         for boundary in scene.boundaries
     ]
     for one, other in combinations(range(len(parts)), 2):

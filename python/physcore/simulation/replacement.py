@@ -13,9 +13,8 @@ from physcore.errors import SceneError
 from physcore.numerics.choices import BODIES, Integrators, Numerics, Options, check
 from physcore.numerics.fluids import FluidMethod
 from physcore.scene.bodies import Body
-from physcore.scene.fluid import Fluid
-from physcore.scene.items import System
 from physcore.scene.contents import BodyKey
+from physcore.scene.items import System
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 
@@ -39,9 +38,7 @@ def numerics_for(scene: Scene, before: Scene, numerics: Numerics) -> Numerics:
         integrators[other] = numerics.integrators.get(path, numerics.integrator)
     fluids = pairs(before.bodies, scene.bodies, before.path, scene.path)
     methods: dict[BodyKey, FluidMethod | str] = {
-        other: numerics.fluids[before.path(one)]
-        for one, other in fluids
-        if isinstance(one, Fluid) and isinstance(other, Fluid)
+        other: numerics.fluids[before.path(one)] for one, other in fluids if one.is_fluid and other.is_fluid
     }
     chosen: Integrators = integrators or "auto"
     options = Options(
@@ -111,7 +108,7 @@ def _carry_bodies(fields: dict[str, FloatArray], scene: Scene, old: World, befor
     """Put the state of bodies that were there before into the fields of the new scene."""
     matched = pairs(before.bodies, scene.bodies, before.path, scene.path)
     for one, other in matched:
-        if isinstance(one, Fluid) != isinstance(other, Fluid):
+        if one.is_fluid != other.is_fluid:
             kinds = [type(body).__name__ for body in (other, one)]
             raise SceneError(f"replace.{scene.path(other)}: is a {kinds[0]}, and was a {kinds[1]}; {_RENAME}")
         if len(one) != len(other):

@@ -41,7 +41,7 @@ def lyapunov(
     progress: bool | None = None,
     **numerics: Unpack[Options],
 ) -> Lyapunov:
-    """Measure the largest Lyapunov exponents of the motion of bodies, or all exponents of a flow with tracers.
+    """Measure the largest Lyapunov exponents of the motion of a scene, or all exponents of a flow with tracers.
 
         pendulum = pc.SpringNetwork([[0, 0], [1, 0], [2, 0]], [[0, 1], [1, 2]], math.inf, fixed=[0])
         scene = pc.Scene(pendulum, pc.Gravity((0.0, -9.81)))
@@ -58,27 +58,28 @@ def lyapunov(
     trajectories. The offsets are 1e-7 of the extent of the motion. Truncation and rounding errors are then both about
     1e-7 of the growth, below the integration error and the statistical error.
 
-    For bodies, with any integrator, each neighbor is a separate run with equal steps, one for each exponent. Offsets of
-    positions are relative to the extent of the motion, offsets of velocities to the largest speed. With rods, the
-    offsets obey their constraints. The exponents of regular motion fall to zero as log(t)/t, because distances grow in
-    proportion to time. Where the growth is not told from this, `exponential` is False. The error is then at least the
-    exponent itself, so that it is consistent with zero; a longer duration may tell.
+    For scenes, with any integrator, each neighbor is a separate run with equal steps, one for each exponent. Offsets of
+    positions are relative to the extent of the motion, offsets of velocities to the largest speed, and those of fields
+    of further systems to half of their ranges. With rods, the offsets obey their constraints. The exponents of regular
+    motion fall to zero as log(t)/t, because distances grow in proportion to time. Where the growth is not told from
+    this, `exponential` is False. The error is then at least the exponent itself, so that it is consistent with zero; a
+    longer duration may tell.
 
     Args:
-        scene: a scene of bodies; or tracers at their initial positions. More tracers average like a longer duration. In
-            the flow of PointVortices, the vortices move too.
+        scene: a scene of bodies and systems; or tracers at their initial positions. More tracers average like a longer
+            duration. In the flow of PointVortices, the vortices move too.
         duration: averaging time [s], above zero.
         transient: time before averaging [s], in which trajectories reach the attractor, and neighbors their directions.
-        interval: the time between two orthonormalizations [s]; None: 2/max|∇v| at the tracers; for bodies, a thousandth
+        interval: the time between two orthonormalizations [s]; None: 2/max|∇v| at the tracers; for scenes, a thousandth
             of the duration.
-        exponents: number of exponents for bodies, the largest ones: at most twice the degrees of freedom.
+        exponents: number of exponents of a scene, the largest ones: at most the dimension of its state.
         progress: whether to show a progress bar; None: on a terminal, after one second.
-        numerics: integrator, dt and threads, as in Simulation; the precision is double. For bodies, an adaptive dt is
+        numerics: integrator, dt and threads, as in Simulation; the precision is double. For scenes, an adaptive dt is
             replaced by its smallest value in the first part of the motion.
 
     Raises:
-        SceneError: an argument is not valid; or the scene has further state than positions and velocities, such as a
-            Fluid, springs that can break, or systems.
+        SceneError: an argument is not valid; or the scene has further state than positions, velocities and fields, such
+            as a Fluid, springs that can break, or absorbing edges.
         PhyscoreError: neighbors separate by a factor above 1e4 in an interval, which must be shorter.
         SimulationDiverged: a tracer goes to infinity, or the motion of bodies is not resolved.
 
