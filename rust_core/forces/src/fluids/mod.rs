@@ -2,7 +2,7 @@
 //! line to [`methods`].
 //!
 //! A scheme is a [`Force`] between the particles of all fluids. A step of matter asks more of it than of other forces, by
-//! [`crate::forces::DensityEvolution`]. [`crate::particles`] has what schemes share.
+//! [`crate::forces::FluidScheme`]. [`crate::particles`] has what schemes share.
 
 use crate::error::Result;
 use crate::forces::Force;
