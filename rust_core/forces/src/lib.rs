@@ -1,7 +1,5 @@
-//! Forces on particles: the state of matter ([`matter`]), neighbor lists ([`neighbors`]), walls ([`boundaries`]), parts of particle
-//! methods for fluids ([`particles`]), the laws ([`forces`]), and methods for fluids ([`fluids`]).
-//!
-//! [`Space`] compiles all forces in this crate, so that an edit elsewhere does not compile them again.
+//! Forces on particles: the state of matter ([`matter`]), neighbor lists ([`neighbors`]), walls ([`boundaries`]), and the laws
+//! ([`forces`]). Methods for fluids ([`fluids`]) stand on parts that they share ([`particles`]).
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
 

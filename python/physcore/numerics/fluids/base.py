@@ -16,7 +16,7 @@ class FluidMethod:
         water, tank = pc.Fluid.block((0.0, 0.0), (0.4, 0.6), spacing=0.05), pc.Box((0.0, 0.0), (1.2, 1.0))
         recording = pc.simulate(pc.Scene(water, pc.Gravity(), tank), 0.1, fluids=method)
 
-    To add one: a file here, a line in `FLUID_METHODS`, and its counterpart in Rust.
+    To add one: a file here, a line in `FLUID_METHODS`, and a scheme of the same name in Rust (`ARCHITECTURE.md`).
     """
 
     def check(self, fluid: Fluid, path: str, units: UnitSystem) -> None:

@@ -1,7 +1,7 @@
 //! Coloring of elements that share vertices, such as springs between particles.
 //!
-//! No two elements of a color share a vertex. Relaxations of one color are therefore independent of each other: they may be done in
-//! any order, at once, or on any thread, with the same bits.
+//! No two elements of a color share a vertex. Relaxations of one color are therefore independent: in any
+//! order, at once, or on any thread, they have the same bits.
 
 /// Elements color by color. Each has the first color that is free at all of its vertices, which are some of `0..count` and
 /// different from each other. Within a color, elements are sorted by their vertices, so that their memory is near.

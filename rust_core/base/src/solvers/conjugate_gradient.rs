@@ -1,8 +1,8 @@
 //! Preconditioned conjugate gradients for linear equations A x = b with a symmetric positive definite matrix A.
 //!
 //! The matrix is known by its products alone. The components of vectors are numbers or vectors of space. All
-//! sums are in one fixed order, so that the bits are the same for any number of threads. In exact arithmetic the solution is
-//! reached in as many products as there are numbers, and earlier if eigenvalues of the preconditioned matrix are close together.
+//! sums are in one fixed order, so that the bits are the same for any number of threads. In exact arithmetic, as many
+//! products as there are numbers give the solution. Fewer do if eigenvalues of the preconditioned matrix are close together.
 //!
 //! Source: J. Nocedal, S. J. Wright, "Numerical Optimization", 2nd ed., 2006, algorithm 5.3.
 
@@ -80,6 +80,7 @@ impl<E> Default for ConjugateGradient<E> {
 }
 
 /// Scalar product of two vectors.
+#[inline]
 pub fn dot<E: VectorComponent>(one: &[E], other: &[E]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one.product(*other)).sum()
 }
@@ -94,6 +95,7 @@ impl<E: VectorComponent> ConjugateGradient<E> {
 
     /// Solves A x = b from x = 0 until |b − A x| is at most `tolerance` |b|. Returns None if A is not positive definite along a
     /// direction that was found; `x` is then the solution so far.
+    #[inline]
     pub fn solve(
         &mut self,
         system: &impl DefiniteSystem<E>,

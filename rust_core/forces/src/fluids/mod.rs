@@ -2,7 +2,7 @@
 //! line to [`methods`].
 //!
 //! A scheme is a [`Force`] between the particles of all fluids. A step of matter asks more of it than of other forces, by
-//! [`crate::forces::DensityEvolution`]. [`crate::particles`] has what schemes share.
+//! [`crate::forces::FluidScheme`]. [`crate::particles`] has what schemes share.
 
 use crate::error::Result;
 use crate::forces::Force;
@@ -40,4 +40,24 @@ pub(crate) fn build<V: Vector>(
         return Err(scene::unknown(method, &known.join(", ")));
     };
     scheme(scene, first, properties, executor).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::parallel::SERIAL;
+    use crate::scene::{Body, Value};
+
+    #[test]
+    fn an_unknown_method_is_refused_by_name_with_those_that_are_known() {
+        let method = Item { path: "bodies[0].method".to_owned(), ..Item::new("Shallow", []) };
+        let item = Item::new(KIND, [("method", Value::Record(Box::new(method)))]);
+        let scene = Scene { dimension: 2, bodies: vec![Body { item, ..Body::default() }], ..Scene::default() };
+        let properties = Properties::<DVec2>::new(Vec::new());
+        let error = build(&scene, &properties, &SERIAL).map(|_| ()).unwrap_err().to_string();
+        assert_eq!(error, "bodies[0].method: expected WeaklyCompressible, got Shallow");
+        assert!(build(&Scene::default(), &properties, &SERIAL).unwrap().is_none());
+    }
 }

@@ -1,4 +1,4 @@
-//! Density of fluids, evolved by a force in addition to the state.
+//! Schemes for fluids: what a step of matter and its results ask of them besides forces.
 
 use std::ops::Range;
 
@@ -29,13 +29,24 @@ impl<V: Vector> Drift<'_, V> {
     }
 }
 
-/// The scheme of the density: by summation or continuity.
+/// Origin of the density, which says when a step brings it up to date.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DensityScheme {
-    /// Summed over the positions at every evaluation of the forces.
+    /// Density follows from the positions: at every evaluation of the forces, and at the end of a step without one.
     Summation,
-    /// Advanced over each drift by the equation of continuity.
-    Continuity,
+    /// Density is carried along every drift. With `shifts`, particles are displaced after it, independently of their velocity.
+    Continuity {
+        /// Whether particles are displaced.
+        shifts: bool,
+    },
+}
+
+impl DensityScheme {
+    /// Whether density is carried along drifts.
+    #[inline]
+    pub fn is_carried(self) -> bool {
+        matches!(self, Self::Continuity { .. })
+    }
 }
 
 /// Density and pressure of fluid particles, NaN for others.
@@ -47,39 +58,47 @@ pub struct Fields {
     pub pressure: Vec<f64>,
 }
 
-/// Evolution of density by a force.
-pub trait DensityEvolution<V: Vector> {
-    /// The scheme of the density: by summation or continuity.
-    fn scheme(&self) -> DensityScheme;
+/// A scheme for fluids, as a step of matter sees it besides its forces.
+///
+/// Results need the fields, the gauges and the Mach number. A step asks for [`density`](Self::density), and calls the last three
+/// methods as that says.
+///
+/// A divergence-free scheme implements [`export`](Self::export), with gauges if it measures, and leaves the rest at its defaults.
+/// Its density follows from the positions, and nothing is carried along a drift. A pressure that keeps the density is a force,
+/// solved for in [`Force::prepare`](super::Force::prepare). A pressure that makes the velocities of a drift divergence-free is a
+/// constraint on them, which a step meets before the drift, as it meets rods.
+pub trait FluidScheme<V: Vector> {
+    /// Writes density and pressure, indexed by particle.
+    fn export(&self, fields: &mut Fields);
 
-    /// Sums density over the positions at the end of a step without an evaluation of forces.
+    /// The gauges of pressure and force, if any are defined.
+    fn gauges(&self) -> Option<&Gauges> {
+        None
+    }
+
+    /// The Mach number at these velocities, if the fluid has a speed of sound.
+    fn mach(&self, _velocity: View<'_, V>) -> Option<Mach> {
+        None
+    }
+
+    /// Origin of the density.
+    fn density(&self) -> DensityScheme {
+        DensityScheme::Summation
+    }
+
+    /// Brings density up to date after a drift. If density is carried, this follows every drift. Otherwise it follows a step
+    /// that does not end with an evaluation of forces; the drift then has no duration.
     ///
     /// # Errors
     /// If positions are too far from the origin for exact separations, or memory is short.
-    fn sum(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()>;
+    fn drift(&mut self, _drift: &Drift<'_, V>, _executor: &Executor) -> Result<()> {
+        Ok(())
+    }
 
-    /// Advances density over a drift.
-    ///
-    /// # Errors
-    /// As [`DensityEvolution::sum`].
-    fn drift(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()>;
-
-    /// Adds the energy that diffusion dissipated in the last drift to the sinks of a block [J].
-    fn dissipated(&self, block: Range<usize>, energy: &mut Power);
-
-    /// Whether particles are shifted after a drift, independently of their velocity.
-    fn shifts(&self) -> bool;
+    /// Adds the energy that was dissipated in the last drift to the sinks of a block [J].
+    fn dissipated(&self, _block: Range<usize>, _energy: &mut Power) {}
 
     /// Adds the displacements of the particles of `block` after the last drift [m]. Velocities are unchanged. The change of
     /// pointwise and user-defined potentials counts as work.
-    fn shift(&self, block: Range<usize>, displacements: &mut Span<'_, V>);
-
-    /// The Mach number at these velocities.
-    fn mach(&self, velocity: View<'_, V>) -> Mach;
-
-    /// The gauges of pressure and force, if any are defined.
-    fn gauges(&self) -> Option<&Gauges>;
-
-    /// Writes density and pressure, indexed by particle.
-    fn export(&self, fields: &mut Fields);
+    fn shift(&self, _block: Range<usize>, _displacements: &mut Span<'_, V>) {}
 }

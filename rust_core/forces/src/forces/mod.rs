@@ -41,7 +41,7 @@ pub use central::{InverseSquare, InverseSquareLaw};
 use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;
 pub use electromagnetic::{Affine, ElectromagneticLaw, FieldLaw, Use, times};
-pub use fluid::{DensityEvolution, DensityScheme, Drift, Fields};
+pub use fluid::{DensityScheme, Drift, Fields, FluidScheme};
 use linear::Fusion;
 pub use pointwise::ForceField;
 pub use soft_spheres::KIND as SOFT_SPHERES;
@@ -275,13 +275,13 @@ pub trait Force<V: Vector>: History + Send + Sync {
         None
     }
 
-    /// Evolution of density that belongs to the force, if there is one.
-    fn density(&self) -> Option<&dyn DensityEvolution<V>> {
+    /// The force as a scheme for fluids, if it is one.
+    fn fluid(&self) -> Option<&dyn FluidScheme<V>> {
         None
     }
 
-    /// Mutable access to the evolution of density.
-    fn density_mut(&mut self) -> Option<&mut dyn DensityEvolution<V>> {
+    /// Mutable access to the scheme for fluids.
+    fn fluid_mut(&mut self) -> Option<&mut dyn FluidScheme<V>> {
         None
     }
 }

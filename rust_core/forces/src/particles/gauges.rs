@@ -16,6 +16,7 @@ use glam::DVec3;
 use super::BLOCK;
 use super::kernel::KernelShape;
 use super::probes::{Mean, Probe, SurroundingFluid, WET};
+use super::readings::Readings;
 use super::start;
 use super::walls::{FluidWalls, Mirrors};
 use crate::error::Result;
@@ -23,21 +24,6 @@ use crate::history::{Archive, History};
 use crate::math::AXES;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
-
-/// Present values, and their time integrals.
-#[derive(Debug, Clone, Default)]
-struct Readings {
-    /// Force on each boundary, and on each body [N], an array per item.
-    forces: Vec<[f64; AXES]>,
-    /// Pressure at each probe [Pa].
-    pressures: Vec<f64>,
-    /// Impulses ∫ force dt [N·s].
-    impulses: Vec<[f64; AXES]>,
-    /// Integrals ∫ pressure dt [Pa·s].
-    pressure_integrals: Vec<f64>,
-    /// Time of the present values [s]; None before the first evaluation.
-    time: Option<f64>,
-}
 
 /// The gauges of a scene.
 #[derive(Debug)]
@@ -93,13 +79,7 @@ impl Gauges {
         let probes: Vec<Probe> =
             scene.probes.iter().map(|item| Probe::new(shape, scene, item, origin, walls, radius)).collect::<Result<_>>()?;
         let rows = scene.boundaries.len() + scene.bodies.len();
-        let readings = Readings {
-            forces: vec![[0.0; AXES]; rows],
-            pressures: vec![0.0; probes.len()],
-            impulses: vec![[0.0; AXES]; rows],
-            pressure_integrals: vec![0.0; probes.len()],
-            time: None,
-        };
+        let readings = Readings::new(rows, probes.len());
         obstacles.sort_unstable();
         let of_bodies = obstacles.chunk_by(|one, other| one.0 == other.0);
         let mut parts = Vec::new();
@@ -242,32 +222,6 @@ impl Instruments {
     }
 }
 
-impl Readings {
-    /// Adds the present values over the time until `time` [s] to the integrals.
-    fn advance(&mut self, time: f64) {
-        let passed = time - self.time.unwrap_or(time);
-        self.time = Some(time);
-        let forces = self.impulses.as_flattened_mut().iter_mut().zip(self.forces.as_flattened());
-        let pressures = self.pressure_integrals.iter_mut().zip(&self.pressures);
-        forces.chain(pressures).for_each(|(integral, present)| *integral += passed * present);
-    }
-
-    /// All numbers of an archive except the time.
-    fn numbers(&mut self) -> [&mut [f64]; 4] {
-        let Self { forces, pressures, impulses, pressure_integrals, .. } = self;
-        [forces.as_flattened_mut(), pressures, impulses.as_flattened_mut(), pressure_integrals]
-    }
-
-    /// Copies the values of other readings of the same scene without allocation.
-    fn copy_from(&mut self, other: &Self) {
-        self.forces.copy_from_slice(&other.forces);
-        self.pressures.copy_from_slice(&other.pressures);
-        self.impulses.copy_from_slice(&other.impulses);
-        self.pressure_integrals.copy_from_slice(&other.pressure_integrals);
-        self.time = other.time;
-    }
-}
-
 impl History for Gauges {
     fn save(&mut self) {
         self.saved.copy_from(&self.readings);
@@ -278,36 +232,10 @@ impl History for Gauges {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        let mut readings = self.readings.clone();
-        readings.numbers().into_iter().for_each(|numbers| archive.write(numbers.iter().copied()));
-        archive.write([self.readings.time.unwrap_or(f64::NAN)]);
+        self.readings.capture(archive);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.readings.numbers().into_iter().try_for_each(|numbers| archive.read_into(numbers))?;
-        self.readings.time = Some(archive.read(1)?[0]).filter(|time| !time.is_nan());
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn integrals_are_those_of_what_held_until_then() {
-        let mut readings = Readings {
-            forces: vec![[0.0; AXES]],
-            pressures: vec![0.0],
-            impulses: vec![[0.0; AXES]],
-            pressure_integrals: vec![0.0],
-            time: None,
-        };
-        for (time, pressure) in [(1.0, 4.0), (1.5, 6.0), (1.5, 8.0), (2.0, 0.0)] {
-            readings.advance(time);
-            readings.pressures[0] = pressure;
-        }
-        // The pressure is 4 Pa from 1 to 1.5 s, and then 8 Pa, the last value found at that time.
-        assert_eq!(readings.pressure_integrals, [0.5 * 4.0 + 0.5 * 8.0]);
+        self.readings.restore(archive)
     }
 }

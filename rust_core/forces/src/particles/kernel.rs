@@ -11,6 +11,7 @@
 
 use std::f64::consts::PI;
 
+use super::lattice;
 use crate::math::Real;
 use crate::simd::Number;
 
@@ -162,7 +163,7 @@ impl<T: Real, K: KernelShape> SmoothingKernel<T, K> {
     pub fn new(shape: K, smoothing_length: f64, spacing: f64, dimension: usize) -> Self {
         let square = smoothing_length * smoothing_length;
         let height = shape.height(dimension) / if dimension == 2 { square } else { square * smoothing_length };
-        let steepness = height / square / lattice_moment(shape, spacing / smoothing_length, dimension);
+        let steepness = height / square / lattice::moment(shape, spacing / smoothing_length, dimension);
         Self {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
@@ -198,42 +199,6 @@ impl<T: Real, K: KernelShape> SmoothingKernel<T, K> {
     fn reach<N: Number<Scalar = T>>(&self, distance: N) -> N {
         (distance * N::of(self.inverse_support)).min(N::constant(1.0))
     }
-}
-
-/// Moment −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
-fn lattice_moment(shape: impl KernelShape, spacing: f64, dimension: usize) -> f64 {
-    over_lattice(spacing, dimension, |x, r| -shape.height(dimension) * shape.factor() * shape.slope(0.5 * r) * x * x)
-}
-
-/// Lattice sum S = Σ Δ^D W over the neighbors on a lattice of spacing Δ, and the factor κ of differences from S. The factor makes
-/// a small compression of the lattice exact. Both are for unit smoothing length.
-#[inline]
-pub fn lattice_density(shape: impl KernelShape, spacing: f64, dimension: usize) -> (f64, f64) {
-    let sum = over_lattice(spacing, dimension, |_, r| shape.height(dimension) * shape.value(0.5 * r));
-    (sum, 1.0 / lattice_moment(shape, spacing, dimension))
-}
-
-/// Sum Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
-#[inline]
-pub fn lattice_gradient(shape: impl KernelShape, spacing: f64, dimension: usize) -> f64 {
-    over_lattice(spacing, dimension, |_, r| -shape.height(dimension) * shape.factor() * shape.slope(0.5 * r) * r)
-        / lattice_moment(shape, spacing, dimension)
-}
-
-/// Sum Σ Δ^D f(x, r) over the neighbors on a lattice of spacing Δ within two units.
-pub fn over_lattice(spacing: f64, dimension: usize, of: impl Fn(f64, f64) -> f64) -> f64 {
-    let most = (2.0 / spacing).floor() as i32;
-    let across = if dimension == 2 { 0..=0 } else { -most..=most };
-    let mut sum = 0.0;
-    for z in across {
-        for (y, x) in (-most..=most).flat_map(|y| (-most..=most).map(move |x| (y, x))) {
-            let square = f64::from(x * x + y * y + z * z) * spacing * spacing;
-            if square > 0.0 && square < 4.0 {
-                sum += of(f64::from(x) * spacing, square.sqrt());
-            }
-        }
-    }
-    sum * if dimension == 2 { spacing * spacing } else { spacing * spacing * spacing }
 }
 
 #[cfg(test)]

@@ -1,19 +1,21 @@
 //! Parts that all particle methods for fluids share. They know no method and no force.
 //!
-//! The fluids and walls of a scene are in [`start`], with the pressure at rest; the densities and viscosities of the fluids are
-//! in [`material`]. A method writes a record for each particle ([`records`]) and sums its laws over pairs of records, weighted by
-//! a [`kernel`]. [`walls`] repeats a law over the mirror images of the particles ([`images`]), and [`obstacles`] are particles of
-//! other bodies. Sums that several methods need are here: free surfaces ([`surface`]), surface tension ([`tension`]) and the
-//! pressure on obstacles. Pressures at probes and forces on walls are measured by [`gauges`]. The frequencies of plane waves
-//! ([`waves`]) bound the time step.
+//! - [`start`]: the fluids and walls of a scene, and the pressure at rest; [`material`]: densities and viscosities.
+//! - [`records`]: numbers of each particle for pair sums; [`kernel`]: weights of these sums.
+//! - [`lattice`]: sums in a fluid at rest; [`waves`]: frequencies of waves, which bound the time step.
+//! - [`walls`]: sums over the mirror images of the particles ([`images`]); [`obstacles`]: particles of other bodies.
+//! - [`surface`], [`tension`]: free surfaces, and their tension.
+//! - [`gauges`], [`probes`]: forces on walls and obstacles, and pressures.
 
 pub(crate) mod gauges;
 mod image_lists;
 pub(crate) mod images;
 pub(crate) mod kernel;
+pub(crate) mod lattice;
 pub(crate) mod material;
 pub(crate) mod obstacles;
 pub(crate) mod probes;
+mod readings;
 pub(crate) mod records;
 pub(crate) mod start;
 pub(crate) mod surface;

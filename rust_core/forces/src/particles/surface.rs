@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::images::{ImagePressure, WallCondition};
-use super::kernel::{self, KernelShape, SmoothingKernel};
+use super::kernel::{KernelShape, SmoothingKernel};
+use super::lattice;
 use super::material::Material;
 use super::records::volume;
 use super::walls::FluidWalls;
@@ -79,7 +80,7 @@ impl<V: Vector, K: KernelShape> FreeSurface<V, K> {
         Self {
             law: KernelGradientSum { kernel },
             gradients: vec![[V::Scalar::ZERO; GRADIENT_SUMS]; count],
-            lattice_gradient: kernel::lattice_gradient(kernel.shape, fluid.spacing / h, V::DIMENSION) / h,
+            lattice_gradient: lattice::gradient(kernel.shape, fluid.spacing / h, V::DIMENSION) / h,
         }
     }
 

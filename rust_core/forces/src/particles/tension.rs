@@ -30,7 +30,8 @@
 use glam::DVec3;
 
 use super::images::WallCondition;
-use super::kernel::{self, KernelShape, SmoothingKernel};
+use super::kernel::{KernelShape, SmoothingKernel};
+use super::lattice;
 use super::material::{KINDS, Material, Materials, OBSTACLE, pairs};
 use super::walls::FluidWalls;
 use super::waves::FluidWave;
@@ -85,7 +86,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Tension<V, K, MIXED> {
         }
         let common = materials.first();
         let ratio = common.spacing / common.smoothing_length;
-        let (rest, scale) = kernel::lattice_density(kernel.shape, ratio, V::DIMENSION);
+        let (rest, scale) = lattice::density(kernel.shape, ratio, V::DIMENSION);
         let unit = moduli(kernel.shape, ratio, V::DIMENSION);
         let h = common.smoothing_length;
         let tension = |fluid: &Material| fluid.surface_tension / SETTLED[V::DIMENSION - 2];

@@ -75,8 +75,8 @@ impl FluidWalls {
         anew
     }
 
-    /// Updates neighbor lists, and with them the lists of images; returns whether the neighbor lists were rebuilt. `position`
-    /// returns the position of a particle along an axis, relative to the origin [m].
+    /// Updates neighbor lists and lists of images; returns whether the former were rebuilt.
+    /// Function `position` returns the position of a particle along an axis, relative to the origin [m].
     ///
     /// # Errors
     /// As [`NeighborList::update`].

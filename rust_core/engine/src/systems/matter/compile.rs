@@ -96,7 +96,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = held.iter().map(|constraint| constraint.order).fold(about.orders[usize::from(dissipative)], u32::min);
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
-    notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(DensityScheme::Continuity)));
+    notes.extend(advice(&about, dissipative, bends && !dynamics.scheme.is_some_and(DensityScheme::is_carried)));
     executor.check()?;
     let stages = Stages {
         item: String::new(),
@@ -130,7 +130,7 @@ fn fluid<V: Space>(
     if [Treatment::Projections, Treatment::Solved].contains(&about.springs) {
         return Err(cannot_take(about, fluids::KIND));
     }
-    let continuity = fluid.density().is_some_and(|density| density.scheme() == DensityScheme::Continuity);
+    let continuity = fluid.fluid().is_some_and(|scheme| scheme.density().is_carried());
     if let (true, Some(reason)) = (continuity, about.refusals.fields) {
         let fits = |other: &Facts| other.refuses_fields.is_none() && !other.gyrates;
         let fit: Vec<_> = Facts::all().iter().filter(|other| fits(other)).map(|other| format!("{}()", other.name)).collect();

@@ -10,7 +10,7 @@ use crate::forces::Space;
 use crate::forces::derivatives::Derivatives;
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::springs::{self, Spring};
-use crate::forces::{DensityEvolution, DensityScheme, Force, Reach, StateView, VelocityDependence};
+use crate::forces::{DensityScheme, FluidScheme, Force, Reach, StateView, VelocityDependence};
 use crate::matter::{Columns, Matter, Properties, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::stability::SpectralBound;
@@ -43,8 +43,6 @@ pub struct Dynamics<V: Space> {
     pub contacts: Option<Contacts<V>>,
     /// Scheme of density, if there is a fluid.
     pub scheme: Option<DensityScheme>,
-    /// Whether a force shifts particles.
-    pub shifts: bool,
     /// Dependence of the forces on velocity.
     pub velocity: VelocityDependence,
     /// Number of user-defined forces.
@@ -77,13 +75,11 @@ impl<V: Space> Dynamics<V> {
             others.into_iter().partition(|force| force.about().reach == Reach::Pointwise);
         let (count, together) = (fused.len(), fused.len() + coupled.len());
         let forces: Vec<_> = fused.into_iter().chain(coupled).chain(pointwise).collect();
-        let mut densities = forces.iter().filter_map(|force| force.density());
         Self {
             linear: LinearForce::new(&fusion, &properties, block),
             properties,
             contacts,
-            scheme: densities.clone().next().map(DensityEvolution::scheme),
-            shifts: densities.any(DensityEvolution::shifts),
+            scheme: forces.iter().find_map(|force| force.fluid()).map(FluidScheme::density),
             velocity: forces.iter().map(|force| force.about().velocity).max().unwrap_or(VelocityDependence::None),
             callbacks: forces.iter().filter(|force| force.about().callback).count(),
             angle: None,

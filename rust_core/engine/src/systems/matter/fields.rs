@@ -38,7 +38,7 @@ impl<V: Space> MatterSystem<V> {
 
     /// Gauges of the fluids.
     fn gauges(&self) -> Option<&Gauges> {
-        self.dynamics.forces().iter().filter_map(|force| force.density()).find_map(|density| density.gauges())
+        self.dynamics.forces().iter().filter_map(|force| force.fluid()).find_map(|fluid| fluid.gauges())
     }
 
     /// Descriptions of the fields, those of constraints last.
@@ -54,7 +54,7 @@ impl<V: Space> MatterSystem<V> {
             };
             let rate = (name == "positions").then(|| "velocities".to_owned());
             // Density by continuity is a part of the state; density by summation follows from the positions.
-            let continuity = name == "densities" && self.dynamics.scheme == Some(DensityScheme::Continuity);
+            let continuity = name == "densities" && self.dynamics.scheme.is_some_and(DensityScheme::is_carried);
             FieldInfo { name: name.to_owned(), unit, shape, rate, state: moves || continuity }
         };
         let own = self.constraints.iter().flat_map(Constraint::fields);
@@ -91,8 +91,8 @@ impl<V: Space> MatterSystem<V> {
             name => {
                 let nothing = || vec![f64::NAN; properties.count()];
                 let mut fields = Fields { density: nothing(), pressure: nothing() };
-                let densities = self.dynamics.forces().iter().filter_map(|force| force.density());
-                densities.for_each(|density| density.export(&mut fields));
+                let fluids = self.dynamics.forces().iter().filter_map(|force| force.fluid());
+                fluids.for_each(|fluid| fluid.export(&mut fields));
                 let mut ordered = nothing();
                 let values = if name == "densities" { fields.density } else { fields.pressure };
                 properties.caller.iter().zip(values).for_each(|(&caller, value)| ordered[caller as usize] = value);

@@ -520,8 +520,7 @@ impl<V: Space> System for MatterSystem<V> {
     }
 
     fn mach(&self) -> Option<Mach> {
-        let densities = self.dynamics.forces().iter().find_map(|force| force.density());
-        densities.map(|density| density.mach(self.state.velocity.view()))
+        self.dynamics.forces().iter().find_map(|force| force.fluid())?.mach(self.state.velocity.view())
     }
 
     fn fields(&self) -> Vec<FieldInfo> {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::WeaklyCompressible;
 use super::laws::RATES;
 use crate::error::Result;
-use crate::forces::{DensityEvolution, DensityScheme, Drift, Fields, StateView};
+use crate::forces::{DensityScheme, Drift, Fields, FluidScheme};
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Power, Span, View};
 use crate::parallel::{BlockedSlice, Executor};
@@ -25,23 +25,9 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
         fill(records, (neighbor_list, kind), velocity, &rest, executor);
         summation.count((neighbor_list, records), walls, (materials, kind), density, executor)
     }
-}
-
-impl<V: Vector, K: KernelShape, const MIXED: bool> DensityEvolution<V> for WeaklyCompressible<V, K, MIXED> {
-    fn scheme(&self) -> DensityScheme {
-        if self.summation.is_some() { DensityScheme::Summation } else { DensityScheme::Continuity }
-    }
-
-    fn sum(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
-        if self.summation.is_none() {
-            return Ok(());
-        }
-        self.search(&|axis, index| at.exact_position(axis, index), executor)?;
-        self.sum_density(&at.velocity, executor)
-    }
 
     /// Advances the density by ρ ← ρ + h dρ/dt, with positions and velocities at the midpoint of the drift.
-    fn drift(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()> {
+    fn carry_density(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()> {
         self.search(&|axis, index| drift.midpoint(axis, index), executor)?;
         let Self { fluids, kind, mass, density, diffused, neighbor_list, records, surface, shifting, .. } = self;
         let Self { continuity, rates, mirrored, walls, .. } = self;
@@ -87,6 +73,41 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> DensityEvolution<V> for Weakl
         });
         Ok(())
     }
+}
+
+impl<V: Vector, K: KernelShape, const MIXED: bool> FluidScheme<V> for WeaklyCompressible<V, K, MIXED> {
+    fn export(&self, fields: &mut Fields) {
+        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
+            if let Some(fluid) = self.fluid(self.kind[member]) {
+                fields.density[index as usize] = self.density[member];
+                fields.pressure[index as usize] = fluid.pressure(self.density[member]);
+            }
+        }
+    }
+
+    fn gauges(&self) -> Option<&Gauges> {
+        self.gauges.as_ref()
+    }
+
+    fn mach(&self, velocity: View<'_, V>) -> Option<Mach> {
+        Some(self.speed(velocity))
+    }
+
+    fn density(&self) -> DensityScheme {
+        if self.summation.is_some() {
+            DensityScheme::Summation
+        } else {
+            DensityScheme::Continuity { shifts: self.shifting.is_some() }
+        }
+    }
+
+    fn drift(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()> {
+        if self.summation.is_none() {
+            return self.carry_density(drift, executor);
+        }
+        self.search(&|axis, index| drift.end.exact_position(axis, index), executor)?;
+        self.sum_density(&drift.end.velocity, executor)
+    }
 
     fn dissipated(&self, block: Range<usize>, energy: &mut Power) {
         for (index, member, _) in self.neighbor_list.in_block(block) {
@@ -94,32 +115,11 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> DensityEvolution<V> for Weakl
         }
     }
 
-    fn shifts(&self) -> bool {
-        self.shifting.is_some()
-    }
-
     fn shift(&self, block: Range<usize>, displacements: &mut Span<'_, V>) {
         let Some(shifting) = &self.shifting else { return };
         for (index, member, slot) in self.neighbor_list.in_block(block) {
             if self.kind[member] != OBSTACLE {
                 displacements.set(index, displacements.get(index) + shifting.displacement(slot));
-            }
-        }
-    }
-
-    fn mach(&self, velocity: View<'_, V>) -> Mach {
-        self.speed(velocity)
-    }
-
-    fn gauges(&self) -> Option<&Gauges> {
-        self.gauges.as_ref()
-    }
-
-    fn export(&self, fields: &mut Fields) {
-        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
-            if let Some(fluid) = self.fluid(self.kind[member]) {
-                fields.density[index as usize] = self.density[member];
-                fields.pressure[index as usize] = fluid.pressure(self.density[member]);
             }
         }
     }

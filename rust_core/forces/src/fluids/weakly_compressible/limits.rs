@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::WeaklyCompressible;
 use super::laws::FORCES;
-use crate::forces::{DensityEvolution, DensityScheme};
+use crate::forces::FluidScheme;
 use crate::math::{Real, Vector};
 use crate::matter::View;
 use crate::particles::kernel::KernelShape;
@@ -44,7 +44,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
     /// Source: J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100 (1992) 335.
     pub fn limit(&self, bound: &mut SpectralBound) {
         let h = self.materials.first().smoothing_length;
-        let diffuses = if self.scheme() == DensityScheme::Continuity { 1.0 } else { 0.0 };
+        let diffuses = if self.density().is_carried() { 1.0 } else { 0.0 };
         let sheared = self.momentum.shear != V::Scalar::ZERO;
         let bounds: Vec<(f64, f64, f64)> = self
             .fluids

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::WeaklyCompressible;
 use super::laws::{FORCES, SOLID, VISCOUS};
 use crate::error::Result;
-use crate::forces::{About, DensityEvolution, DensityScheme, Force, Rates, Reach, StateView, Validity, VelocityDependence};
+use crate::forces::{About, FluidScheme, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::EnergySink;
@@ -27,7 +27,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
     /// Volumes and enthalpies are those at the beginning of the drift, so that continuity is of order 1.
     fn about(&self) -> About {
         let viscous = self.fluids.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.material.viscosity > 0.0);
-        let continuity = self.scheme() == DensityScheme::Continuity;
+        let continuity = self.density().is_carried();
         let shifts =
             self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
         About {
@@ -136,11 +136,11 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
         Validity::Now
     }
 
-    fn density(&self) -> Option<&dyn DensityEvolution<V>> {
+    fn fluid(&self) -> Option<&dyn FluidScheme<V>> {
         Some(self)
     }
 
-    fn density_mut(&mut self) -> Option<&mut dyn DensityEvolution<V>> {
+    fn fluid_mut(&mut self) -> Option<&mut dyn FluidScheme<V>> {
         Some(self)
     }
 }

@@ -21,7 +21,8 @@ use crate::neighbors::NeighborList;
 use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::particles::images::{ImagePressure, WallCondition};
-use crate::particles::kernel::{self, KernelShape, SmoothingKernel};
+use crate::particles::kernel::{KernelShape, SmoothingKernel};
+use crate::particles::lattice;
 use crate::particles::records::volume;
 use crate::particles::walls::FluidWalls;
 use crate::particles::{BLOCK, Materials};
@@ -63,7 +64,7 @@ impl<V: Vector, K: KernelShape> Summation<V, K> {
     #[inline]
     pub fn new(kernel: SmoothingKernel<V::Scalar, K>, materials: &Materials, count: usize) -> Self {
         let common = materials.first();
-        let (rest, scale) = kernel::lattice_density(kernel.shape, common.spacing / common.smoothing_length, V::DIMENSION);
+        let (rest, scale) = lattice::density(kernel.shape, common.spacing / common.smoothing_length, V::DIMENSION);
         Self { law: NumberDensity { kernel }, rest, scale, sums: vec![[V::Scalar::ZERO]; count], is_checked: false }
     }
 

@@ -3,7 +3,8 @@
 use std::f64::consts::FRAC_2_PI;
 
 use super::SHORT_RANGE;
-use crate::particles::kernel::{self, KernelShape, SmoothingKernel};
+use crate::particles::kernel::{KernelShape, SmoothingKernel};
+use crate::particles::lattice;
 
 /// Local density s up to which the time-step bound holds. In settled drops it is 1.2 at most.
 const DENSEST: f64 = 1.5;
@@ -35,13 +36,13 @@ pub fn close_packing(dimension: usize) -> [f64; 2] {
 /// Moduli A and B for unit smoothing length and this spacing. Their ratio is [`COHESION`] times that with which the outermost
 /// layer of a flat lattice is in equilibrium. The layers together have unit energy.
 pub fn moduli<K: KernelShape>(shape: K, spacing: f64, dimension: usize) -> [f64; 2] {
-    let (rest, scale) = kernel::lattice_density(shape, spacing, dimension);
+    let (rest, scale) = lattice::density(shape, spacing, dimension);
     let kernel = SmoothingKernel::<f64, K>::new(shape, 1.0, spacing, dimension);
     // Layers count from the surface. A neighbor at x outward exists if its layer does.
     let layer = |x: f64| (x / spacing).round();
     let layers = || (0..).map(f64::from).take_while(|row| row * spacing < 2.0);
     let over = |row: f64, of: &dyn Fn(f64, f64) -> f64| {
-        kernel::over_lattice(spacing, dimension, |x, r| if layer(x) <= row { of(x, r) } else { 0.0 })
+        lattice::sum(spacing, dimension, |x, r| if layer(x) <= row { of(x, r) } else { 0.0 })
     };
     let missing = |row: f64| 1.0 - over(row, &|_, r| kernel.value(r)) / rest;
     let gradient = |row: f64| over(row, &|x, r| kernel.slope(1.0, r) * x);

@@ -13,21 +13,21 @@ impl<V: Space> Dynamics<V> {
     /// Sums density over the positions at the end of a step without an evaluation of forces.
     pub fn sum_density(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, .. } = self;
-        let at = state_view(properties, matter, time, executor);
-        forces.iter_mut().filter_map(|force| force.density_mut()).try_for_each(|density| density.sum(&at, executor))
+        let drift = Drift { end: state_view(properties, matter, time, executor), velocity: matter.velocity.view(), h: 0.0 };
+        forces.iter_mut().filter_map(|force| force.fluid_mut()).try_for_each(|fluid| fluid.drift(&drift, executor))
     }
 
     /// Advances density over the drift that led to a state.
     pub fn drift_density(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, .. } = self;
         let drift = Drift { end: state_view(properties, matter, 0.0, executor), velocity, h };
-        forces.iter_mut().filter_map(|force| force.density_mut()).try_for_each(|density| density.drift(&drift, executor))
+        forces.iter_mut().filter_map(|force| force.fluid_mut()).try_for_each(|fluid| fluid.drift(&drift, executor))
     }
 
     /// Adds the energy that diffusion of density dissipated in the last drift to the sinks of a block [J].
     pub fn diffused(&self, block: &Range<usize>, energy: &mut Power) {
-        let densities = self.forces.iter().filter_map(|force| force.density());
-        densities.for_each(|density| density.dissipated(block.clone(), energy));
+        let fluids = self.forces.iter().filter_map(|force| force.fluid());
+        fluids.for_each(|fluid| fluid.dissipated(block.clone(), energy));
     }
 
     /// Displacements of the particles of one block by shifting [m].
@@ -35,7 +35,7 @@ impl<V: Space> Dynamics<V> {
         for axis in 0..V::DIMENSION {
             displacements.axes[axis].fill(V::Scalar::ZERO);
         }
-        let densities = self.forces.iter().filter_map(|force| force.density());
-        densities.for_each(|density| density.shift(block.clone(), displacements));
+        let fluids = self.forces.iter().filter_map(|force| force.fluid());
+        fluids.for_each(|fluid| fluid.shift(block.clone(), displacements));
     }
 }

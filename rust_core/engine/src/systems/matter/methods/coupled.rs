@@ -69,7 +69,7 @@ pub fn take<V: Space>(stepper: &Stepper<V>, step: &mut MatterStep<'_, V>, interv
     let (stages, scheme) = (method.stages(), step.dynamics.scheme);
     // The last stage's sweep also computes the state of the next step's first stage, unless an operation intervenes at the
     // end of the step.
-    let drifts = method.drift_kick.filter(|_| scheme == Some(DensityScheme::Continuity));
+    let drifts = method.drift_kick.filter(|_| scheme.is_some_and(DensityScheme::is_carried));
     let sums = scheme == Some(DensityScheme::Summation) && !method.ends_with_forces;
     let intervenes = step.workspace.before.is_some() || step.constraints.act() || sums;
     let moves_on = !intervenes && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
@@ -117,7 +117,8 @@ fn advance_density<V: Space>(step: &mut MatterStep<'_, V>, velocity: Option<usiz
     executor.for_each_block(matter.blocks(), &|blocks: Blocks<'_, V>| {
         dynamics.diffused(&blocks.range(), &mut blocks.tallies[0].energy);
     });
-    if dynamics.shifts { displace(dynamics, matter, &mut workspace.force, time, executor) } else { Ok(()) }
+    let shifts = dynamics.scheme == Some(DensityScheme::Continuity { shifts: true });
+    if shifts { displace(dynamics, matter, &mut workspace.force, time, executor) } else { Ok(()) }
 }
 
 /// One pass over all blocks: evaluates the forces, if the action needs them, and acts on the state.
