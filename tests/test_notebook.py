@@ -32,7 +32,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> list[list[Any]]:
     path = tmp_path_factory.mktemp("notebook") / "film.gif"
     notebook = nbformat.v4.new_notebook()
     notebook.cells = [nbformat.v4.new_code_cell(f"path = {str(path)!r}"), *map(nbformat.v4.new_code_cell, CELLS)]
-    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    nbclient.NotebookClient(notebook, timeout=3600, kernel_name="python3").execute()
     return [cell.outputs for cell in notebook.cells[1:]]
 
 

@@ -18,7 +18,7 @@ TARGETS = sorted(
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=300, check=False)
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=3600, check=False)
 
 
 @pytest.mark.parametrize("name", TARGETS)

@@ -310,7 +310,7 @@ if child:
         env=environment,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=3600,  # against hanging alone: no test depends on load
         check=False,
     )
     assert done.returncode == 0, done.stderr
