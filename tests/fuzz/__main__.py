@@ -30,7 +30,11 @@ START = 20
 MEMORY = 4 << 30
 """What a worker may use [bytes]."""
 SILENCE = 60.0
-"""A worker that has begun no call for so long hangs [s]; before its first one it may take ten times as long."""
+"""A worker that has begun no call for so much processor time hangs [s]; before its first one it may take ten times as
+long.
+"""
+STILL = 3600.0
+"""A worker that has begun no call for so long hangs [s], whatever the load of the machine."""
 JOURNAL = 1 << 16
 """The size of what a worker writes down [bytes]."""
 
@@ -100,7 +104,7 @@ def launch(name: str, count: int, seed: int) -> dict[str, Any]:
         with open(log, "wb") as output:
             room, environment = Path(folder, "room"), {**os.environ, "PYTHONPATH": paths, "MALLOC_ARENA_MAX": "1"}
             process = subprocess.Popen(command, cwd=room, env=environment, stdout=output, stderr=output)
-            last, since = b"", time.monotonic()
+            last, since, worked = b"", time.monotonic(), _worked(process.pid)
             while True:
                 try:
                     process.wait(1.0)
@@ -109,8 +113,10 @@ def launch(name: str, count: int, seed: int) -> dict[str, Any]:
                     pass
                 now = journal.read_bytes()
                 if now != last:
-                    last, since = now, time.monotonic()
-                elif time.monotonic() - since > (SILENCE if now[0] else 10.0 * SILENCE):
+                    last, since, worked = now, time.monotonic(), _worked(process.pid)
+                    continue
+                silence = SILENCE if now[0] else 10.0 * SILENCE
+                if _worked(process.pid) - worked > silence or time.monotonic() - since > STILL:
                     process.kill()
         if process.returncode > 0:
             raise RuntimeError(f"{name}: the worker failed:\n{log.read_text(errors='replace')}")
@@ -124,6 +130,15 @@ def launch(name: str, count: int, seed: int) -> dict[str, Any]:
             outcome["found"][why] = {"times": 1, "script": example}
             outcome |= {"calls": int(calls) + 1, "examples": int(examples) + 1}
         return outcome
+
+
+def _worked(pid: int) -> float:
+    """The processor time of a running process [s]; of one that has ended, 0."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except FileNotFoundError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def fuzz(calls: int | None, processes: int, seed: int, names: list[str]) -> int:
