@@ -141,6 +141,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Dihedral": (pc.Dihedral, {"on": SHEET, "stiffness": 1.0}),
     "Wind": (pc.Wind, {"velocity": (1.0, 0.0, 0.0)}),
     "SelfContact": (pc.SelfContact, {"body": SHEET, "thickness": 0.1}),
+    "Wire": (pc.Wire, {"points": [[0.0, 0.0], [1.0, 1.0]]}),
     "SoftSpheres": (pc.SoftSpheres, {"stiffness": 1.0}),
     "Gravitation": (pc.Gravitation, {"constant": 1.0}),
     "Coulomb": (pc.Coulomb, {"constant": 1.0}),

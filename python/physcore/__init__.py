@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from physcore import units
 from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, HeightField, Plane, Sphere
-from physcore.constraints import SelfContact
+from physcore.constraints import SelfContact, Wire
 from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
@@ -256,6 +256,7 @@ __all__ = [
     "WendlandC4",
     "Wind",
     "Window",
+    "Wire",
     "ball",
     "block",
     "cloth",

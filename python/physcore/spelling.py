@@ -39,6 +39,7 @@ SYNONYMS = {
     "Neumann": ("flux", "neumann bc", "free", "gradient"),
     "Periodic": ("periodic box", "pbc", "domain"),
     "SelfContact": ("self collision", "contact", "cloth collision"),
+    "Wire": ("bead", "track", "rail", "curve constraint", "roller coaster"),
     "ElectromagneticField": ("magnetic field", "electric field", "lorentz force"),
     "Schrodinger": ("schroedinger", "quantum", "wave function"),
     "ReactionDiffusion": ("diffusion", "heat", "heat equation"),

@@ -184,6 +184,23 @@ def sheets(shape: tuple[int, int] = (7, 6)) -> pc.Scene:
     return pc.Scene(held, falling, pc.Gravity((-2.0, 1.0, -9.0)), touch)
 
 
+def wires(dimension: int = 2, friction: float = 0.0) -> pc.Scene:
+    """Beads on a closed and an open wire, one of each held by a spring to the other, with drag and gravity."""
+    turn = 2.0 * np.pi * np.arange(12) / 12.0
+    ring = np.zeros((12, dimension))
+    ring[:, 0], ring[:, -1] = _rounded(np.cos(turn)), _rounded(0.75 * np.sin(turn))
+    bend = np.zeros((9, dimension))
+    bend[:, 0] = 0.25 * np.arange(9) - 0.5
+    bend[:, -1] = _rounded(0.125 * np.arange(9) * np.arange(-8, 1) / 4.0) - 1.0
+    beads = pc.SpringNetwork(
+        np.concatenate([ring[[0, 3, 7]], bend[[2, 5]]]), [[0, 3], [1, 2]], 6.0, 0.1, rest_length=0.5, mass=[0.5, 1, 2, 1, 0.5]
+    )
+    closed = pc.Wire(ring, on=(beads, [0, 1, 2]), closed=True, friction=friction)
+    open_ = pc.Wire(bend, on=(beads, [3, 4]), friction=friction)
+    down = -4.0 * np.eye(dimension)[-1]
+    return pc.Scene(beads, closed, open_, pc.Gravity(down), pc.Drag(0.05, on=beads))
+
+
 def chain(links: int = 12, dimension: int = 2) -> pc.Scene:
     """A chain of rods with a heavy end, and a loose one that two springs tie to it, with drag."""
     nodes = np.zeros((links + 2, dimension))
@@ -662,6 +679,15 @@ SCENES: dict[str, Case] = {
     "strings f32": Case(strings, 0.002, F32),
     "strings BDF2": Case(strings, 0.004, {"integrator": pc.BDF2(1e-12)}),
     "strings XPBD": Case(strings, 0.002, {"integrator": pc.XPBD(3, 2)}),
+    "wires": Case(wires, 0.002),
+    "wires 3D f32": Case(lambda: wires(3), 0.002, F32),
+    "wires with friction": Case(lambda: wires(friction=0.2), 0.004),
+    "wires of order 4": Case(wires, 0.01, {"integrator": pc.RATTLE(4)}),
+    "wires adaptive": Case(lambda: wires(3), 0.002, {"dt": pc.AdaptiveStep()}),
+    "wires BackwardEuler": Case(lambda: wires(friction=0.2), 0.004, {"integrator": pc.BackwardEuler(1e-12)}),
+    "wires BDF2": Case(wires, 0.004, {"integrator": pc.BDF2(1e-12)}),
+    "wires XPBD": Case(wires, 0.004, {"integrator": pc.XPBD(3, 2)}),
+    "wires ProjectiveDynamics": Case(wires, 0.004, {"integrator": pc.ProjectiveDynamics(6)}),
     "sheets": Case(sheets, 0.002, large=lambda: sheets((70, 60))),
     "sheets f32": Case(sheets, 0.002, F32),
     "sheets adaptive": Case(sheets, 0.002, {"dt": pc.AdaptiveStep()}),

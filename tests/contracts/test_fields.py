@@ -32,7 +32,8 @@ def test_parts_of_all_items_cover_every_field(name):
     scene = SCENES[name].scene()
     rows = {field.name: [] for field in scene.fields.values()}
     presses = "wall_forces" in rows
-    for item in (*scene.bodies, *scene.systems, *scene.probes, *(scene.boundaries if presses else ())):
+    wires = [each for each in scene.constraints if each.element is not None]
+    for item in (*scene.bodies, *scene.systems, *scene.probes, *wires, *(scene.boundaries if presses else ())):
         for field, part in scene.parts(item).values():
             length = scene.fields[field].shape[0]
             rows[field] += [part] if isinstance(part, int) else range(length)[part]

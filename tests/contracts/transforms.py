@@ -106,6 +106,7 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.Drag: {"linear": RESISTANCE, "quadratic": scalar(-1, 0, 1), "wind": wind},
     pc.CentralForce: {"center": point, "softening": scalar(1)},
     pc.SelfContact: {"thickness": scalar(1)},
+    pc.Wire: {"points": Transform.points},
     pc.Dihedral: {"stiffness": scalar(2, -2, 1), "damping": scalar(2, -1, 1)},
     pc.Wind: {"velocity": wind, "density": scalar(-3, 0, 1)},
     pc.SoftSpheres: {"damping": RESISTANCE, "tangential_damping": RESISTANCE},

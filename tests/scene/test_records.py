@@ -53,6 +53,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Dihedral": (SHEET, 0.1, 0.01),
     "Wind": ((1.0, 2.0, 3.0), 1.2, 1.1, 0.02),
     "SelfContact": (SHEET, 0.1, 0.2, 0.5),
+    "Wire": ([[-9.0, -9.0], [-8.0, -8.0], [-7.0, -9.0]],),
     "SoftSpheres": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),

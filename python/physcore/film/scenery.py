@@ -1,4 +1,4 @@
-"""Scenery: boundaries, the periodic domain and the centers of forces."""
+"""Scenery: boundaries, wires, the periodic domain and the centers of forces."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from physcore.scene.scene import Scene
 
 
 def landmarks(scene: Scene) -> Iterator[tuple[FloatArray, float]]:
-    """Points (P, D) [m] with a margin, which belong in the picture: of boundaries, the domain and the centers of
-    forces.
+    """Points (P, D) [m] with a margin, which belong in the picture: of boundaries, wires, the domain and the
+    centers of forces.
     """
     for look in _looks(scene):
         yield from look.landmarks()
@@ -41,12 +41,13 @@ def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:
 
 
 def draw_backdrop(canvas: Canvas, scene: Scene, panel: tuple[int, int, int, int], theme: Theme) -> None:
-    """Draw the backdrop immediately, slightly lighter in the middle, if there are boundaries, networks or fluids.
+    """Draw the backdrop immediately, slightly lighter in the middle, if there are boundaries, constraints, networks or
+    fluids.
 
     Scenes of particles alone, such as stars, have a dark background.
     """
     solid = not all(body.is_loose for body in scene.bodies)
-    if theme.backdrop is None or not (scene.boundaries or solid):
+    if theme.backdrop is None or not (scene.boundaries or scene.constraints or solid):
         return
     left, top, right, bottom = panel
     center, radius = ((left + right) / 2, top + 0.4 * (bottom - top)), 0.6 * math.hypot(right - left, bottom - top)
@@ -75,8 +76,8 @@ def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: 
 
 
 def _looks(scene: Scene) -> Iterator[Look]:
-    for boundary in scene.boundaries:
-        yield look_of(boundary.resolved(scene.dimension))
+    for item in (*scene.boundaries, *scene.constraints):
+        yield look_of(item.resolved(scene.dimension))
 
 
 def _centers(scene: Scene) -> Iterator[FloatArray]:

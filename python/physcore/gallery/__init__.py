@@ -74,6 +74,7 @@ DEMOS = (
     "curtain",
     "folds",
     "knot",
+    "brachistochrone",
 )
 """All demos; the first one is the default."""
 

@@ -31,7 +31,7 @@ def default_integrator(scene: Scene, automatic: bool) -> Integrator:
     length.
     """
     fine = automatic and is_small(scene) and _is_smooth(scene)
-    if scene.has_rods:
+    if scene.has_rods or (scene.constraints and fine):
         return RATTLE(order=4) if fine and not _is_damped(scene) else RATTLE()
     if is_magnetic(scene):
         return Boris()
@@ -41,7 +41,8 @@ def default_integrator(scene: Scene, automatic: bool) -> Integrator:
 
 
 def is_small(scene: Scene) -> bool:
-    """Whether accuracy costs little: bodies of few particles, without fluids and constraints, and no other systems.
+    """Whether accuracy costs little: bodies of few particles, without fluids and contacts of meshes, and no other
+    systems.
 
     Atoms are left out, because their limit of accuracy resolves their bonds.
     """
@@ -49,7 +50,8 @@ def is_small(scene: Scene) -> bool:
     pairs = count * (count - 1) // 2 if any(force.is_distant for force in scene.forces) else 0
     atoms = any(force.binds for force in scene.forces)
     few = 0 < count <= SMALL and pairs <= SMALL
-    return few and not (atoms or scene.systems or scene.fluids or scene.constraints)
+    meets = not all(constraint.is_smooth for constraint in scene.constraints)
+    return few and not (atoms or scene.systems or scene.fluids or meets)
 
 
 def is_magnetic(scene: Scene) -> bool:

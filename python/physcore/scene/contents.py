@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias, cast
 
 import numpy as np
@@ -21,8 +22,10 @@ from physcore.spelling import UnknownKey, did_you_mean
 
 BodyKey: TypeAlias = Body | int | str
 """Key of a body: the object, its index in the scene, or its name."""
-ItemKey: TypeAlias = BodyKey | System | Boundary | Probe
-"""Key of a body or another item with results: a system or a probe by object or name, a boundary by object."""
+ItemKey: TypeAlias = BodyKey | System | Boundary | Constraint | Probe
+"""Key of a body or another item with results: a system or a probe by object or name, a boundary or a constraint by
+object.
+"""
 
 
 class Contents:
@@ -78,6 +81,8 @@ class Contents:
             return len(self.boundaries) + len(self.bodies)
         if element == "fluid particles":
             return self.particles  # a row each
+        if element == "beads":
+            return self._held(self.constraints, element)
         items: tuple[Body | System | Probe, ...] = (*self.bodies, *self.systems, *self.probes)
         return sum(item.elements.get(element, 0) for item in items)
 
@@ -98,8 +103,8 @@ class Contents:
                 return bool(self.fluids)
             case "walls":
                 return self._presses
-            case "probes":
-                return bool(self.probes)
+            case "probes" | "beads":
+                return self.count(field.element) > 0
             case _:
                 return any(field.name in body.quantities for body in self.bodies)
 
@@ -206,7 +211,7 @@ class Contents:
             rows: dict[Element, Rows] = dict.fromkeys(("cells", "points"), slice(None))
             own = (field for name, field in self.fields.items() if name.startswith(f"{path}."))
         else:
-            rows = self._gauge(key) or self._rows(self.index(cast("BodyKey", key)))
+            rows = self._gauge(key) or self._beads(key) or self._rows(self.index(cast("BodyKey", key)))
             own = (field for field in self.fields.values())
         return {field.part: (field.name, rows[field.element]) for field in own if field.element in rows}
 
@@ -227,6 +232,22 @@ class Contents:
         if not self._presses:
             raise SceneError(f"boundaries[{own[0]}].force: is measured where fluids press, and none does here")
         return {"walls": own[0]}
+
+    def _held(self, constraints: Sequence[Constraint], element: Element) -> int:
+        """The number of values that constraints have for each particle that they act on."""
+        return sum(int(self.members(each).sum()) for each in constraints if each.element == element)
+
+    def _beads(self, key: object) -> dict[Element, Rows] | None:
+        """The rows of a constraint with values for its particles; None for other keys."""
+        element = getattr(key, "element", None)
+        if getattr(key, "section", None) != "constraints" or element is None:
+            return None
+        constraint = cast("Constraint", key).among(self.bodies, "constraint")
+        for index, other in enumerate(self.constraints):
+            if constraint == other:
+                first = self._held(self.constraints[:index], element)
+                return {element: slice(first, first + self._held([other], element))}
+        raise SceneError(f"{key!r}: is no constraint of this scene")
 
     def _rows(self, index: int) -> dict[Element, Rows]:
         """The rows of a body in the fields of each kind of element that it has."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal, Self, TypeAlias
 
-Element: TypeAlias = Literal["particles", "fluid particles", "springs", "walls", "probes", "cells", "points"]
+Element: TypeAlias = Literal["particles", "fluid particles", "springs", "beads", "walls", "probes", "cells", "points"]
 """Elements that have a value each. Arrays over "fluid particles" have a row for every particle; walls are all
 boundaries, followed by all bodies.
 """
@@ -62,6 +62,7 @@ MATTER = (
     Field("probe_pressures", "Pa", "probes", part="pressure", integral="probe_impulses"),
     Field("tensions", "N", "springs", owner="networks with rods have"),
     Field("broken", "1", "springs", owner="networks with a breaking_strain have"),
+    Field("wire_forces", "N", "beads", part="force", vector=True),
 )
 """All fields of matter, in the order of results."""
 

@@ -411,6 +411,13 @@ class Constraint(ActingItem):
     """Base class of constraints: conditions on the motion of bodies, such as mutual impenetrability."""
 
     section: ClassVar[str] = "constraints"
+    element: ClassVar[Element | None] = None
+    """Kind of the elements that have values: one for each particle that the constraint acts on; None: there are none."""
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the motion under the constraint is smooth, and costs little to resolve."""
+        return False
 
     def thickness_of(self, body: Body) -> float:
         """The thickness that the constraint gives to a body [m]."""

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod arrays;
 mod callback;
 mod canvas;
+mod curve;
 mod elementary;
 mod errors;
 mod gif;
@@ -36,6 +37,8 @@ mod _core {
 
     #[pymodule_export]
     use super::canvas::{PyCanvas, PyTexture, coverage, heatmap, missing_signs, text_width};
+    #[pymodule_export]
+    use super::curve::spline_points;
     #[pymodule_export]
     use super::elementary::{arctan2, cos, exp, log, power, sin};
     #[pymodule_export]

@@ -41,7 +41,7 @@ class Scenery:
 
 
 class Look:
-    """How a boundary is drawn. To add a look: a file in `looks`, and a line in `LOOKS`."""
+    """How a boundary or a constraint is drawn. To add a look: a file in `looks`, and a line in `LOOKS`."""
 
     def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
         """Points (P, D) [m] that belong in the picture, each with a margin [m]."""

@@ -12,7 +12,7 @@
 use glam::DVec3;
 
 /// Number of samples per interval in the search for the nearest point.
-const SAMPLES: usize = 16;
+const SAMPLES: u32 = 16;
 /// Maximum number of halvings of an interval that contains the nearest point.
 const HALVINGS: usize = 60;
 
@@ -70,6 +70,11 @@ impl CubicSpline {
         self.knots[self.knots.len() - 1]
     }
 
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.knots.as_slice()) + size_of_val(self.points.as_slice()) + size_of_val(self.slopes.as_slice())
+    }
+
     /// Parameter of the same point within the curve; None beyond the ends of an open curve.
     pub fn within(&self, u: f64) -> Option<f64> {
         if self.closed { Some(u.rem_euclid(self.end())) } else { (0.0..=self.end()).contains(&u).then_some(u) }
@@ -91,12 +96,21 @@ impl CubicSpline {
         }
     }
 
+    /// Parameters that divide each interval into parts, ends included.
+    fn divided(&self, parts: u32) -> Vec<f64> {
+        let place = |ends: &[f64], part: u32| ends[0] + (ends[1] - ends[0]) * f64::from(part) / f64::from(parts);
+        let intervals = self.knots.windows(2).flat_map(|ends| (0..parts).map(move |part| place(ends, part)));
+        intervals.chain([self.end()]).collect()
+    }
+
+    /// Points that divide each interval into parts, ends included.
+    pub fn sampled(&self, parts: u32) -> Vec<DVec3> {
+        self.divided(parts).into_iter().map(|u| self.at(u).position).collect()
+    }
+
     /// Parameter of the point nearest to `x`.
     pub fn nearest(&self, x: DVec3) -> f64 {
-        let intervals = self.knots.windows(2);
-        let samples = intervals.flat_map(|ends| (0..SAMPLES).map(move |part| (ends[0], ends[1] - ends[0], part)));
-        let samples: Vec<f64> =
-            samples.map(|(from, h, part)| from + h * part as f64 / SAMPLES as f64).chain([self.end()]).collect();
+        let samples = self.divided(SAMPLES);
         let square = |u: f64| (self.at(u).position - x).length_squared();
         let (mut best, mut least) = (0, f64::INFINITY);
         for (index, &u) in samples.iter().enumerate() {

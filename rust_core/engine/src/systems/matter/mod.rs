@@ -168,7 +168,8 @@ impl<V: Space> MatterSystem<V> {
         let constrained: f64 = constraints.abouts().map(|constraint| constraint.cost).sum();
         let cost = 1e-9 * about.evaluations as f64 * (per_stage + constrained);
         let blocks = state.tallies.len();
-        let damped = about.memory.damping && dynamics.damps_springs();
+        // The correction of damping is for velocities that nothing changes after the last kick.
+        let damped = about.memory.damping && dynamics.damps_springs() && !constraints.change_velocities();
         let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some(), damped));
         let mut system = Self {
             saved: state.clone(),

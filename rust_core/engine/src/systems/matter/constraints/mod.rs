@@ -6,6 +6,7 @@
 pub mod rods;
 pub mod self_contact;
 pub mod tearing;
+mod wire;
 
 use std::collections::BTreeSet;
 
@@ -27,6 +28,7 @@ use crate::stability::SpectralBound;
 use rods::Rods;
 use self_contact::SelfContacts;
 use tearing::Tearing;
+use wire::Wires;
 
 /// Velocity with which the drift of a method moves particles. Constraints change it together with the positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -250,6 +252,11 @@ impl<V: Space> Constraints<V> {
         self.iter().any(|constraint| !constraint.tears())
     }
 
+    /// Whether some constraints change the velocities at the end of a step.
+    pub fn change_velocities(&self) -> bool {
+        self.abouts().any(|about| about.stages.iter().any(|stage| stage.last))
+    }
+
     /// Breaks the springs that are stretched too far after a step; returns whether there are any.
     pub fn tear(&mut self, matter: &Matter<V>) -> bool {
         let mut torn = false;
@@ -293,10 +300,11 @@ struct Carriers {
 
 /// Names of the constraints.
 const RODS: &str = "rods";
+const WIRES: &str = "wires";
 const MESHES: &str = "SelfContact and strain limits";
 
 /// Methods that carry each constraint. XPBD projects rods itself.
-const CARRIERS: [Carriers; 2] = [
+const CARRIERS: [Carriers; 3] = [
     Carriers {
         constraint: RODS,
         methods: &["RATTLE", "XPBD"],
@@ -305,6 +313,11 @@ const CARRIERS: [Carriers; 2] = [
     Carriers {
         constraint: MESHES,
         methods: &["VelocityVerlet", "BackwardEuler", "BDF2", "XPBD", "ProjectiveDynamics"],
+        hint: "",
+    },
+    Carriers {
+        constraint: WIRES,
+        methods: &["VelocityVerlet", "RATTLE", "BackwardEuler", "BDF2", "XPBD", "ProjectiveDynamics"],
         hint: "",
     },
 ];
@@ -346,6 +359,7 @@ pub fn build<V: Space>(declared: &mut Declaration<'_, V>) -> Result<Constraints<
     let mut list: Vec<Box<dyn Constraint<V>>> = Vec::new();
     list.extend(Rods::declared(declared)?.map(|rods| Box::new(rods) as Box<dyn Constraint<V>>));
     list.extend(Tearing::declared(declared)?.map(|tearing| Box::new(tearing) as Box<dyn Constraint<V>>));
+    list.extend(Wires::declared(declared)?.map(|wires| Box::new(wires) as Box<dyn Constraint<V>>));
     list.extend(SelfContacts::declared(declared)?.map(|meshes| Box::new(meshes) as Box<dyn Constraint<V>>));
     Ok(Constraints { list })
 }

@@ -75,11 +75,11 @@ impl SelfContacts {
     }
 }
 
-/// Number of triangles and free edges that a scene declares in contact with others.
+/// Bodies that a scene declares in contact with others, as indices in ascending order.
 ///
 /// # Errors
 /// If an item names no body.
-pub fn elements(scene: &Scene) -> Result<usize> {
+pub fn bodies(scene: &Scene) -> Result<Vec<usize>> {
     let mut bodies = Vec::new();
     for item in scene.constraints.iter().filter(|item| item.kind == KIND) {
         bodies.push(own_body(item)?);
@@ -87,6 +87,14 @@ pub fn elements(scene: &Scene) -> Result<usize> {
     }
     bodies.sort_unstable();
     bodies.dedup();
+    Ok(bodies)
+}
+
+/// Number of triangles and free edges that a scene declares in contact with others.
+///
+/// # Errors
+/// If an item names no body.
+pub fn elements(scene: &Scene) -> Result<usize> {
     let of = |body: &usize| {
         let item = &scene.bodies[*body].item;
         match item.tuples::<3>("faces") {
@@ -94,7 +102,7 @@ pub fn elements(scene: &Scene) -> Result<usize> {
             _ => item.tuples::<2>("pairs").map(<[_]>::len),
         }
     };
-    bodies.iter().map(of).sum()
+    bodies(scene)?.iter().map(of).sum()
 }
 
 /// Body of an item, as an index.

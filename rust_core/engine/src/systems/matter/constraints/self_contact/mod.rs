@@ -30,7 +30,7 @@ mod walls;
 mod zones;
 
 use declaration::BodySurface;
-pub use declaration::elements;
+pub use declaration::{bodies, elements};
 use limits::StrainLimit;
 use loads::Loads;
 use mesh::{ContactRule, Mesh};

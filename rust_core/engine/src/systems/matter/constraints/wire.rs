@@ -1,0 +1,360 @@
+//! Wires: particles that stay on curves, the holonomic constraint x = c(u).
+//!
+//! A wire pulls a bead across its tangent t₀ at the start of a step, as RATTLE does. With the end x of the free drift, the
+//! bead goes to the point c(u) with
+//!
+//!     t₀ · (c(u) − x) = 0
+//!
+//! At the end of the step the velocity is v ← (t·v) t, with the tangent t there. The step is symplectic and of order 2 with
+//! a symplectic method. The force of the wire is m (κ s² − a⊥), with the curvature vector κ, the speed s along the wire and
+//! the acceleration a by all other forces.
+//!
+//! Friction acts with the impulse of the wire, at most μ times as large, and stops the bead at most. It does the work of its
+//! impulse at the mean speed of the step. Source: H. C. Andersen, J. Comput. Phys. 52, 24 (1983).
+
+use glam::DVec3;
+
+use super::{
+    ConstrainedStep, Constraint, ConstraintField, ConstraintProperties, ConstraintStage, Declaration, ForcedState, WIRES, refuse,
+    rods, self_contact,
+};
+use crate::error::{Error, Result};
+use crate::forces::Space;
+use crate::history::{Archive, History};
+use crate::math::spline::{CubicSpline, CurvePoint};
+use crate::scene::{Item, Value};
+use crate::stability::SpectralBound;
+
+/// Kind of the items.
+pub const KIND: &str = "Wire";
+/// Distance from the wire above which a bead is refused, relative to the length of the wire.
+const DEVIATION: f64 = 1e-4;
+/// Largest accurate angle by which a wire turns under a bead in a step [rad].
+const LARGEST_ANGLE: f64 = 0.5;
+/// Maximum number of iterations for the position on a wire.
+const MOST_ITERATIONS: u32 = 30;
+
+/// Curve with its friction.
+#[derive(Debug, Clone)]
+struct WireCurve {
+    /// Path of the item in the scene.
+    path: String,
+    spline: CubicSpline,
+    /// Coulomb's coefficient μ.
+    friction: f64,
+}
+
+/// Particle on a wire.
+#[derive(Debug, Clone, Copy)]
+struct Bead {
+    particle: u32,
+    /// Index of the wire.
+    wire: usize,
+    /// Parameter u of the position, and a saved copy.
+    place: f64,
+    saved: f64,
+    /// At the start of the step: the tangent, and the speed along it [m/s].
+    tangent: DVec3,
+    speed: f64,
+    /// Change of the speed by friction in the drift [m/s].
+    slowed: f64,
+}
+
+/// All wires of a scene with their beads.
+#[derive(Debug, Clone)]
+pub struct Wires {
+    curves: Vec<WireCurve>,
+    /// Beads, wire by wire, in the caller's order.
+    beads: Vec<Bead>,
+    /// Kinetic energy of velocities across wires in the given states [J].
+    removed: f64,
+    /// Highest order of convergence of a step: 1 with friction, which has the impulse at the start of each half of a step,
+    /// and for methods that project at the end of their steps.
+    order: u32,
+}
+
+impl Wires {
+    /// Wires that a scene declares; None if there are none.
+    ///
+    /// # Errors
+    /// If a value is wrong, if the method does not carry wires, or if another constraint or a wall acts on a bead.
+    pub fn declared<V: Space>(declared: &Declaration<'_, V>) -> Result<Option<Self>> {
+        let Declaration { scene, properties, .. } = declared;
+        let items: Vec<&Item> = scene.constraints.iter().filter(|item| item.kind == KIND).collect();
+        let Some(first) = items.first() else { return Ok(None) };
+        refuse(WIRES, declared.method)?;
+        if scene.periodic.is_some() {
+            return Err(Error::parameter(&first.path, "no Periodic domain", "one"));
+        }
+        let engine = properties.engine();
+        let order = if declared.method.drifts_first() { u32::MAX } else { 1 };
+        let mut wires = Self { curves: Vec::new(), beads: Vec::new(), removed: 0.0, order };
+        let mut taken = vec![false; properties.count()];
+        for item in items {
+            let points = item.vectors("points", None, V::DIMENSION)?;
+            let (closed, friction) = (item.flag("closed")?, item.non_negative("friction")?);
+            let coincide = |ends: &[DVec3]| ends[0] == ends[1];
+            let given = Value::Text(format!("{} points", points.len()));
+            if points.len() < if closed { 3 } else { 2 } || points.windows(2).any(coincide) {
+                return Err(item.wrong(
+                    "points",
+                    "at least two points, three for a closed wire, that differ from the next",
+                    Some(&given),
+                ));
+            }
+            if friction > 0.0 {
+                wires.order = 1;
+            }
+            let points: Vec<DVec3> = points.iter().map(|point| *point - properties.origin).collect();
+            let spline = CubicSpline::through(&points, closed);
+            wires.curves.push(WireCurve { path: item.path.clone(), spline, friction });
+            for (caller, _) in scene.members(item).iter().enumerate().filter(|(_, member)| **member) {
+                let particle = engine[caller];
+                if properties.is_fixed(particle as usize) {
+                    return Err(Error::parameter(
+                        format!("{}.on", item.path),
+                        "particles that move",
+                        format!("particle {caller}, which is fixed"),
+                    )
+                    .with_hint("name the others with on=(body, indices)"));
+                }
+                if std::mem::replace(&mut taken[particle as usize], true) {
+                    let found = format!("particle {caller} on a second one");
+                    return Err(Error::parameter(&item.path, "one wire for each particle", found));
+                }
+                let wire = wires.curves.len() - 1;
+                let (tangent, place) = (DVec3::ZERO, 0.0);
+                wires.beads.push(Bead { particle, wire, place, saved: place, tangent, speed: 0.0, slowed: 0.0 });
+            }
+        }
+        wires.refuse_others(declared)?;
+        Ok(Some(wires))
+    }
+
+    /// Refuses beads that rods, walls or other meshes hold too: their constraints would have to be solved together.
+    fn refuse_others<V: Space>(&self, Declaration { scene, springs, properties, walls, .. }: &Declaration<'_, V>) -> Result<()> {
+        let mut held = vec![false; properties.count()];
+        springs.iter().filter(|spring| rods::is_rod(spring)).flat_map(|rod| rod.ends).for_each(|end| held[end as usize] = true);
+        let meshes = self_contact::bodies(scene)?;
+        for bead in &self.beads {
+            let index = bead.particle as usize;
+            let other = if held[index] {
+                "a rod"
+            } else if walls.as_ref().is_some_and(|walls| walls.walls_of(properties, index).next().is_some()) {
+                "a boundary"
+            } else if meshes.contains(&(properties.body[index] as usize)) {
+                "SelfContact"
+            } else {
+                continue;
+            };
+            let path = format!("{}.on", self.curves[bead.wire].path);
+            let found = format!("particle {}, on which {other} acts too", properties.caller[index]);
+            return Err(Error::parameter(path, "particles that nothing but the wire holds", found)
+                .with_hint("name the bodies of the other with on=, or the particles of the wire with on=(body, indices)"));
+        }
+        Ok(())
+    }
+
+    /// Point of a wire under a bead.
+    fn point(&self, bead: &Bead) -> CurvePoint {
+        self.curves[bead.wire].spline.at(bead.place)
+    }
+
+    /// Force of the wire on a bead per mass, across the wire and along it [m/s²], at a state.
+    fn accelerations<V: Space>(&self, bead: &Bead, state: &ForcedState<'_, V>, accelerations: &[DVec3]) -> [DVec3; 2] {
+        let (point, index) = (self.point(bead), bead.particle as usize);
+        let (tangent, acceleration) = (point.tangent(), accelerations[index]);
+        let speed = tangent.dot(state.at.velocity.get(index).widen());
+        let along = tangent.dot(acceleration);
+        let across = point.curvature() * speed * speed - (acceleration - along * tangent);
+        let most = self.curves[bead.wire].friction * across.length();
+        let friction = if speed == 0.0 { along.clamp(-most, most) } else { most.copysign(speed) };
+        [across, -friction * tangent]
+    }
+}
+
+impl WireCurve {
+    /// Parameter of the point c with t·(c − x) = 0, from a parameter on; None if there is none near.
+    fn across(&self, mut u: f64, x: DVec3, tangent: DVec3) -> Option<f64> {
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_ITERATIONS {
+            let point = self.spline.at(u);
+            let (off, rate) = (tangent.dot(point.position - x), tangent.dot(point.first));
+            let size = self.spline.end() + point.position.abs().max_element() + x.abs().max_element();
+            let rounding = f64::EPSILON * size;
+            // The divergence monitor reports states that are not finite.
+            if off.is_nan() || off.abs() <= rounding || (off.abs() <= 16.0 * rounding && off.abs() >= before) {
+                return self.spline.within(u);
+            }
+            if rate <= 0.0 {
+                return None;
+            }
+            before = off.abs();
+            u -= off / rate;
+        }
+        None
+    }
+}
+
+/// History: the parameters of the beads. Where a wire crosses itself, they do not follow from the positions.
+impl History for Wires {
+    fn save(&mut self) {
+        self.beads.iter_mut().for_each(|bead| bead.saved = bead.place);
+    }
+
+    fn rollback(&mut self) {
+        self.beads.iter_mut().for_each(|bead| bead.place = bead.saved);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        archive.write(self.beads.iter().map(|bead| bead.place));
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        let places = archive.read(self.beads.len())?;
+        self.beads.iter_mut().zip(places).for_each(|(bead, &place)| bead.place = place);
+        Ok(())
+    }
+}
+
+impl<V: Space> Constraint<V> for Wires {
+    fn about(&self) -> ConstraintProperties {
+        let (count, curves) = (self.beads.len(), self.curves.len());
+        let note = format!("{count} beads on {curves} {}", if curves == 1 { "curve" } else { "curves" });
+        ConstraintProperties {
+            stages: vec![ConstraintStage { name: "wires", note: Some(note), last: true }],
+            order: self.order,
+            varies: true,
+            exact: true,
+            iterates: false,
+            cost: 300.0 * count as f64,
+            bytes: size_of_val(self.beads.as_slice()) + self.curves.iter().map(|curve| curve.spline.bytes()).sum::<usize>(),
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let text = || {
+            format!(
+                "wires: {:.3e} J of the kinetic energy that was given were velocities across wires, which they do not allow",
+                self.removed
+            )
+        };
+        (self.removed > 0.0).then(text).into_iter().collect()
+    }
+
+    /// Moves the beads onto their wires, and removes velocities across them.
+    fn initialize(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
+        let Self { curves, beads, removed, .. } = self;
+        for bead in beads {
+            let (index, WireCurve { path, spline, .. }) = (bead.particle as usize, &curves[bead.wire]);
+            let x = step.matter.exact_position(index);
+            bead.place = spline.nearest(x);
+            let point = spline.at(bead.place);
+            let distance = (point.position - x).length();
+            if distance > DEVIATION * spline.end() {
+                let caller = step.properties.caller[index];
+                let expected = format!("particles on the wire, up to {:.3e} m", DEVIATION * spline.end());
+                return Err(Error::parameter(
+                    format!("{path}.on"),
+                    expected,
+                    format!("particle {caller}, {distance} m beside it"),
+                ));
+            }
+            step.matter.set_exact_position(index, point.position);
+            let (velocity, tangent) = (step.matter.velocity.get(index).widen(), point.tangent());
+            let along = tangent.dot(velocity) * tangent;
+            step.matter.velocity.set(index, V::narrow(along));
+            let [before, after] = [velocity, along].map(|v| 0.5 * step.properties.mass[index] * v.length_squared());
+            if before - after > 1e-9 * before {
+                *removed += before - after;
+            }
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
+        for bead in &mut self.beads {
+            bead.tangent = self.curves[bead.wire].spline.at(bead.place).tangent();
+            bead.speed = bead.tangent.dot(step.matter.velocity.get(bead.particle as usize).widen());
+        }
+    }
+
+    fn positions(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<bool> {
+        let Self { curves, beads, .. } = self;
+        for bead in beads {
+            let (index, curve) = (bead.particle as usize, &curves[bead.wire]);
+            let x = step.matter.exact_position(index);
+            let lost = || {
+                let cause = "does not stay on its wire: it leaves it at an end, or passes a bend within a step; make the wire \
+                             longer or closed, or take a smaller dt";
+                Error::unsolved(step.properties.caller[index] as usize, cause)
+            };
+            let along = bead.tangent.dot(x - curve.spline.at(bead.place).position);
+            let mut place = curve.across(bead.place, x, bead.tangent).ok_or_else(lost)?;
+            let mut slowed = 0.0;
+            if curve.friction > 0.0 {
+                let across = (curve.spline.at(place).position - x).length();
+                slowed = -(curve.friction * across).min(along.abs()).copysign(along);
+                place = curve.across(place, x + slowed * bead.tangent, bead.tangent).ok_or_else(lost)?;
+            }
+            bead.slowed = slowed / step.h;
+            let end = curve.spline.at(place).position;
+            bead.place = place;
+            // Rounding of the place along the wire is no force.
+            let change = end - x;
+            step.pull(index, change - (bead.tangent.dot(change) - slowed) * bead.tangent);
+            step.matter.set_exact_position(index, end);
+        }
+        Ok(true)
+    }
+
+    fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
+        let mut losses = Vec::new();
+        for bead in &self.beads {
+            let (index, tangent) = (bead.particle as usize, self.point(bead).tangent());
+            let velocity = step.matter.velocity.get(index).widen();
+            let free = tangent.dot(velocity);
+            let friction = self.curves[bead.wire].friction;
+            let slowed = -(friction * (velocity - free * tangent).length()).min(free.abs()).copysign(free);
+            let speed = free + slowed;
+            step.matter.velocity.set(index, V::narrow(speed * tangent));
+            if friction > 0.0 {
+                let impulse = step.properties.mass[index] * (bead.slowed + slowed);
+                losses.push((index, -0.5 * impulse * (bead.speed + speed)));
+            }
+        }
+        step.matter.lose_in_contacts(&losses, step.driven);
+        Ok(())
+    }
+
+    /// Adds the wires to the bound on the time step. A bead that is pressed on a wire oscillates about it as a pendulum does,
+    /// with the stiffness of the force times the curvature.
+    fn bound(&self, state: &ForcedState<'_, V>, bound: &mut SpectralBound) {
+        let accelerations = (state.accelerations)();
+        for bead in &self.beads {
+            let index = bead.particle as usize;
+            let curvature = self.point(bead).curvature().length();
+            let [across, _] = self.accelerations(bead, state, &accelerations);
+            bound.point(index, "wires", state.at.properties.mass[index] * across.length() * curvature, 0.0);
+            // Before the bead moves, √(κ |a|) stands for its rate of turning κ |v|.
+            let speed = state.at.velocity.get(index).widen().length();
+            let turning = (curvature * speed).max((curvature * accelerations[index].length()).sqrt());
+            if turning > 0.0 {
+                bound.accuracy("wires", LARGEST_ANGLE / turning);
+            }
+        }
+    }
+
+    fn fields(&self) -> Vec<ConstraintField> {
+        vec![("wire_forces", "N", vec![self.beads.len(), V::DIMENSION])]
+    }
+
+    fn read(&self, _field: usize, state: &ForcedState<'_, V>) -> Vec<f64> {
+        let accelerations = (state.accelerations)();
+        let force = |bead: &Bead| {
+            let [across, along] = self.accelerations(bead, state, &accelerations);
+            (state.at.properties.mass[bead.particle as usize] * (across + along)).to_array()
+        };
+        self.beads.iter().flat_map(|bead| force(bead).into_iter().take(V::DIMENSION)).collect()
+    }
+}
