@@ -192,9 +192,9 @@ def wires(dimension: int = 2, friction: float = 0.0) -> pc.Scene:
     bend = np.zeros((9, dimension))
     bend[:, 0] = 0.25 * np.arange(9) - 0.5
     bend[:, -1] = _rounded(0.125 * np.arange(9) * np.arange(-8, 1) / 4.0) - 1.0
-    beads = pc.SpringNetwork(
-        np.concatenate([ring[[0, 3, 7]], bend[[2, 5]]]), [[0, 3], [1, 2]], 6.0, 0.1, rest_length=0.5, mass=[0.5, 1, 2, 1, 0.5]
-    )
+    places = np.concatenate([ring[[0, 3, 7]], bend[[2, 5]]])
+    masses = [0.5, 1.0, 2.0, 1.0, 0.5]
+    beads = pc.SpringNetwork(places, [[0, 3], [1, 2]], 6.0, 0.1, rest_length=0.5, mass=masses)
     closed = pc.Wire(ring, on=(beads, [0, 1, 2]), closed=True, friction=friction)
     open_ = pc.Wire(bend, on=(beads, [3, 4]), friction=friction)
     down = -4.0 * np.eye(dimension)[-1]

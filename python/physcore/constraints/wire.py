@@ -32,8 +32,8 @@ class Wire(ByValue, Constraint):
     The curve is the cubic spline through the points, over the lengths of the sides of their polygon. An open curve has
     one cubic over its first two intervals and one over its last two (not-a-knot). The wire is fixed in space and pulls
     its beads across its direction, so that its force does no work without friction. The method is RATTLE for one
-    constraint per particle: symplectic, reversible and of order 2 under VelocityVerlet. With friction it is of order 1. The
-    energy that friction removes is listed as dissipated by "contacts".
+    constraint per particle: symplectic, reversible and of order 2 under VelocityVerlet. With friction it is of order 1.
+    The energy that friction removes is listed as dissipated by "contacts".
 
     Beads are moved onto the curve at the start, and velocities across it are removed; the plan tells how much energy
     these had. A bead that reaches an end of an open wire stops the simulation. Nothing else may hold a bead: no rod, no
@@ -85,7 +85,7 @@ class Wire(ByValue, Constraint):
     def curve(self, parts: int = 12) -> FloatArray:
         """Points of the curve [m], shape (S, D): `parts` in each interval between the given points, and the last one.
 
-            x, y = pc.Wire([[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]).curve().T
+        x, y = pc.Wire([[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]).curve().T
         """
         points = np.zeros((len(self.points), 3))
         points[:, : self.points.shape[1]] = self.points

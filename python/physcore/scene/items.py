@@ -412,7 +412,7 @@ class Constraint(ActingItem):
 
     section: ClassVar[str] = "constraints"
     element: ClassVar[Element | None] = None
-    """Kind of the elements that have values: one for each particle that the constraint acts on; None: there are none."""
+    """Kind of the elements that have values, one for each particle that it acts on; None: there are none."""
 
     @property
     def is_smooth(self) -> bool:

@@ -263,8 +263,8 @@ impl World {
         (parts, outcome.err())
     }
 
-    /// Take up to `steps` adaptive steps of a course: its start [s], its interval [s], the position in it, 0 at the start, and
-    /// the largest admissible step there [s], None if unknown. Return the course, or None at its end, and the values of `step`.
+    /// Take up to `steps` adaptive steps of a course. It consists of the start [s], the interval [s], the position in it (0 at
+    /// the start), and the largest admissible step there [s] or None. Return the course, or None at its end, and the values of `step`.
     #[allow(clippy::type_complexity)]
     fn run(
         &self,

@@ -6,7 +6,7 @@
 //!     hᵢ mᵢ₋₁ + 2 (hᵢ₋₁ + hᵢ) mᵢ + hᵢ₋₁ mᵢ₊₁ = 3 (hᵢ δᵢ₋₁ + hᵢ₋₁ δᵢ)
 //!
 //! A closed curve has such an equation at each point. An open one has one cubic over the first two intervals, and one over
-//! the last two (not-a-knot); through two points it is a line, through three a parabola. Source: C. de Boor, "A Practical
+//! the last two (not-a-knot). Through two points it is a line, through three a parabola. Source: C. de Boor, "A Practical
 //! Guide to Splines", 1978, chapter IV.
 
 use glam::DVec3;

@@ -337,7 +337,7 @@ fn refuse(constraint: &str, about: &MethodProperties) -> Result<()> {
     Err(error.with_hint(*hint))
 }
 
-/// What the constraints of a scene are built from.
+/// Parts of a scene from which constraints are built.
 pub struct Declaration<'a, V: Space> {
     pub scene: &'a Scene,
     /// All springs, in the engine's order of particles.

@@ -68,8 +68,8 @@ pub struct Wires {
     beads: Vec<Bead>,
     /// Kinetic energy of velocities across wires in the given states [J].
     removed: f64,
-    /// Highest order of convergence of a step: 1 with friction, which has the impulse at the start of each half of a step,
-    /// and for methods that project at the end of their steps.
+    /// Highest order of convergence of a step: 1 for methods that project at the end of their steps. With friction too, whose
+    /// impulse is the one at the start of each half of a step.
     order: u32,
 }
 
