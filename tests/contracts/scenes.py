@@ -636,7 +636,7 @@ SCENES: dict[str, Case] = {
             network, 0.01, {"integrator": kind(), "precision": precision}, large=LARGE.get(kind)
         )
         for kind, precision in zip(INTEGRATORS, ["f64", "f32"] * len(INTEGRATORS), strict=False)
-        if "second order" in kind.solves
+        if kind.advances("Wave")
     },
     "network 3D": Case(lambda: network(3), 0.01),
     "network adaptive": Case(network, 0.01, {"dt": pc.AdaptiveStep()}),

@@ -12,8 +12,8 @@ from physcore.simulation import engine
 
 def in_engine(fields: dict[str, Field]) -> dict[str, tuple[str, tuple[int, ...]]]:
     """The units and shapes of fields and of their time integrals, by name."""
-    every = [each for field in fields.values() for each in (field, field.accumulated) if each is not None]
-    return {each.name: (each.unit, each.shape) for each in every}
+    integrals = {each.integral: (f"{each.unit}·s", each.shape) for each in fields.values() if each.integral}
+    return {name: (each.unit, each.shape) for name, each in fields.items()} | integrals
 
 
 @pytest.mark.parametrize("name", SCENES)

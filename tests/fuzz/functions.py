@@ -94,7 +94,7 @@ WHEN = st.sampled_from(["", "", "-x if time < 2e-3 else "])
 WIND = "wind"
 """In place of a potential: the function is the wind of a drag, not a force."""
 POTENTIAL = st.one_of(st.none(), st.just("0.5 * float((x * x).sum())"), RESULT, st.just(WIND))
-INTEGRATOR = st.sampled_from([kind.__name__ for kind in INTEGRATORS if "second order" in kind.solves])
+INTEGRATOR = st.sampled_from([kind.__name__ for kind in INTEGRATORS if kind.advances("Wave")])
 EXAMPLES = st.tuples(WHEN, RESULT, POTENTIAL, INTEGRATOR, st.sampled_from(["1e-3", "'auto'", "pc.AdaptiveStep()"]))
 
 

@@ -24,7 +24,7 @@ EPSILON = float(np.finfo(np.float64).eps)
 
 Array = NDArray[np.float64]
 
-ALL = [kind() for kind in INTEGRATORS if "second order" in kind.solves]
+ALL = [kind() for kind in INTEGRATORS if kind.advances("Wave")]
 SYMMETRIC = [pc.VelocityVerlet(), pc.McLachlan2(), pc.PEFRL(), pc.BlanesMoan4(), pc.BlanesMoan6()]
 """Time-reversible integrators."""
 SYMPLECTIC = [pc.SemiImplicitEuler(), *SYMMETRIC]

@@ -10,7 +10,7 @@ from physcore.errors import FileError, SceneError
 from physcore.integrators import INTEGRATORS
 
 NOTHING = pc.Reaction(("T",), lambda heat: (0.0 * heat,))
-FIRST_ORDER = [kind() for kind in INTEGRATORS if "first order" in kind.solves]
+FIRST_ORDER = [kind() for kind in INTEGRATORS if kind.advances("Tracers")]
 D = 0.1
 
 

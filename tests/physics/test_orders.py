@@ -73,7 +73,7 @@ def test_dissipation_brings_a_splitting_down_to_order_two_and_leaves_the_others(
 
 DRAGS = {"without drag": [], "linear drag": [pc.Drag(linear=0.3)], "quadratic drag": [pc.Drag(quadratic=0.2)]}
 RODS = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0], [1.7, 0.8]], [[0, 1], [1, 2]], np.inf, fixed=[0])
-FREE = [kind() for kind in INTEGRATORS if "bodies" in kind.solves and kind not in (pc.GaussRadau15, pc.RATTLE)]
+FREE = [kind() for kind in INTEGRATORS if kind.advances("bodies") and kind not in (pc.GaussRadau15, pc.RATTLE)]
 """All methods for bodies but two. That of order 15 is tested at steps at which rounding does not hide its order."""
 DRAGGED = {
     **{name(integrator): ([ORBIT, pc.CentralForce((0.0, 0.0), 1.0, softening=0.2)], integrator) for integrator in FREE},

@@ -27,7 +27,7 @@ VARYING = [
     pc.Brusselator(1.0, np.linspace(2.0, 3.0, 120).reshape(12, 10)),
     pc.Schnakenberg(np.linspace(0.05, 0.2, 120).reshape(12, 10), 0.9),
 ]
-FIRST_ORDER = [kind() for kind in INTEGRATORS if "first order" in kind.solves]
+FIRST_ORDER = [kind() for kind in INTEGRATORS if kind.advances("Tracers")]
 
 
 def patch(kinetics, cells=(12, 10), edges="free", spacing=0.5):

@@ -14,7 +14,7 @@ from contracts.transforms import flow_in_python
 from physcore.integrators import INTEGRATORS
 from physcore.systems.flows import FLOWS
 
-FIRST_ORDER = [kind for kind in INTEGRATORS if "first order" in kind.solves]
+FIRST_ORDER = [kind for kind in INTEGRATORS if kind.advances("Tracers")]
 READY = [kind for kind in FLOWS if kind is not pc.Flow]
 START = np.array([[0.3, -0.2, 0.4], [-0.5, 0.1, 0.7], [0.2, 0.6, -0.3]])
 PAIR = ([[0.0, 0.0], [1.0, 0.0]], [2.0, 1.0])

@@ -94,5 +94,6 @@ def test_positions_in_a_periodic_domain_are_compared_across_its_faces_beside_a_f
     one[0, 0], other[0, 0] = 0.99, 0.01
     one[1, -1] += 0.3
     assert experiment.distances(one, other) == pytest.approx([0.02, 0.3])
-    assert experiment.parts(one)[1].shape == (2, 12, 12)
-    assert experiment.parts(one)[1][1, -1, -1] == pytest.approx(wave().displacement[-1, -1] + 0.3 * 0.002 / 0.5)
+    heights = experiment.comparison.parts(one)[1]
+    assert heights.shape == (2, 12, 12)
+    assert heights[1, -1, -1] == pytest.approx(wave().displacement[-1, -1] + 0.3 * 0.002 / 0.5)

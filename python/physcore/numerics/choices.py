@@ -23,7 +23,7 @@ from physcore.numerics.integrators import (
     made,
 )
 from physcore.scene.contents import ItemKey
-from physcore.scene.items import Equation
+from physcore.scene.records import kind_of
 from physcore.scene.scene import Scene
 from physcore.spelling import did_you_mean
 
@@ -215,12 +215,9 @@ def suited(scene: Scene) -> list[type[Integrator]]:
     """The integrators with steps of a given length that resolve the motion of a scene; Boris' in a magnetic field,
     with rods those that hold them.
     """
-    equations: set[Equation] = {"bodies"} if scene.bodies else set()
-    equations |= {each.equation for each in scene.systems}
+    items = [BODIES] * bool(scene.bodies) + [kind_of(type(each)) for each in scene.systems]
     others = (*(() if is_magnetic(scene) else (Boris,)), *(() if scene.has_rods else (RATTLE,)))
-    kinds = [
-        kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not (kind.self_adaptive or kind.stiff)
-    ]
+    kinds = [kind for kind in INTEGRATORS if any(map(kind.advances, items)) and not (kind.self_adaptive or kind.stiff)]
     return [kind for kind in kinds if kind not in others and (kind.holds_rods or not scene.has_rods)]
 
 
@@ -231,11 +228,11 @@ def _integrators(value: object, scene: Scene, automatic: bool) -> dict[str, Inte
     Raises:
         SceneError: something is no integrator or no item, or an integrator cannot drive what it is to.
     """
-    paths: dict[str, tuple[Equation, Integrator]] = {}
+    paths: dict[str, tuple[str, Integrator]] = {}
     if scene.bodies:
-        paths[BODIES] = ("bodies", default_integrator(scene, automatic))
+        paths[BODIES] = (BODIES, default_integrator(scene, automatic))
     paths |= {
-        str(scene.system(each)): (each.equation, INTEGRATORS_BY_NAME[each.default_integrator]())
+        str(scene.system(each)): (kind_of(type(each)), INTEGRATORS_BY_NAME[each.default_integrator]())
         for each in scene.systems
     }
     chosen: dict[str, Integrator | None] = {}
@@ -247,7 +244,7 @@ def _integrators(value: object, scene: Scene, automatic: bool) -> dict[str, Inte
                 raise SceneError(f"integrator[{shown(key)}]: all bodies have one integrator, which is there already")
     else:
         one = _integrator(value, "integrator", None)
-        driven = [path for path, (equation, _) in paths.items() if one is None or equation in one.solves]
+        driven = [path for path, (kind, _) in paths.items() if one is None or one.advances(kind)]
         if not driven:
             _integrator(value, "integrator", next(iter(paths.values()))[0])  # says which can
         chosen = dict.fromkeys(driven, one)
@@ -274,12 +271,12 @@ def _path(key: object, scene: Scene) -> str:
     return BODIES
 
 
-def _integrator(value: object, path: str, equation: Equation | None) -> Integrator | None:
-    """An integrator, None where none is named; one that can drive equations of a kind, if that is given."""
+def _integrator(value: object, path: str, item: str | None) -> Integrator | None:
+    """An integrator, None where none is named; one that can advance items of a kind, if that is given."""
     if is_word(value, "auto"):
         return None
     value = made(value)
-    able = [kind for kind in INTEGRATORS if equation is None or equation in kind.solves]
+    able = [kind for kind in INTEGRATORS if item is None or kind.advances(item)]
     if isinstance(value, INTEGRATORS) and isinstance(value, tuple(able)):
         return value
     known = ", ".join(f"{kind.__name__}()" for kind in able)

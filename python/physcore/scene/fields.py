@@ -44,13 +44,6 @@ class Field:
         """The field of a scene with `count` elements, in so many dimensions."""
         return replace(self, shape=(count, dimension) if self.vector else (count,))
 
-    @property
-    def accumulated(self) -> Self | None:
-        """The time integral of the field in the engine."""
-        if self.integral is None:
-            return None
-        return replace(self, name=self.integral, part=self.integral, unit=f"{self.unit}·s", integral=None)
-
 
 # To add a field of matter: a line here, and its counterpart in Rust. Fields of a system stand in its class.
 MATTER = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast
+from typing import Any, ClassVar, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -304,22 +304,12 @@ class Force(ActingItem):
         return None
 
 
-Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]
-"""Kind of an equation of motion, which determines the integrators that support it.
-
-The kinds are x'' = a(x, v, t) of all bodies; x'' = a(x, v, t) of a field; x' = f(x, t); iħ ψ' = H ψ; incompressible
-flow.
-"""
-
-
 # To add a system: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
 @dataclass(frozen=True)
 class System(SceneItem):
     """Base class of systems: a state with its own law of motion, in addition to the bodies."""
 
     section: ClassVar[str] = "systems"
-    equation: ClassVar[Equation] = "second order"
-    """Kind of the equation of motion."""
     default_integrator: ClassVar[str] = "VelocityVerlet"
     """Name of the default integrator."""
     derived: ClassVar[tuple[str, ...]] = ()

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from physcore.checks import DIMENSIONS, BoolArray, FloatArray, array, frozen
 from physcore.errors import SceneError
 from physcore.scene.fields import Element
-from physcore.scene.items import Equation, System
+from physcore.scene.items import System
 
 
 # To add a system of points: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
@@ -20,7 +20,6 @@ from physcore.scene.items import Equation, System
 class PointSystem(System):
     """Base class of systems of N points in D dimensions in a velocity field, x' = v(x, t)."""
 
-    equation: ClassVar[Equation] = "first order"
     default_integrator: ClassVar[str] = "RungeKutta4"
     derived: ClassVar[tuple[str, ...]] = ("velocities",)
 

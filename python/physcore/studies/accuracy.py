@@ -161,14 +161,15 @@ def _search(
         trial = selection.trial
         _refuse_trees(selection, target)
         return replace(selection, trial=trial if trial.recording is not None else record(trial.choice))
-    asked = [f"within {target.accuracy:g}{experiment.suffix}"] * target.compares
+    unit = experiment.comparison.suffix
+    asked = [f"within {target.accuracy:g}{unit}"] * target.compares
     asked += [f"energy drift {target.energy_drift:g}"] * math.isfinite(target.energy_drift)
     reached = "every one diverged"
     error, drift = math.inf, math.inf
     if selection is not None:
         error, drift = selection.error, selection.drift
         name = type(selection.trial.choice.integrator).__name__
-        reached = f"the best was {name}, off by {error:.1e}{experiment.suffix} with a drift of {drift:.1e}"
+        reached = f"the best was {name}, off by {error:.1e}{unit} with a drift of {drift:.1e}"
     raise AccuracyError(
         f"{'accuracy' if target.compares else 'energy_drift'}: no method gets there ({', '.join(asked)}): "
         f"{reached}; {_advice(options, scene)}",
@@ -202,9 +203,10 @@ def _refuse_trees(selection: Selection, target: Target) -> None:
     # The error falls at least by the factor 8: a quadrupole's next term has the third power of the angle.
     error = float(experiment.distances(trial.samples[:common], samples[:common]).max()) * 8.0 / 7.0
     if error + selection.error > target.accuracy:
+        unit = experiment.comparison.suffix
         raise AccuracyError(
-            f"forces[{trees[0]}].opening_angle: the trees alone are off by {error:.1e}{experiment.suffix}, and "
-            f"{target.accuracy:g}{experiment.suffix} is asked; take a smaller one, or 0 for exact sums",
+            f"forces[{trees[0]}].opening_angle: the trees alone are off by {error:.1e}{unit}, and "
+            f"{target.accuracy:g}{unit} is asked; take a smaller one, or 0 for exact sums",
             error=error + selection.error,
             energy_drift=selection.drift,
         )
@@ -230,7 +232,7 @@ def _proof(selection: Selection) -> str:
     method = f"{name} with dt = {dt:.4g}{selection.candidate.experiment.scene.units.suffix('s')}"
     if not selection.candidate.target.compares:
         return f"{method} keeps within an energy drift of {selection.drift:.1e}"
-    measured = selection.candidate.experiment.suffix
+    measured = selection.candidate.experiment.comparison.suffix
     return (
         f"{method} keeps within {selection.error:.1e}{measured} "
         f"(energy drift {selection.drift:.1e}), as runs with other steps prove"

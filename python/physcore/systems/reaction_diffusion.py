@@ -13,7 +13,6 @@ from physcore.checks import FloatArray, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.edges import Condition, Dirichlet, Neumann, Sides
 from physcore.scene.grid import Field, Grid, GridSystem
-from physcore.scene.items import Equation
 from physcore.systems.kinetics import KINETICS, Kinetics, Reaction
 from physcore.systems.resolution import SLOW, front_speed, spikes
 
@@ -67,7 +66,6 @@ class ReactionDiffusion(GridSystem):
     Time-Dependent Advection-Diffusion-Reaction Equations", 2003.
     """
 
-    equation: ClassVar[Equation] = "first order"
     has_varying_limit: ClassVar[bool] = True
     default_integrator: ClassVar[str] = "RungeKutta4"
     parts: ClassVar[tuple[type, ...]] = (Grid, Dirichlet, Neumann, *KINETICS)

@@ -16,7 +16,6 @@ from physcore.entrance import entrance
 from physcore.errors import SceneError, SceneWarning, warn
 from physcore.scene.edges import Absorbing, Condition, absorbing_layer
 from physcore.scene.grid import Field, Grid, GridSystem
-from physcore.scene.items import Equation
 from physcore.systems.resolution import note, wave_number
 from physcore.systems.wave import EDGES, Edges
 
@@ -119,7 +118,6 @@ class Schrodinger(GridSystem):
 
     units: ClassVar[Mapping[str, str]] = {"density": "m^-D", "wave_function": "m^(-D/2)"}
     signed: ClassVar[bool] = False
-    equation: ClassVar[Equation] = "schrodinger"
     default_integrator: ClassVar[str] = "SplitStep"
     derived: ClassVar[tuple[str, ...]] = ("density",)
     parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing)

@@ -10,6 +10,7 @@ mod elementary;
 mod errors;
 mod gif;
 mod hull;
+mod methods;
 mod record;
 mod scene;
 mod view;
@@ -45,6 +46,8 @@ mod _core {
     use super::gif::PyGif;
     #[pymodule_export]
     use super::hull::convex_hull;
+    #[pymodule_export]
+    use super::methods::advances;
     #[pymodule_export]
     use super::view::{PyProjection, norms, tint};
     #[pymodule_export]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.scene.items import Equation
+from physcore._core import advances
+from physcore.scene.records import Record
 
 MOST_ITERATIONS = 100_000
 """Largest number of iterations per step; a larger one is a mistake."""
@@ -42,5 +43,17 @@ class Integrator:
     """Whether a step that becomes short changes the state by less and less."""
     holds_rods: ClassVar[bool] = False
     """Whether the method keeps springs of infinite stiffness (rods) at their lengths."""
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order")
-    """The kinds of equations of motion that the method supports."""
+
+    @classmethod
+    def advances(cls, kind: str) -> bool:
+        """Whether the method can advance the items of a kind: "bodies", or a kind of system, such as "Wave".
+
+        The engine decides it. What else is in a scene can exclude more methods, which a Simulation then refuses.
+        """
+        if (cls, kind) not in _answers:
+            _answers[cls, kind] = advances(kind, Record.of(cls()).described())
+        return _answers[cls, kind]
+
+
+_answers: dict[tuple[type[Integrator], str], bool] = {}
+"""Answers of the engine, for the default parameters of a method."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -30,4 +29,3 @@ class BogackiShampine3(Integrator):
     symplectic: ClassVar[bool] = False
     resolving: ClassVar[float] = 0.07
     embedded: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

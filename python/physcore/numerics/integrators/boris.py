@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from physcore.checks import flag
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,6 @@ class Boris(Integrator):
     order: ClassVar[int] = 2
     symplectic: ClassVar[bool] = False
     resolving: ClassVar[float] = 0.022
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     exact_angle: bool = False
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -28,4 +27,3 @@ class CrankNicolson(Integrator):
 
     order: ClassVar[int] = 2
     symplectic: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("schrodinger",)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -34,4 +33,3 @@ class DormandPrince5(Integrator):
     symplectic: ClassVar[bool] = False
     resolving: ClassVar[float] = 0.3
     embedded: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

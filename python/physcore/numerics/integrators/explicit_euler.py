@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -28,4 +27,3 @@ class ExplicitEuler(Integrator):
 
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from physcore.checks import number
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,6 @@ class GaussRadau15(Integrator):
 
     order: ClassVar[int] = 15
     symplectic: ClassVar[bool] = False
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
     self_adaptive: ClassVar[bool] = True
 
     tolerance: float = 1e-9

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from physcore.checks import number
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -23,7 +22,6 @@ class Implicit(Integrator):
 
     symplectic: ClassVar[bool] = False
     stiff: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     tolerance: float = 1e-10
 

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from physcore.checks import count
 from physcore.numerics.integrators.base import MOST_ITERATIONS, Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,6 @@ class ProjectiveDynamics(Integrator):
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
     stiff: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     iterations: int = 10
 

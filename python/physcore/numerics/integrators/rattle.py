@@ -8,7 +8,6 @@ from typing import ClassVar, Literal
 from physcore.checks import count
 from physcore.errors import SceneError
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,6 @@ class RATTLE(Integrator):
 
     symplectic: ClassVar[bool] = True
     holds_rods: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     order: Literal[2, 4] = 2  # type: ignore[misc]
     """Order of the method."""

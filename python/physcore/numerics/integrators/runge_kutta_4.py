@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -29,4 +28,3 @@ class RungeKutta4(Integrator):
     order: ClassVar[int] = 4
     symplectic: ClassVar[bool] = False
     resolving: ClassVar[float] = 0.11
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

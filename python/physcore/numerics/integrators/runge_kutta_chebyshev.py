@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -34,4 +33,3 @@ class RungeKuttaChebyshev(Integrator):
     order: ClassVar[int] = 2
     symplectic: ClassVar[bool] = False
     embedded: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("first order",)

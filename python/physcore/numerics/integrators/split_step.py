@@ -8,7 +8,6 @@ from typing import ClassVar, Literal
 from physcore.checks import count
 from physcore.errors import SceneError
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,6 @@ class SplitStep(Integrator):
         SceneError: the order is neither 2 nor 4.
     """
 
-    solves: ClassVar[tuple[Equation, ...]] = ("schrodinger",)
     symplectic: ClassVar[bool] = True
 
     order: Literal[2, 4] = 2  # type: ignore[misc]

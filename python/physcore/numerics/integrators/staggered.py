@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -27,4 +26,3 @@ class Staggered(Integrator):
 
     order: ClassVar[int] = 2
     symplectic: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("schrodinger",)

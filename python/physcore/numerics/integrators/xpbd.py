@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from physcore.checks import count
 from physcore.numerics.integrators.base import MOST_ITERATIONS, Integrator
-from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,6 @@ class XPBD(Integrator):
     stiff: ClassVar[bool] = True
     continuous: ClassVar[bool] = False
     holds_rods: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     substeps: int = 10
     iterations: int = 1

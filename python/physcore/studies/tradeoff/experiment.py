@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,7 +22,7 @@ from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.step_warnings import unwarned
 from physcore.studies import clock
-from physcore.studies.state import Primary, compared
+from physcore.studies.tradeoff.comparison import Comparison, scales_of
 
 SAMPLES = 32
 """Default number of intervals of the duration. Every time step divides an interval."""
@@ -91,9 +91,7 @@ class Experiment:
     """Simulated duration [s]."""
     threads: int | None = None
     observer: Observer | None = None
-    """Function of the compared values. None: the primary fields of all items. Those of several items are one array, in
-    which each but the first moving one is scaled to move as far as that one (`scales`).
-    """
+    """Function of the compared values. None: the primary fields of all items, as in Comparison."""
     intervals: int = SAMPLES
     """Number of equal parts of the duration; values are compared at their ends."""
     max_energy_growth: float | None = None
@@ -110,49 +108,14 @@ class Experiment:
     """
 
     def __post_init__(self) -> None:
-        if self.observer is None and len(self._compared) > 1 and not self.scales:
-            object.__setattr__(self, "scales", self._measured_scales())
+        if self.observer is None and not self.scales:
+            scales = scales_of(self.scene, self.duration, self.threads, self.fluids)
+            object.__setattr__(self, "scales", scales)
 
     @property
-    def _compared(self) -> tuple[Primary, ...]:
-        """The compared fields without an observer."""
-        return compared(self.scene)
-
-    @property
-    def _first(self) -> int:
-        """The index of the item in whose unit errors are: the first one that moves."""
-        return next((index for index, scale in enumerate(self.scales) if scale > 0.0), 0)
-
-    @property
-    def suffix(self) -> str:
-        """The unit of errors as it follows a number."""
-        return self._compared[self._first].suffix
-
-    @property
-    def _weights(self) -> tuple[float, ...]:
-        """The factor of each of several compared items; 1 for the first moving one, and for those at rest."""
-        return tuple(self.scales[self._first] / scale if scale > 0.0 else 1.0 for scale in self.scales)
-
-    def weighed(self, values: Sequence[float], power: int) -> list[float]:
-        """One value for each compared item in a power of its unit, as values of the first moving item."""
-        weights = self._weights or (1.0,)
-        return [math.prod([weight] * power) * value for weight, value in zip(weights, values, strict=True)]
-
-    def _measured_scales(self) -> tuple[float, ...]:
-        """The largest change of each item since the start, in a run with the default numerics or until it diverges."""
-        with unwarned():
-            run = Simulation(self.scene, threads=self.threads, fluids=self.fluids)
-            starts = [each.values(run) for each in self._compared]
-            scales = [0.0] * len(starts)
-            for _ in range(SAMPLES):
-                try:
-                    run.run(self.duration / SAMPLES)
-                except SimulationDiverged:
-                    break
-                for index, (each, start) in enumerate(zip(self._compared, starts, strict=True)):
-                    change = each.difference(each.values(run), start)[np.newaxis]
-                    scales[index] = max(scales[index], float(each.distances(change).max(initial=0.0)))
-        return tuple(scales)
+    def comparison(self) -> Comparison:
+        """How runs are compared without an observer."""
+        return Comparison(self.scene, self.scales)
 
     @property
     def interval(self) -> float:
@@ -192,54 +155,22 @@ class Experiment:
             SceneError: the observer does not return an array of finite numbers.
         """
         if self.observer is None:
-            return self._joined([each.values(simulation) for each in self._compared], 0)
+            return self.comparison.present(simulation)
         return array(self.observer(simulation), "observe")
-
-    def _joined(self, values: list[FloatArray], axes: int) -> FloatArray:
-        """The values of all items in one array, after `axes` common axes; that of a single item as it is."""
-        if len(values) == 1:
-            return values[0]
-        scaled = [
-            weight * each.reshape(*each.shape[:axes], -1) for weight, each in zip(self._weights, values, strict=True)
-        ]
-        return np.concatenate(scaled, axis=-1)
-
-    def parts(self, samples: FloatArray) -> list[FloatArray]:
-        """The values of each item in its own unit (F, …), from joined values (F, …)."""
-        if len(self._compared) == 1:
-            return [samples]
-        ends = np.cumsum([math.prod(each.shape) for each in self._compared])
-        columns = np.split(samples, ends[:-1], axis=-1)
-        return [
-            (own / weight).reshape(*own.shape[:-1], *each.shape)
-            for each, own, weight in zip(self._compared, columns, self._weights, strict=True)
-        ]
 
     def difference(self, one: FloatArray, other: FloatArray) -> FloatArray:
         """The difference one − other; for positions in a periodic domain, the displacement to the nearest image."""
         if one.shape[1:] != other.shape[1:]:
             raise SceneError(f"observe: must always give one shape, gave {other.shape[1:]} and then {one.shape[1:]}")
-        if self.observer is not None:
-            return one - other
-        if self.scene.periodic is None or self._compared[0].system is not None:
-            return one - other
-        pairs = zip(self._compared, self.parts(one), self.parts(other), strict=True)
-        return self._joined([each.difference(first, second) for each, first, second in pairs], 1)
+        return self.comparison.difference(one, other) if self.observer is None else one - other
 
     def distances(self, one: FloatArray, other: FloatArray) -> FloatArray:
-        """The largest distance of any particle, or of any observed value, at each time; shape (F,). With several items,
-        the largest of any item, scaled to the motion of the first moving one.
-        """
+        """The largest distance of any particle, or of any observed value, at each time; shape (F,)."""
         change = self.difference(one, other)
-        if self.observer is not None:
-            largest: FloatArray = np.abs(change).reshape(len(change), -1).max(axis=1)
-            return largest
-        own = [each.distances(part) for each, part in zip(self._compared, self.parts(change), strict=True)]
-        if len(own) == 1:
-            return own[0]
-        weights = np.array(self._weights)[:, np.newaxis]
-        farthest: FloatArray = (weights * np.stack(own)).max(axis=0)
-        return farthest
+        if self.observer is None:
+            return self.comparison.distances(change)
+        largest: FloatArray = np.abs(change).reshape(len(change), -1).max(axis=1)
+        return largest
 
     def attempt(self, choice: Choice) -> Trial:
         """Run a choice once, until the end or until it diverges.
@@ -293,7 +224,8 @@ class Experiment:
         seconds = clock.seconds() - begin
         taken = simulation.steps * recording.plan.evaluations
         drift = _largest_drift(recording.energy)
-        samples = self._joined([recording.channels[each.channel] for each in self._compared], 1)
+        comparison = self.comparison
+        samples = comparison.joined([recording.channels[each.channel] for each in comparison.items], 1)
         return Trial(choice, samples, seconds, taken, drift, None, recording)
 
 

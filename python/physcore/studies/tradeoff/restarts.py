@@ -193,7 +193,7 @@ def _averages(experiment: Experiment, choice: Choice, sizes: tuple[float, ...], 
             continue
         energy = simulation.energy()
         squares = [_spread(each, simulation) for each in compared(experiment.scene)]
-        radius = float(np.sqrt(np.mean(experiment.weighed(squares, 2))))
+        radius = float(np.sqrt(np.mean(experiment.comparison.weighed(squares, 2))))
         sums += energy.kinetic, energy.potential + energy.internal - begin.potential - begin.internal, radius
     return sums / (SAMPLES - SAMPLES // 2)
 

@@ -10,8 +10,8 @@ pub mod tracers;
 use std::collections::BTreeMap;
 
 use crate::error::{Error, Result};
-use crate::integrators::with_integrator;
-use crate::parallel::Executor;
+use crate::integrators::{first_order, with_integrator};
+use crate::parallel::{Executor, SERIAL};
 use crate::scene::{self, Item, Scene};
 pub use physcore_base::systems::*;
 use physcore_fields::{reaction_diffusion, schrodinger, wave};
@@ -52,10 +52,27 @@ pub fn build(
     })
 }
 
+/// Kind of all bodies together, for [`advances`].
+pub const BODIES: &str = "bodies";
+
+/// Whether a method can advance items of a kind: a kind of system, or [`BODIES`]. [`build`] refuses other methods; what else is
+/// in a scene can exclude more.
+pub fn advances(kind: &str, method: &Item) -> bool {
+    let name = method.kind.as_str();
+    match kind {
+        BODIES => matter::build(&Scene { dimension: 2, ..Scene::default() }, method, "f64", &SERIAL).is_ok(),
+        "Wave" => wave::advances(name),
+        "Schrodinger" => schrodinger::METHODS.contains(&name),
+        "ReactionDiffusion" | "Tracers" | "PointVortices" => first_order::NAMES.contains(&name),
+        _ => false,
+    }
+}
+
 /// Builds the system that an item declares, with the items that are advanced with it, by a method. Registry of systems.
 fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executor) -> Result<SystemPart> {
     let item = items[0];
     let system = match item.kind.as_str() {
+        kind @ "Wave" if !advances(kind, method) => Err(unknown_integrator(method)),
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
         "ReactionDiffusion" => reaction_diffusion::build(item, method, precision),
         "Schrodinger" => schrodinger::build(item, method, precision),

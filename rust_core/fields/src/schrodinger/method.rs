@@ -10,6 +10,9 @@ use crate::parallel::{Executor, SERIAL};
 use crate::scene::Item;
 use crate::stability::{Limit, LimitKind};
 
+/// Names of the methods, as of their classes in Python.
+pub const NAMES: [&str; 3] = ["SplitStep", "CrankNicolson", "Staggered"];
+
 /// Time-stepping method.
 #[derive(Debug)]
 pub enum SchrodingerMethod<T> {
@@ -24,8 +27,9 @@ impl<T: FourierReal> SchrodingerMethod<T> {
     /// # Errors
     /// If the method is none for wave functions, or not applicable to this one.
     pub fn declared(item: &Item, hamiltonian: &Hamiltonian<T>) -> Result<Self> {
+        let [split_step, crank_nicolson, staggered] = NAMES;
         match item.kind.as_str() {
-            "SplitStep" => {
+            name if name == split_step => {
                 let order = match item.number("order")? {
                     2.0 => 2,
                     4.0 => 4,
@@ -33,11 +37,11 @@ impl<T: FourierReal> SchrodingerMethod<T> {
                 };
                 Ok(Self::SplitStep { order, steps: SplitStep::new(SplittingCoefficients::of(order)) })
             }
-            "CrankNicolson" => Ok(Self::CrankNicolson),
-            "Staggered" if hamiltonian.interaction != 0.0 => {
+            name if name == crank_nicolson => Ok(Self::CrankNicolson),
+            name if name == staggered && hamiltonian.interaction != 0.0 => {
                 Err(Error::parameter("integrator", "SplitStep or CrankNicolson beside an interaction", &item.kind))
             }
-            "Staggered" => Ok(Self::Staggered),
+            name if name == staggered => Ok(Self::Staggered),
             other => Err(Error::parameter("integrator", "SplitStep, CrankNicolson or Staggered for a wave function", other)),
         }
     }
@@ -49,11 +53,11 @@ impl<T: FourierReal> SchrodingerMethod<T> {
 
     /// Name of the class in Python.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::SplitStep { .. } => "SplitStep",
-            Self::CrankNicolson => "CrankNicolson",
-            Self::Staggered => "Staggered",
-        }
+        NAMES[match self {
+            Self::SplitStep { .. } => 0,
+            Self::CrankNicolson => 1,
+            Self::Staggered => 2,
+        }]
     }
 
     /// Order of convergence.

@@ -21,6 +21,7 @@ use crate::systems::System;
 use absorbing::{Absorption, Layer};
 use fourier::{Complex, FourierReal, Spectrum};
 use hamiltonian::{Energies, Hamiltonian};
+pub use method::NAMES as METHODS;
 use method::SchrodingerMethod;
 use passes::Field;
 use state::QuantumState;

@@ -18,7 +18,7 @@ use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
 use crate::grid::{EdgeValues, Grid, RowTable, depth};
-use crate::integrators::{Facts, Integrator};
+use crate::integrators::{Boris, Facts, Integrator, with_integrator};
 use crate::math::Real;
 use crate::memory;
 use crate::scene::{Item, Value};
@@ -31,6 +31,11 @@ use source::Sources;
 use stage::Kernels;
 use state::{HELD, WaveState, WaveTally, WaveWorkspace};
 use sweep::WaveLaw;
+
+/// Whether an integrator can advance waves: the explicit ones, but not Boris' kick, which turns velocities of particles.
+pub fn advances(name: &str) -> bool {
+    with_integrator!(name, I => I::NAME != Boris::NAME, false)
+}
 
 /// Compiles a wave for an integrator.
 ///
