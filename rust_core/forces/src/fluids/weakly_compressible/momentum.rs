@@ -45,21 +45,8 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
         self.search(&|axis, index| at.exact_position(axis, index), executor)?;
         self.sum_density(&at.velocity, executor)?;
-        let Self {
-            summation,
-            tension,
-            surface,
-            walls,
-            neighbor_list,
-            records,
-            materials,
-            fluids,
-            kind,
-            mass,
-            density,
-            obstacles,
-            ..
-        } = self;
+        let Self { summation, tension, surface, walls, neighbor_list, records, obstacles, .. } = self;
+        let Self { materials, fluids, kind, mass, density, .. } = self;
         if let Some(tension) = tension {
             let rest = |member: usize| mass[member] / materials.rest_density(kind[member]);
             tension.update((neighbor_list, records), walls, kind, &rest, executor);
