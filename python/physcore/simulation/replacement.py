@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,16 +13,46 @@ from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.numerics.choices import BODIES, Integrators, Numerics, Options, check
 from physcore.numerics.fluids import FluidMethod
-from physcore.scene.bodies import Body
-from physcore.scene.contents import BodyKey
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.channels import first_spring
+from physcore.scene.fluid import Fluid
 from physcore.scene.items import System
-from physcore.scene.scene import Scene
+from physcore.scene.scene import BodyKey, Scene
 from physcore.simulation import engine
 
 Item = TypeVar("Item", Body, System)
 _RENAME = "with another name it begins as the scene says"
-ROUNDING = 1e-6
-"""Largest change of a position by rounding to single precision, over the extent."""
+
+
+def require_alike(scene: Scene, before: Scene) -> None:
+    """Refuse a scene to which the state of another cannot be carried over.
+
+    Raises:
+        SceneError: the dimension or the units differ, or items that both have; with the name of the item.
+    """
+    if scene.dimension != before.dimension:
+        raise SceneError(
+            f"replace.scene: must be in {before.dimension}D as before, got {scene.dimension}D; start a new Simulation"
+        )
+    if scene.units != before.units:
+        raise SceneError("replace.scene: must have the units of the scene before; build it with the same units=")
+    for one, other in pairs(before.bodies, scene.bodies, before.path, scene.path):
+        path = f"replace.{scene.path(other)}"
+        if isinstance(one, Fluid) != isinstance(other, Fluid):
+            raise SceneError(f"{path}: is a {type(other).__name__}, and was a {type(one).__name__}; {_RENAME}")
+        if len(one) != len(other):
+            raise SceneError(f"{path}.positions: must be {len(one)} as before, got {len(other)}; {_RENAME}")
+    for was, system in _systems(scene, before):
+        path = f"replace.{scene.system(system)}"
+        if type(system) is not type(was):
+            raise SceneError(f"{path}: is a {type(system).__name__}, and was a {type(was).__name__}; {_RENAME}")
+        known = was.shapes()
+        for name, shape in system.shapes().items():
+            if known.get(name) != shape:
+                found = (
+                    f"must have the shape {known[name]} of before, got {shape}" if name in known else "was not there"
+                )
+                raise SceneError(f"{path}.{name}: {found}; {_RENAME}")
 
 
 def numerics_for(scene: Scene, before: Scene, numerics: Numerics) -> Numerics:
@@ -33,12 +64,14 @@ def numerics_for(scene: Scene, before: Scene, numerics: Numerics) -> Numerics:
     integrators: dict[Any, Any] = {}
     if scene.bodies and before.bodies:
         integrators[BODIES] = numerics.integrators.get(BODIES, numerics.integrator)
-    for one, other in pairs(before.systems, scene.systems, _path_of(before), _path_of(scene)):
-        path = str(before.system(one))
-        integrators[other] = numerics.integrators.get(path, numerics.integrator)
+    for was, system in _systems(scene, before):
+        path = str(before.system(was))
+        integrators[system] = numerics.integrators.get(path, numerics.integrator)
     fluids = pairs(before.bodies, scene.bodies, before.path, scene.path)
     methods: dict[BodyKey, FluidMethod | str] = {
-        other: numerics.fluids[before.path(one)] for one, other in fluids if one.is_fluid and other.is_fluid
+        other: numerics.fluids[before.path(one)]
+        for one, other in fluids
+        if isinstance(one, Fluid) and isinstance(other, Fluid)
     }
     chosen: Integrators = integrators or "auto"
     options = Options(
@@ -62,7 +95,6 @@ def carry(world: World, scene: Scene, old: World, before: Scene) -> None:
     Raises:
         SceneError: something cannot be carried over; with its name.
     """
-    _require_same_space(scene, before)
     clock, past = world.capture(), old.capture()
     for name in ("clock", "steps", "taken_back"):
         clock[name] = past[name]
@@ -71,11 +103,16 @@ def carry(world: World, scene: Scene, old: World, before: Scene) -> None:
     fields = {info.name: engine.read(world, scene, info.name) for info in engine.fields(world, scene) if info.state}
     if scene.bodies:
         _carry_bodies(fields, scene, old, before)
-    for one, other in pairs(before.systems, scene.systems, _path_of(before), _path_of(scene)):
-        _carry_system(fields, (str(scene.system(other)), other), (str(before.system(one)), one), old)
+    for was, system in _systems(scene, before):
+        for name in system.shapes():
+            path = f"{scene.system(system)}.{name}"
+            if path in fields:
+                fields[path] = old.read(f"{before.system(was)}.{name}")
     written = {name: values for name, values in fields.items() if values.size}
-    world.write(written)
-    _require_written(world, scene, written)
+    try:
+        world.write(written)
+    except SceneError as error:
+        raise SceneError(f"replace.{engine.named(str(error), scene)}") from None
 
 
 def pairs(
@@ -107,24 +144,36 @@ def pairs(
 def _carry_bodies(fields: dict[str, FloatArray], scene: Scene, old: World, before: Scene) -> None:
     """Put the state of bodies that were there before into the fields of the new scene."""
     matched = pairs(before.bodies, scene.bodies, before.path, scene.path)
-    for one, other in matched:
-        if one.is_fluid != other.is_fluid:
-            kinds = [type(body).__name__ for body in (other, one)]
-            raise SceneError(f"replace.{scene.path(other)}: is a {kinds[0]}, and was a {kinds[1]}; {_RENAME}")
-        if len(one) != len(other):
-            raise SceneError(
-                f"replace.{scene.path(other)}.positions: must be of the {len(one)} particles of this body before, got "
-                f"{len(other)}; {_RENAME}"
-            )
-    known = {info.name for info in engine.fields(old, before)} if before.bodies else set()
-    for name in ("positions", "velocities"):
-        if name not in known:
-            continue
+    if not before.bodies:
+        return
+    known = {info.name for info in engine.fields(old, before)}
+    for name in fields.keys() & known & {"positions", "velocities", "densities"}:
         values = engine.read(old, before, name)
         for one, other in matched:
             mine, own = fields[name][scene.slice(other)], values[before.slice(one)]
-            kept = np.ones(len(other), dtype=bool) if name == "positions" else ~_newly_held(one, other)
+            kept = ~_newly_held(one, other) if name == "velocities" else np.ones(len(other), dtype=bool)
             mine[kept] = own[kept]
+    if "broken" in known:
+        broken = engine.read(old, before, "broken")
+        for one, other in matched:
+            _carry_broken(fields, (scene, other), (before, one), broken)
+
+
+def _carry_broken(
+    fields: dict[str, FloatArray], new: tuple[Scene, Body], old: tuple[Scene, Body], broken: FloatArray
+) -> None:
+    """Put the broken springs of a body that was there before into the fields of the new scene."""
+    (scene, other), (before, one) = new, old
+    torn = broken[_springs(before, one)]
+    if not torn.any():
+        return
+    path = f"replace.{scene.path(other)}"
+    ends = [body.pairs for body in (one, other) if isinstance(body, SpringNetwork)]
+    if len(ends) < 2 or not np.array_equal(ends[0], ends[1]):
+        raise SceneError(f"{path}.pairs: must be those of this body before, because some springs are broken; {_RENAME}")
+    if "broken" not in fields:
+        raise SceneError(f"{path}.breaking_strain: must be given as before, because some springs are broken; {_RENAME}")
+    fields["broken"][_springs(scene, other)] = torn
 
 
 def _newly_held(one: Body, other: Body) -> np.ndarray:
@@ -134,55 +183,19 @@ def _newly_held(one: Body, other: Body) -> np.ndarray:
     return held
 
 
-def _carry_system(
-    fields: dict[str, FloatArray], new: tuple[str, System], old: tuple[str, System], world: World
-) -> None:
-    """Put the state of a system that was there before into the fields of the new scene."""
-    (path, system), (old_path, was) = new, old
-    if type(system) is not type(was):
-        raise SceneError(f"replace.{path}: is a {type(system).__name__}, and was a {type(was).__name__}; {_RENAME}")
-    known = was.shapes()
-    for name in system.shapes():
-        if f"{path}.{name}" not in fields:
-            continue
-        if name not in known:
-            raise SceneError(f"replace.{path}.{name}: was not there before; {_RENAME}")
-        values = world.read(f"{old_path}.{name}")
-        expected = fields[f"{path}.{name}"].shape
-        if values.shape != expected:
-            raise SceneError(
-                f"replace.{path}.{name}: must have the shape {values.shape} of this field before, "
-                f"got {expected}; {_RENAME}"
-            )
-        fields[f"{path}.{name}"] = values
+def _springs(scene: Scene, body: Body) -> slice:
+    """The slice of a body's springs in the fields of springs."""
+    if not isinstance(body, SpringNetwork):
+        return slice(0, 0)
+    start = first_spring(scene, body)
+    return slice(start, start + len(body.pairs))
 
 
-def _require_same_space(scene: Scene, before: Scene) -> None:
-    """Refuse another dimension, and other units."""
-    if scene.dimension != before.dimension:
-        raise SceneError(
-            f"replace.scene: must be in {before.dimension}D as before, got {scene.dimension}D; start a new Simulation"
-        )
-    if scene.units != before.units:
-        raise SceneError("replace.scene: must have the units of the scene before; build it with the same units=")
+def _systems(scene: Scene, before: Scene) -> list[tuple[System, System]]:
+    """The systems that two scenes have, as they were before and as they are."""
+    paths = [partial(_path, each) for each in (before, scene)]
+    return pairs(before.systems, scene.systems, *paths)
 
 
-def _require_written(world: World, scene: Scene, fields: Mapping[str, FloatArray]) -> None:
-    """Refuse positions that a boundary of the new scene has moved."""
-    if "positions" not in fields:
-        return
-    given, found = fields["positions"], engine.read(world, scene, "positions")
-    scale = float(np.abs(given).max(initial=0.0)) + float(np.ptp(given))
-    moved = np.abs(found - given).max(axis=1) > ROUNDING * scale
-    for index in np.flatnonzero(moved)[:1]:
-        body = next(body for body in scene.bodies if index < scene.slice(body).stop)
-        raise SceneError(
-            f"replace.{scene.path(body)}: particle {index - scene.slice(body).start} is now at "
-            f"{given[index].round(6).tolist()}, beyond a boundary of the new scene; move the boundary, or the particle "
-            "with set(positions=…) before"
-        )
-
-
-def _path_of(scene: Scene) -> Callable[[System], str]:
-    """The path of a system in messages."""
-    return lambda system: str(scene.system(system))
+def _path(scene: Scene, system: System) -> str:
+    return str(scene.system(system))
