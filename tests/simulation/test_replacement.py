@@ -242,7 +242,7 @@ def test_fields_of_grids_go_on() -> None:
     assert after.kinetic == before.kinetic
     assert after.potential == pytest.approx(4.0 * before.potential, rel=1e-12)
     assert after.work - before.work == pytest.approx(after.total - before.total, abs=roundings(before, after))
-    with pytest.raises(pc.SceneError, match=r"replace\.wave\.displacement: must have the shape \(32, 24\)"):
+    with pytest.raises(pc.SceneError, match=r"replace\.wave\.displacement: must have the shape \(32, 24\) as before"):
         simulation.replace(scene(1.0, (24, 32)))
     simulation.replace(scene(1.0, (24, 32), "other"))
     assert simulation["other"].displacement.shape == (24, 32)
@@ -440,7 +440,7 @@ def test_water_goes_on_with_its_densities() -> None:
         water = pc.Fluid(pc.block((0.0, 0.0), (0.3, 0.6), 0.05), 0.05, name="water")
         return pc.Scene(*more, water, pc.Box((0.0, 0.0), (1.0, 1.0)), pc.Gravity((0.0, -pull)))
 
-    simulation = pc.Simulation(scene(9.81))
+    simulation = pc.Simulation(scene(9.81), fluids=pc.WeaklyCompressible(sound_speed=40.0))
     simulation.run(0.2)
     before, energy = simulation["water"], simulation.energy()
     assert np.ptp(before.densities) > 1.0

@@ -246,8 +246,10 @@ class Simulation(Measured):
     def frame(self) -> Frame:
         """The present state with its budgets, as a Frame.
 
-        frame = simulation.frame()
-        frame.time, frame["cloth"].positions, frame.energy.total
+            frame = simulation.frame()
+            frame.time, frame["cloth"].positions, frame.energy.total
+
+        Its arrays are copies.
         """
         return sampling.present(self._world, self._scene, self._stepper)
 
@@ -321,17 +323,11 @@ class Simulation(Measured):
             stiffer = pc.Scene(pc.cloth((12, 8), 0.05, stiffness=800.0, name="cloth"), pc.Gravity())
             simulation.replace(stiffer)
 
-        Forces, boundaries, constraints and parameters are those of the new scene. Bodies and systems that both scenes
-        have keep their state: the same objects, those of one name, and without names those in the same order. They must
-        have as many particles, or fields of the same shape, as before. What is new begins as its scene says, what is
-        left out is gone. A particle that is newly held takes the velocity that the new scene gives it.
-
-        The change of energy counts as work, so that the energy balance goes on; so do other budgets, and the clock. A
-        time step that was left to be chosen is chosen anew, a number stays, as do the integrators, the precision and
-        all other choices. As after `set`, lists of neighbors, warm starts of constraints and what a method keeps from
-        earlier steps are found anew from the state. A scene that is equal to the present one changes nothing.
-        Iterations over `frames` end with an error. Checkpoints have the new scene; a recording has one scene, so record
-        each part by itself.
+        Bodies and systems that both scenes have keep their state: the same objects, those of one name, and without
+        names those in the same order. All other items begin as the new scene says, and parameters are those of the new
+        scene. The change of energy is work. A time step that was left to be chosen is chosen anew; all other numerics
+        stay. As after `set`, what methods and forces keep from earlier steps is found anew from the state. A scene that
+        is equal to the present one changes no bit. Iterations over `frames` end with an error. See docs/replace.md.
 
         Raises:
             SceneError: the scene is not valid; something cannot be carried over, which is named; or a particle is now

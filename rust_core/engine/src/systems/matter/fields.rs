@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use super::MatterSystem;
 use super::compile::out_of_range;
-use super::constraints::Constraint;
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::{DensityScheme, Fields};
