@@ -29,7 +29,6 @@ from physcore.film.labels.text import text_height
 from physcore.film.layout import Heading, Layout, best
 from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
-from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 
@@ -128,9 +127,10 @@ class Composition:
         colors = {id(item): color for painter in painters for item, color in painter.legend}
         entries = {(item.name or "", colors.get(id(item))): item for panel in self._listed for item in panel}
         for (_, color), item in entries.items():
-            if color is None and (isinstance(item, Body) or not self._all_listed):
+            is_body = "particles" in item.elements
+            if color is None and (is_body or not self._all_listed):
                 style = "colors by body, such as styles.Points('body')"
-                if not isinstance(item, Body):
+                if not is_body:
                     style = "has one color, such as styles.Trails(color='tomato')"
                 raise SceneError(f"legend: {item!r} is not drawn in one color; give it a style that {style}")
         return [(name, color) for name, color in entries if color is not None]

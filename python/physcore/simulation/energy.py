@@ -58,7 +58,8 @@ class Budget(Generic[T]):
     vanishes with the spacing.
     """
     work: T
-    """Work done since the start by wind, custom forces, moving fixed particles, shifting and `Simulation.set`, each
+    """Work done since the start by wind, custom forces, moving fixed particles, shifting, `Simulation.set` and
+    `Simulation.replace`, each
     integrated separately; exactly 0 if there is none of them.
     """
     units: UnitSystem = field(default=SI, kw_only=True)

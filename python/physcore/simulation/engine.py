@@ -68,6 +68,17 @@ def describe(scene: Scene, numerics: Numerics) -> dict[str, object]:
     }
 
 
+def is_same(one: object, other: object) -> bool:
+    """Whether two descriptions of scenes are equal, in all numbers and arrays; functions must be the same objects."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(is_same(one[key], other[key]) for key in one)
+    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
+        return len(one) == len(other) and all(map(is_same, one, other))
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+    return type(one) is type(other) and bool(one == other)
+
+
 def fields(world: World, scene: Scene) -> list[FieldInfo]:
     """The fields of a world. Without bodies there are positions and velocities of no particles."""
     none = (

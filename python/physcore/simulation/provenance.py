@@ -33,7 +33,10 @@ class Segment:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Provenance of a simulation, from the start of its scene to its state. `Simulation.set` is not recorded in it."""
+    """Provenance of a simulation, from the start of its scene to its state. `Simulation.set` is not recorded in it.
+
+    After `Simulation.replace` the steps are those in all scenes, and the scene beside it is the last one.
+    """
 
     version: str
     """Version of physcore that computed the state."""

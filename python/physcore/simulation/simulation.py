@@ -41,7 +41,7 @@ from physcore.simulation.occurrences import Events
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance, version
 from physcore.simulation.recording import Recording, check_channels, collect
-from physcore.simulation.replacement import carry, numerics_for
+from physcore.simulation.replacement import carry, numerics_for, require_alike
 from physcore.simulation.serial import pack_numerics
 from physcore.simulation.state import Frame, Part
 from physcore.simulation.stepper import Stepper
@@ -246,8 +246,10 @@ class Simulation(Measured):
     def frame(self) -> Frame:
         """The present state with its budgets, as a Frame.
 
-        frame = simulation.frame()
-        frame.time, frame["cloth"].positions, frame.energy.total
+            frame = simulation.frame()
+            frame.time, frame["cloth"].positions, frame.energy.total
+
+        Its arrays are copies.
         """
         return sampling.present(self._world, self._scene, self._stepper)
 
@@ -321,16 +323,11 @@ class Simulation(Measured):
             stiffer = pc.Scene(pc.cloth((12, 8), 0.05, stiffness=800.0, name="cloth"), pc.Gravity())
             simulation.replace(stiffer)
 
-        Forces, boundaries, constraints and parameters are those of the new scene. Bodies and systems that both scenes
-        have keep their state: the same objects, those of one name, and without names those in the same order. They must
-        have as many particles, or fields of the same shape, as before. What is new begins as its scene says, what is
-        left out is gone. A particle that is newly held takes the velocity that the new scene gives it.
-
-        The change of energy counts as work, so that the energy balance goes on; so do other budgets, and the clock. A
-        time step that was left to be chosen is chosen anew, a number stays, as do the integrators, the precision and
-        all other choices. Lists of neighbors, warm starts of constraints and the earlier steps of methods that use such
-        are found anew from the state. Of iterations over `frames`, none goes on. Checkpoints, recordings and films have
-        the new scene; a recording has one scene, so record each part by itself.
+        Bodies and systems that both scenes have keep their state: the same objects, those of one name, and without
+        names those in the same order. All other items begin as the new scene says, and parameters are those of the new
+        scene. The change of energy is work. A time step that was left to be chosen is chosen anew; all other numerics
+        stay. As after `set`, what methods and forces keep from earlier steps is found anew from the state. A scene that
+        is equal to the present one changes no bit. Iterations over `frames` end with an error. See docs/replace.md.
 
         Raises:
             SceneError: the scene is not valid; something cannot be carried over, which is named; or a particle is now
@@ -342,8 +339,11 @@ class Simulation(Measured):
         """
         require_scene(scene)
         with scene.units.worded(), self._stepper.alone():
+            require_alike(scene, self._scene)
             numerics = numerics_for(scene, self._scene, self._numerics)
             check_flows(numerics.fluids, scene)
+            if engine.is_same(engine.describe(scene, numerics), engine.describe(self._scene, self._numerics)):
+                return self._adopt(scene)
             world = engine.build(scene, numerics)
             carry(world, scene, self._world, self._scene)
             stepper, units = Stepper(world, scene, numerics), scene.units
@@ -351,8 +351,13 @@ class Simulation(Measured):
             after = sampling.audit(world, units, Earlier())
             stepper.begin()
             stepper.succeed(self._stepper, self._stepper.earlier.then(before, after, world.time))
-            self._scene, self._numerics, self._world, self._stepper = scene, numerics, world, stepper
-            self.__dict__.pop("_scene_notes", None)
+            self._numerics, self._world, self._stepper = numerics, world, stepper
+            return self._adopt(scene)
+
+    def _adopt(self, scene: Scene) -> None:
+        """Take another scene, whose items are the keys from now on."""
+        self._scene = scene
+        self.__dict__.pop("_scene_notes", None)
 
     def set(self, positions: State | None = None, velocities: State | None = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.

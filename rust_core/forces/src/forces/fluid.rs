@@ -71,6 +71,9 @@ pub trait FluidScheme<V: Vector> {
     /// Writes density and pressure, indexed by particle.
     fn export(&self, fields: &mut Fields);
 
+    /// Replaces the density by one that is indexed by particle [kg/m³], if it is carried along drifts.
+    fn import(&mut self, _density: &[f64]) {}
+
     /// The gauges of pressure and force, if any are defined.
     fn gauges(&self) -> Option<&Gauges> {
         None

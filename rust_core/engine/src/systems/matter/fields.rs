@@ -4,12 +4,11 @@ use glam::DVec3;
 
 use super::MatterSystem;
 use super::compile::out_of_range;
-use super::constraints::Constraint;
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::{DensityScheme, Fields};
 use crate::math::AXES;
-use crate::matter::{Columns, EnergySink};
+use crate::matter::{Columns, EnergySink, Matter};
 use crate::parallel::{Executor, SERIAL};
 use crate::particles::Gauges;
 use crate::systems::{FieldInfo, System};
@@ -57,8 +56,10 @@ impl<V: Space> MatterSystem<V> {
             let continuity = name == "densities" && self.dynamics.scheme.is_some_and(DensityScheme::is_carried);
             FieldInfo { name: name.to_owned(), unit, shape, rate, state: moves || continuity }
         };
-        let own = self.constraints.iter().flat_map(Constraint::fields);
-        let own = own.map(|(name, unit, shape)| FieldInfo { name: name.to_owned(), unit, shape, rate: None, state: false });
+        // Which springs are broken is a part of the state; tensions follow from it.
+        let constraints = self.constraints.iter().flat_map(|each| each.fields().into_iter().map(|field| (field, each.tears())));
+        let own =
+            constraints.map(|((name, unit, shape), state)| FieldInfo { name: name.to_owned(), unit, shape, rate: None, state });
         self.names().map(info).chain(own).collect()
     }
 
@@ -110,44 +111,25 @@ impl<V: Space> MatterSystem<V> {
         values
     }
 
-    /// Replaces positions or velocities or both.
+    /// Replaces fields of the state.
     pub(super) fn replace(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         let before = self.audit(time, executor)?.total();
-        let mut state = self.state.clone();
+        let (infos, mut state) = (self.field_infos(), self.state.clone());
         for &(name, values) in fields {
-            let properties = &self.dynamics.properties;
-            let expected = V::DIMENSION * state.count();
+            let path = format!("set.{name}");
+            let Some(info) = infos.iter().find(|info| info.state && info.name == name) else {
+                return Err(Error::parameter(path, "positions or velocities", name));
+            };
+            let expected: usize = info.shape.iter().product();
             if values.len() != expected {
-                return Err(Error::parameter(format!("set.{name}"), format!("{expected} numbers"), values.len()));
+                return Err(Error::parameter(path, format!("{expected} numbers"), values.len()));
             }
-            let of = |index: usize| {
-                let first = V::DIMENSION * properties.caller[index] as usize;
-                let mut vector = [0.0; 3];
-                vector[..V::DIMENSION].copy_from_slice(&values[first..first + V::DIMENSION]);
-                DVec3::from_array(vector)
-            };
-            let columns = match name {
-                "positions" => {
-                    (0..state.count()).for_each(|index| state.set_exact_position(index, of(index) - properties.origin));
-                    &state.position
-                }
-                "velocities" => {
-                    state.velocity = Columns::from_fn(state.count(), |index| V::narrow(of(index)));
-                    &state.velocity
-                }
-                _ => return Err(Error::parameter(format!("set.{name}"), "positions or velocities", name)),
-            };
-            if let Some(index) = columns.out_of_range() {
-                let path = format!("set.{name}[{}]", properties.caller[index]);
-                return Err(out_of_range::<V>(&path, of(index)));
-            }
-            if let ("positions", Some(contacts)) = (name, &self.dynamics.contacts) {
-                contacts.project_inside(&mut state.position, properties)?;
-            }
+            self.place(name, values, &mut state)?;
         }
         let mut archive = crate::history::Archive::default();
         self.capture_histories(&mut archive);
         let previous = std::mem::replace(&mut self.state, state);
+        fields.iter().for_each(|(name, values)| self.adopt(name, values));
         // Forces first: the energy of some forces follows from their evaluation.
         let done = self.begin(time, executor).and_then(|()| self.finite_audit(time, executor)).map(|energy| {
             if let Some(tally) = self.state.tallies.first_mut() {
@@ -160,5 +142,49 @@ impl<V: Space> MatterSystem<V> {
             self.restore_histories(&mut archive)?;
         }
         done
+    }
+
+    /// Replaces positions or velocities in a copy of the state.
+    fn place(&self, name: &str, values: &[f64], state: &mut Matter<V>) -> Result<()> {
+        let properties = &self.dynamics.properties;
+        let of = |index: usize| {
+            let first = V::DIMENSION * properties.caller[index] as usize;
+            let mut vector = [0.0; 3];
+            vector[..V::DIMENSION].copy_from_slice(&values[first..first + V::DIMENSION]);
+            DVec3::from_array(vector)
+        };
+        let columns = match name {
+            "positions" => {
+                (0..state.count()).for_each(|index| state.set_exact_position(index, of(index) - properties.origin));
+                &state.position
+            }
+            "velocities" => {
+                state.velocity = Columns::from_fn(state.count(), |index| V::narrow(of(index)));
+                &state.velocity
+            }
+            _ => return Ok(()),
+        };
+        if let Some(index) = columns.out_of_range() {
+            let path = format!("set.{name}[{}]", properties.caller[index]);
+            return Err(out_of_range::<V>(&path, of(index)));
+        }
+        if let ("positions", Some(contacts)) = (name, &self.dynamics.contacts) {
+            contacts.project_inside(&mut state.position, properties)?;
+        }
+        Ok(())
+    }
+
+    /// Replaces densities, or which springs are broken: state that forces and constraints hold.
+    fn adopt(&mut self, name: &str, values: &[f64]) {
+        if name == "densities" {
+            let ordered: Vec<f64> = self.dynamics.properties.caller.iter().map(|&caller| values[caller as usize]).collect();
+            let fluids = self.dynamics.forces_mut().iter_mut().filter_map(|force| force.fluid_mut());
+            fluids.for_each(|fluid| fluid.import(&ordered));
+        }
+        let before = self.constraints.breakage();
+        self.constraints.iter_mut().for_each(|constraint| constraint.adopt(name, values));
+        if self.constraints.breakage() != before {
+            self.leave_out_broken();
+        }
     }
 }

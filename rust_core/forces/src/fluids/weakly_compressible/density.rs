@@ -85,6 +85,14 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> FluidScheme<V> for WeaklyComp
         }
     }
 
+    fn import(&mut self, density: &[f64]) {
+        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
+            if self.fluid(self.kind[member]).is_some() {
+                self.density[member] = density[index as usize];
+            }
+        }
+    }
+
     fn gauges(&self) -> Option<&Gauges> {
         self.gauges.as_ref()
     }

@@ -204,6 +204,9 @@ pub trait Constraint<V: Space>: History + Send + Sync {
         Vec::new()
     }
 
+    /// Replaces a field that is a part of the state.
+    fn adopt(&mut self, _field: &str, _values: &[f64]) {}
+
     /// Whether springs can break, so that steps are taken one at a time.
     fn tears(&self) -> bool {
         false

@@ -12,6 +12,9 @@ use crate::ledger::{Class, Ledger};
 use crate::matter::Matter;
 use crate::systems::matter::methods::Treatment;
 
+/// Name of the field that tells whether each spring is broken.
+const BROKEN: &str = "broken";
+
 /// Springs that can break, and springs that are broken.
 #[derive(Debug, Clone, Default)]
 pub struct Tearing {
@@ -97,11 +100,17 @@ impl<V: Space> Constraint<V> for Tearing {
     }
 
     fn fields(&self) -> Vec<ConstraintField> {
-        vec![("broken", "1", vec![self.now.springs.len()])]
+        vec![(BROKEN, "1", vec![self.now.springs.len()])]
     }
 
     fn read(&self, _field: usize, _state: &ForcedState<'_, V>) -> Vec<f64> {
         self.now.springs.iter().map(|&broken| f64::from(u8::from(broken))).collect()
+    }
+
+    fn adopt(&mut self, field: &str, values: &[f64]) {
+        if field == BROKEN {
+            self.now.springs = values.iter().map(|&number| number != 0.0).collect();
+        }
     }
 
     fn tears(&self) -> bool {
