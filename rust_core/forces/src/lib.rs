@@ -12,6 +12,5 @@ pub mod neighbors;
 
 pub use forces::Space;
 use physcore_base::{
-    adjacency, aligned, columns, error, history, integrators, ledger, math, memory, parallel, scene, simd, stability, systems,
-    tally,
+    adjacency, aligned, columns, error, history, integrators, ledger, math, memory, parallel, scene, simd, stability, tally,
 };

@@ -39,7 +39,7 @@ mod timed;
 mod wind;
 
 pub use central::{InverseSquare, InverseSquareLaw};
-pub use density::{DensityEvolution, DensityScheme, Drift, Fields};
+pub use density::{DensityEvolution, DensityScheme, Drift, Fields, Mach};
 use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;
 pub use electromagnetic::{Affine, ElectromagneticLaw, FieldLaw, Use, times};

@@ -6,11 +6,10 @@ use super::Fluids;
 use super::kernel::{FluidWave, KernelShape};
 use super::laws::{FORCES, OBSTACLE};
 use super::start::Material;
-use crate::forces::{DensityEvolution, DensityScheme};
+use crate::forces::{DensityEvolution, DensityScheme, Mach};
 use crate::math::{Real, Vector};
 use crate::matter::View;
 use crate::stability::SpectralBound;
-use crate::systems::Mach;
 
 impl<V: Vector, K: KernelShape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The Mach number at these velocities.

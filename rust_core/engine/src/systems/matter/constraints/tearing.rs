@@ -114,13 +114,14 @@ impl History for Tearing {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write([self.now.energy]);
-        archive.write(self.now.springs.iter().map(|&broken| f64::from(u8::from(broken))));
+        archive.write("energy", [self.now.energy]);
+        archive.write("broken", self.now.springs.iter().map(|&broken| f64::from(u8::from(broken))));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let numbers = archive.read(1 + self.now.springs.len())?;
-        self.now = Broken { energy: numbers[0], springs: numbers[1..].iter().map(|&number| number != 0.0).collect() };
+        let numbers = archive.read_exactly("broken", self.now.springs.len())?;
+        self.now.springs = numbers.iter().map(|&number| number != 0.0).collect();
+        self.now.energy = archive.read_number("energy")?;
         Ok(())
     }
 }
