@@ -201,6 +201,30 @@ def test_a_wrong_entry_is_named(held, kind, place, value, message):
         pc.load(path)
 
 
+def test_a_state_of_another_scene_or_version_is_refused_by_the_name_of_an_array(held):
+    """Every array of a system is asked for, and none is passed over."""
+    path, trees = held
+    world = trees["simulation"]["world"]
+    names = [name for name in world if "/" in name]
+    assert {"matter/positions", "matter/velocities", "matter/tallies"} < set(names)
+    assert {"matter/forces/fluid[0]/densities", "matter/forces/fluid[0]/anchors"} < set(names)
+
+    def refused(changes: dict[str, Any]) -> str:
+        new = {name: values for name, values in {**world, **changes}.items() if values is not None}
+        archive.write(path, "simulation", changed(trees["simulation"], ("world",), new))
+        with pytest.raises(pc.FileError) as caught:
+            pc.load(path)
+        return str(caught.value)
+
+    for name in names:
+        assert f"state: {name} is missing; it is of another scene" in refused({name: None})
+        longer = np.append(world[name], 0.0)
+        assert f"state: {name} has {len(longer)} numbers instead of {len(longer) - 1}" in refused({name: longer})
+    assert "state: matter/forces/wind[0]/anchors is unknown" in refused({"matter/forces/wind[0]/anchors": np.zeros(3)})
+    old = {"system": np.concatenate([world[name] for name in names]), "tallies": world["matter/tallies"]}
+    assert "state: matter/positions is missing" in refused({**dict.fromkeys(names), **old})
+
+
 def test_a_state_that_the_precision_of_its_run_cannot_hold_is_refused(tmp_path):
     dust = pc.Particles([[0.0, 0.0], [1.0, 1.0]])
     pc.Simulation(pc.Scene(dust), dt=1e-3, precision="f32").save(tmp_path / "state")

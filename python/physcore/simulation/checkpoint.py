@@ -68,8 +68,10 @@ class Checkpoint(NamedTuple):
         Raises:
             FileError: a number of its state is not finite.
         """
-        if self.numerics.on_divergence != "ignore" and not np.isfinite(self.world["tallies"]).all():
-            raise FileError("world.tallies: must be finite")
+        if self.numerics.on_divergence != "ignore":
+            for name, numbers in self.world.items():
+                if name.endswith("tallies") and not np.isfinite(numbers).all():
+                    raise FileError(f"world.{name}: must be finite")
         if not np.isfinite(world.time):
             raise FileError("world.clock: must be a time that is finite")
         for info in engine.fields(world, self.scene):

@@ -80,7 +80,7 @@ def is_same(one: object, other: object) -> bool:
 
 
 def fields(world: World, scene: Scene) -> list[FieldInfo]:
-    """The fields of a world. Without bodies there are positions and velocities of no particles."""
+    """The fields of the elements of a world. Without bodies there are positions and velocities of no particles."""
     none = (
         []
         if scene.bodies
@@ -88,7 +88,8 @@ def fields(world: World, scene: Scene) -> list[FieldInfo]:
     )
     return none + [
         FieldInfo(name, scene.units.symbol(unit), tuple(shape), rate, state)
-        for name, unit, shape, rate, state in world.fields()
+        for name, unit, location, shape, rate, state in world.fields()
+        if location != "whole"
     ]
 
 

@@ -3,6 +3,8 @@
 use std::ops::Range;
 
 use crate::aligned::{Aligned, filled};
+use crate::error::Result;
+use crate::history::Archive;
 use crate::math::{AXES, Real, Vector};
 use crate::simd::padded;
 
@@ -71,6 +73,25 @@ impl<V: Vector> Columns<V> {
     #[inline]
     pub fn view(&self) -> View<'_, V> {
         View { start: 0, axes: std::array::from_fn(|axis| self.axes.get(axis).map_or(&[][..], |axis| axis.as_slice())) }
+    }
+
+    /// Writes the components to an archive, axis by axis.
+    pub fn capture(&self, name: &str, archive: &mut Archive) {
+        let components = (0..V::DIMENSION).flat_map(|axis| &self.axes[axis][..self.count()]);
+        archive.write(name, components.map(|component| component.to_f64()));
+    }
+
+    /// Reads the components from an archive.
+    ///
+    /// # Errors
+    /// If they are missing or of another number.
+    pub fn restore(&mut self, name: &str, archive: &mut Archive) -> Result<()> {
+        let count = self.count();
+        let mut numbers = archive.read_exactly(name, V::DIMENSION * count)?.iter();
+        for axis in self.span().axes.iter_mut().take(V::DIMENSION) {
+            axis[..count].iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = V::Scalar::from_f64(number));
+        }
+        Ok(())
     }
 
     /// Mutable span of all vectors.

@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use crate::error::{Error, Result};
+
 /// Class of an energy in the budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
@@ -130,6 +132,30 @@ impl Ledger {
     /// Energy balance, total + dissipated − work [J].
     pub fn balance(&self) -> f64 {
         self.total() + self.sum(Class::Dissipated) - self.sum(Class::Work)
+    }
+
+    /// Returns the budget if it is finite.
+    ///
+    /// # Errors
+    /// If the balance or a stored amount is not; names the first energy or quantity that is not.
+    pub fn finite(self) -> Result<Self> {
+        if self.balance().is_finite() {
+            let infinite = self.budgets.iter().find(|budget| !budget.stored.is_finite());
+            let error = infinite.map(|budget| Error::parameter("scene", format!("a finite {}", budget.name), budget.stored));
+            return error.map_or(Ok(self), Err);
+        }
+        let found = self.rows.iter().find(|row| !row.energy.is_finite()).map_or_else(
+            || "a sum that is not".to_owned(),
+            |row| {
+                let name = match row.class {
+                    Class::Kinetic => "kinetic",
+                    Class::Internal => "internal",
+                    _ => row.name,
+                };
+                format!("{name} energy of {} J", row.energy)
+            },
+        );
+        Err(Error::parameter("scene", "an energy that is finite", found))
     }
 
     /// Magnitude of the terms of the balance [J], the scale of its rounding error.

@@ -2,7 +2,8 @@
 
 mod control;
 
-use glam::DVec3;
+use std::any::Any;
+use std::ops::RangeInclusive;
 
 use crate::error::{Error, Result};
 use crate::history::History;
@@ -11,20 +12,6 @@ use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
 pub use control::Control;
-
-/// Mach number of a flow: speed over speed of sound.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Mach {
-    /// Fraction of particles with a Mach number above [`Mach::FAST`].
-    pub fast: f64,
-    /// Speed of sound c [m/s].
-    pub sound: f64,
-}
-
-impl Mach {
-    /// Mach number Ma of a fast flow: the density error is about Ma², two percent.
-    pub const FAST: f64 = 0.15;
-}
 
 /// Interval of equal steps.
 #[derive(Debug, Clone, Copy)]
@@ -82,13 +69,46 @@ pub struct FieldInfo {
     pub name: String,
     /// Unit of the field.
     pub unit: &'static str,
-    /// Shape of the array: the number of elements; then, if there are several, the components of each element.
+    /// Elements that have a value each.
+    pub location: Location,
+    /// Shape of the array: the number of elements, if they are counted; then, if there are several, the components of each.
     pub shape: Vec<usize>,
     /// Name of the field that is the rate of change, if any. The field is then interpolated between two steps by the cubic
     /// through both.
     pub rate: Option<String>,
     /// Whether the field is a part of the state, not a function of other fields.
     pub state: bool,
+}
+
+/// Elements of a system at which the values of a field stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Location {
+    /// Particles, tracers or vortices.
+    Points,
+    /// Cells of a grid.
+    Cells,
+    /// Springs of all networks, as declared.
+    Springs,
+    /// Boundaries, then bodies that are obstacles in a fluid.
+    Walls,
+    /// Probes.
+    Probes,
+    /// The system as a whole.
+    Whole,
+}
+
+impl Location {
+    /// Name of the elements.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Points => "points",
+            Self::Cells => "cells",
+            Self::Springs => "springs",
+            Self::Walls => "walls",
+            Self::Probes => "probes",
+            Self::Whole => "whole",
+        }
+    }
 }
 
 /// Field in space.
@@ -136,8 +156,60 @@ pub struct Sample<'a> {
     pub on: Option<usize>,
 }
 
+/// Facts about a system for the clock and the divergence monitor. Only the amplitude changes with the state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hints {
+    /// Maximum number of steps in a batch.
+    pub most_steps: u64,
+    /// Maximum number of steps in a batch with every activity recorded.
+    pub most_recorded: u64,
+    /// Whether steps iterate, so that no estimate of their duration holds and interrupts are polled for.
+    pub iterates: bool,
+    /// Whether the steps are linear in the state and autonomous. Steps of at most half of the limit of stability then never
+    /// double the energy. The reason is that the invariant of an oscillator's step is elongated by at most 1/√(1 − ½²).
+    pub linear: bool,
+    /// Whether the method is unconditionally unstable, so that the energy may grow at any step size.
+    pub gains_energy: bool,
+    /// Lower bound of the potential energy [J], if known. Initial potential energy is then no rise when it becomes kinetic.
+    pub lowest_potential: Option<f64>,
+    /// Largest |value| of a system without an energy, whose divergence shows only in this value.
+    pub amplitude: Option<f64>,
+}
+
+impl Hints {
+    /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
+    const BATCH: f64 = 0.05;
+
+    /// Hints of a system whose steps take `cost` seconds, in batches of a number of steps in this range.
+    pub fn new(cost: f64, steps: RangeInclusive<u64>) -> Self {
+        Self {
+            most_steps: ((Self::BATCH / cost) as u64).clamp(*steps.start(), *steps.end()),
+            most_recorded: *steps.end(),
+            iterates: false,
+            linear: false,
+            gains_energy: false,
+            lowest_potential: None,
+            amplitude: None,
+        }
+    }
+
+    /// Hints of two systems that are advanced together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            most_steps: self.most_steps.min(other.most_steps),
+            most_recorded: self.most_recorded.min(other.most_recorded),
+            iterates: self.iterates || other.iterates,
+            linear: self.linear && other.linear,
+            gains_energy: self.gains_energy || other.gains_energy,
+            lowest_potential: self.lowest_potential.zip(other.lowest_potential).map(|(one, other)| one + other),
+            amplitude: self.amplitude.into_iter().chain(other.amplitude).reduce(f64::max),
+        }
+    }
+}
+
 /// State with its equations of motion, of any dimension and precision.
-pub trait System: History + Send + Sync {
+pub trait System: History + Any + Send + Sync {
     /// Stages of a step: one part for each system of the scene.
     fn stages(&self) -> Vec<Stages>;
 
@@ -148,16 +220,8 @@ pub trait System: History + Send + Sync {
     /// the result.
     fn cost(&self) -> f64;
 
-    /// Whether steps iterate, so that no estimate of their duration holds and interrupts are polled for.
-    fn iterates(&self) -> bool {
-        false
-    }
-
-    /// Maximum number of steps in a batch.
-    fn most_steps(&self) -> u64;
-
-    /// Maximum number of steps in a batch with every activity recorded.
-    fn most_recorded(&self) -> u64;
+    /// Facts for the clock and the divergence monitor.
+    fn hints(&self) -> Hints;
 
     /// Initializes the system from the present fields, without history.
     ///
@@ -176,20 +240,9 @@ pub trait System: History + Send + Sync {
     /// if the solution does. NaN or infinite if the state is.
     fn activity(&self) -> &[f64];
 
-    /// Largest |value| of a system without an energy, whose divergence shows only in this value.
-    fn amplitude(&self) -> Option<f64> {
-        None
-    }
-
-    /// Whether the steps are linear in the state and autonomous. Steps of at most half of the limit of stability then never
-    /// double the energy. The reason is that the invariant of an oscillator's step is elongated by at most 1/√(1 − ½²).
-    fn is_linear(&self) -> bool {
-        false
-    }
-
-    /// Whether the method is unconditionally unstable, so that the energy may grow at any step size.
-    fn gains_energy(&self) -> bool {
-        false
+    /// Smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy of one kick from rest; 0 if none.
+    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
+        0.0
     }
 
     /// Limit of the time step.
@@ -203,14 +256,9 @@ pub trait System: History + Send + Sync {
         false
     }
 
-    /// Estimated error of the last step of `h` seconds [m], and the order of the method; None without an embedded pair.
-    fn error(&self, _h: f64) -> Option<(f64, u32)> {
+    /// Estimated error of the last step of `h` seconds [m], and the step-size control by it; None without an estimate.
+    fn error(&self, _h: f64) -> Option<(f64, Control)> {
         None
-    }
-
-    /// Step-size control by the estimated error, for a method of this order.
-    fn control(&self, order: u32) -> Control {
-        Control::pair(order)
     }
 
     /// Energy budget.
@@ -223,21 +271,8 @@ pub trait System: History + Send + Sync {
     ///
     /// # Errors
     /// As [`System::audit`], and on overflow.
-    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
-
-    /// Lower bound of the potential energy [J], if known. Initial potential energy is then no rise when it becomes kinetic.
-    fn lowest_potential(&self) -> Option<f64> {
-        None
-    }
-
-    /// Momentum [kg·m/s] and angular momentum about the origin of coordinates [kg·m²/s]; 0 for systems other than matter.
-    fn momenta(&self) -> (DVec3, DVec3) {
-        (DVec3::ZERO, DVec3::ZERO)
-    }
-
-    /// Smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy of one kick from rest; 0 if none.
-    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
-        0.0
+    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
+        self.audit(time, executor)?.finite()
     }
 
     /// First element with a quantity that is not finite.
@@ -245,11 +280,6 @@ pub trait System: History + Send + Sync {
 
     /// Element with the most kinetic energy.
     fn fastest(&self) -> Element;
-
-    /// Mach number of the flow, if the system is a fluid.
-    fn mach(&self) -> Option<Mach> {
-        None
-    }
 
     /// Descriptions of all fields.
     fn fields(&self) -> Vec<FieldInfo>;
@@ -263,15 +293,6 @@ pub trait System: History + Send + Sync {
     /// If a field does not exist or cannot be replaced, if a value is out of range, or as [`System::begin`]. The state is then
     /// unchanged.
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()>;
-
-    /// Energy tallies, part by part, for checkpoints.
-    fn tallies(&self) -> Vec<f64>;
-
-    /// Restores the tallies.
-    ///
-    /// # Errors
-    /// If the tallies belong to something else.
-    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()>;
 
     /// Samples a field in space at some points, row by row.
     ///

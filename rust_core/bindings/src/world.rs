@@ -6,14 +6,15 @@ use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
+use physcore_engine::forces::Mach;
+use physcore_engine::history::Archive;
 use physcore_engine::ledger::{Budget, Class};
 use physcore_engine::memory;
 use physcore_engine::parallel::{Executor, SERIAL, attend};
 use physcore_engine::plan::Stages;
 use physcore_engine::simulation::{Adaptation, Checkpoint, Course, Numerics, Segment, Simulation, StepSizeRule, Vigilance};
 use physcore_engine::stability::{Horizon, Limit, LimitKind};
-use physcore_engine::systems::Mach;
-use physcore_engine::systems::{Quantity, Sample};
+use physcore_engine::systems::{FieldInfo, Quantity, Sample};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -43,6 +44,8 @@ type Shared = Arc<RwLock<Simulation>>;
 type Parts = Vec<(u64, f64)>;
 /// Class, name and energy [J].
 type EnergyRow = (&'static str, &'static str, f64);
+/// Name, unit, elements with a value each, shape, name of the rate of change, and whether the field is a part of the state.
+type FieldRow = (String, &'static str, &'static str, Vec<usize>, Option<String>, bool);
 /// Name, unit, stored amount, removed amounts and supplied amounts.
 type BudgetRow = (String, &'static str, f64, Vec<(&'static str, f64)>, Vec<(&'static str, f64)>);
 
@@ -126,6 +129,12 @@ impl World {
         let hint = || "for a copy of what there is; record fewer channels, or free some arrays".to_owned();
         memory::check("state", bytes, 0, hint).map_err(|error| exception(py, error))?;
         self.look(py, copy)
+    }
+
+    /// Reads a vector of matter as a whole; 0 without matter.
+    fn total<'py>(&self, py: Python<'py>, field: &'static str, components: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = self.look(py, |world| world.read(field))?;
+        Ok(PyArray1::from_vec(py, found.map_or_else(|| vec![0.0; components], |(_, values)| values)))
     }
 
     /// Reads the world in the engine.
@@ -305,12 +314,11 @@ impl World {
         self.glance(py, |world| world.segment().dt)
     }
 
-    /// Descriptions of the fields: name, unit, shape of the array, name of the rate of change, and whether the field is a part of
-    /// the state. The rate of change is named if it is a field too.
-    #[allow(clippy::type_complexity)]
-    fn fields(&self, py: Python<'_>) -> PyResult<Vec<(String, &'static str, Vec<usize>, Option<String>, bool)>> {
+    /// Descriptions of the fields. The rate of change is named if it is a field too.
+    fn fields(&self, py: Python<'_>) -> PyResult<Vec<FieldRow>> {
         let fields = self.glance(py, Simulation::fields)?;
-        Ok(fields.into_iter().map(|field| (field.name, field.unit, field.shape, field.rate, field.state)).collect())
+        let row = |field: FieldInfo| (field.name, field.unit, field.location.name(), field.shape, field.rate, field.state);
+        Ok(fields.into_iter().map(row).collect())
     }
 
     /// Read a field: one row per element, or one number per element if the field has a single component.
@@ -351,18 +359,11 @@ impl World {
     }
 
     fn momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (momentum, _) = self.look(py, physcore_engine::simulation::Simulation::momenta)?;
-        Ok(momentum.to_array()[..self.dimension].to_pyarray(py))
+        self.total(py, "momentum", self.dimension)
     }
 
     fn angular_momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (_, angular) = self.look(py, physcore_engine::simulation::Simulation::momenta)?;
-        let components = angular.to_array();
-        Ok(match self.dimension {
-            1 => [0.0; 0].to_pyarray(py),
-            2 => components[2..].to_pyarray(py),
-            _ => components.to_pyarray(py),
-        })
+        self.total(py, "angular_momentum", [0, 1, 3][self.dimension - 1])
     }
 
     fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -392,17 +393,19 @@ impl World {
         Ok(record)
     }
 
+    /// Arrays by name: those of the clock and of the control of steps, and those of the systems, whose names are paths.
     fn capture<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let checkpoint = self.copy(py, self.memory(py)?, physcore_engine::simulation::Simulation::capture)?;
         let record = PyDict::new(py);
         record.set_item("clock", [checkpoint.segment.start, checkpoint.segment.dt].to_pyarray(py))?;
         record.set_item("steps", [checkpoint.segment.steps, checkpoint.steps].to_pyarray(py))?;
-        record.set_item("system", PyArray1::from_vec(py, checkpoint.system))?;
-        record.set_item("tallies", PyArray1::from_vec(py, checkpoint.tallies))?;
         record.set_item("monitor", checkpoint.monitor.to_pyarray(py))?;
         let Adaptation { rejected, failed, range, control } = checkpoint.adaptation;
         record.set_item("adaptation", [range, control].as_flattened().to_pyarray(py))?;
         record.set_item("taken_back", [rejected, failed].to_pyarray(py))?;
+        for (name, numbers) in checkpoint.system.into_arrays() {
+            record.set_item(name, PyArray1::from_vec(py, numbers))?;
+        }
         Ok(record)
     }
 
@@ -414,8 +417,7 @@ impl World {
         let checkpoint = Checkpoint {
             segment: Segment { start, steps: segment, dt },
             steps,
-            system: column(state, "system")?,
-            tallies: column(state, "tallies")?,
+            system: systems(state)?,
             monitor: numbers(state, "monitor")?,
             adaptation: Adaptation { rejected, failed, range: [smallest, largest], control: [wanted, last] },
         };
@@ -500,6 +502,16 @@ fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
     record.set_item("endured", limit.endured)?;
     Ok(record)
 }
+
+/// Arrays of the systems.
+fn systems(state: &Bound<'_, PyDict>) -> PyResult<Archive> {
+    let names = state.keys().iter().map(|name| name.extract()).collect::<PyResult<Vec<String>>>()?;
+    let names = names.into_iter().filter(|name| !CLOCK.contains(&name.as_str()));
+    names.map(|name| column(state, &name).map(|numbers| (name, numbers))).collect()
+}
+
+/// Names of the arrays of a captured state that belong to no system.
+const CLOCK: [&str; 5] = ["clock", "steps", "monitor", "adaptation", "taken_back"];
 
 fn column<T: numpy::Element + Clone + Sync>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
     let missing = || FileError::new_err(format!("state: {name} is missing or of the wrong kind"));

@@ -12,17 +12,15 @@ pub use checkpoint::Checkpoint;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use glam::DVec3;
-
 use crate::error::{Error, Result};
+use crate::forces::Mach;
 use crate::ledger::Ledger;
 use crate::parallel::{Executor, SERIAL, ThreadPool};
 use crate::plan::Plan;
 use crate::scene::{Item, Scene};
 use crate::simd::Level;
 use crate::stability::{Horizon, Limit};
-use crate::systems::Mach;
-use crate::systems::{self, FieldInfo, Interval, RecordedSteps, Sample, System};
+use crate::systems::{self, FieldInfo, Hints, Interval, RecordedSteps, Sample, System};
 use monitor::{Monitor, StepSizes};
 
 /// The numerical choices of a run.
@@ -88,6 +86,8 @@ impl Segment {
 /// A running scene.
 pub struct Simulation {
     system: Box<dyn System>,
+    /// Facts about the system; only the amplitude may be out of date.
+    hints: Hints,
     pool: ThreadPool,
     /// Machine epsilon of the state.
     epsilon: f64,
@@ -98,8 +98,8 @@ pub struct Simulation {
     monitor: Monitor,
     /// Certified limit of the time step at the start, once a step of given size was taken.
     first: Option<Limit>,
-    /// Largest Mach number that the monitor has recorded.
-    mach: Option<Mach>,
+    /// Index of the field of the Mach number, if there is a fluid, and the largest value after a batch.
+    mach: (Option<usize>, Option<Mach>),
 }
 
 /// Interval of polling for interrupts in a long call.
@@ -118,24 +118,26 @@ impl Simulation {
         Level::check()?;
         let threads = numerics.threads()?;
         let system = systems::build(scene, &numerics.integrator, &numerics.integrators, &numerics.precision, executor)?;
+        let hints = system.hints();
         // An unconditionally unstable method may gain energy without limit; it serves to demonstrate the instability.
-        let growth = if system.gains_energy() { f64::INFINITY } else { numerics.max_energy_growth };
+        let growth = if hints.gains_energy { f64::INFINITY } else { numerics.max_energy_growth };
         let threads = if system.cost() < WORTH_SHARING { 1 } else { threads };
         let mut simulation = Self {
             pool: ThreadPool::new(threads),
             epsilon: if numerics.precision == "f32" { f32::EPSILON.into() } else { f64::EPSILON },
+            mach: (system.fields().iter().position(|field| field.name == "mach"), None),
             system,
+            hints,
             adaptation: Adaptation::default(),
             segment: Segment::default(),
             steps: 0,
             monitor: Monitor::new(growth, numerics.vigilance),
             first: None,
-            mach: None,
         };
         simulation.system.begin(0.0, executor)?;
         let energy = simulation.system.finite_audit(0.0, executor)?;
-        simulation.monitor.begin(&energy, simulation.system.lowest_potential(), simulation.epsilon);
-        simulation.monitor.expect_amplitude(simulation.system.amplitude());
+        simulation.monitor.begin(&energy, hints.lowest_potential, simulation.epsilon);
+        simulation.monitor.expect_amplitude(hints.amplitude);
         Ok(simulation)
     }
 
@@ -200,7 +202,7 @@ impl Simulation {
     fn take(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let (mut left, mut polled) = (steps, Instant::now());
         while left > 0 {
-            let most = left.min(self.system.most_steps());
+            let most = left.min(self.hints.most_steps);
             left -= self.batch(most, StepSizes::Equal, interrupted).map_err(|error| self.with_hint(error, interrupted))?;
             if left > 0 && polled.elapsed() >= POLL {
                 if interrupted() {
@@ -215,8 +217,8 @@ impl Simulation {
     /// Takes all of the steps, or none.
     fn advance(&mut self, steps: u64, record: RecordedSteps, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
-        let Self { system, pool, .. } = self;
-        let outcome = if !system.iterates() && system.cost() * steps as f64 <= SHORT {
+        let Self { system, pool, hints, .. } = self;
+        let outcome = if !hints.iterates && system.cost() * steps as f64 <= SHORT {
             system.advance(interval, record, &Executor::serial())
         } else {
             let mut outcome = Ok(());
@@ -264,13 +266,24 @@ impl Simulation {
     pub fn write(&mut self, fields: &[(&str, &[f64])], executor: &Executor) -> Result<()> {
         let time = self.time();
         self.system.write(fields, time, executor)?;
-        self.monitor.expect_amplitude(self.system.amplitude());
+        self.monitor.expect_amplitude(self.system.hints().amplitude);
         Ok(())
     }
 
-    /// Largest Mach number at diagnosed states, if there is a fluid.
+    /// Largest Mach number after a batch, if there is a fluid.
     pub fn mach(&self) -> Option<Mach> {
-        self.mach
+        self.mach.1
+    }
+
+    /// Updates the largest Mach number by that of the present state.
+    fn observe_mach(&mut self) {
+        let (field, largest) = &mut self.mach;
+        if let Some(&[fast, sound]) = field.map(|field| self.system.read(field)).as_deref() {
+            let mach = Some(Mach { fast, sound });
+            if mach > *largest {
+                *largest = mach;
+            }
+        }
     }
 
     /// Whether the energy budget and the limits may take long to compute.
@@ -284,11 +297,6 @@ impl Simulation {
     /// If a user-defined function fails, on an interrupt, or if the last step diverged and no evaluation has noticed it yet.
     pub fn energy(&self, executor: &Executor) -> Result<Ledger> {
         self.system.audit(self.time(), executor).map_err(|error| self.or_divergence(error))
-    }
-
-    /// Momentum [kg·m/s] and angular momentum about the origin of coordinates [kg·m²/s].
-    pub fn momenta(&self) -> (DVec3, DVec3) {
-        self.system.momenta()
     }
 
     /// Limit of the time step.

@@ -13,6 +13,5 @@ mod space;
 
 pub use forces::Space;
 use physcore_base::{
-    adjacency, aligned, columns, error, history, integrators, ledger, math, memory, parallel, scene, simd, stability, systems,
-    tally,
+    adjacency, aligned, columns, error, history, integrators, ledger, math, memory, parallel, scene, simd, stability, tally,
 };

@@ -5,10 +5,12 @@ use std::ops::Range;
 use glam::DVec3;
 
 pub use crate::columns::{Columns, Span, View};
+use crate::error::Result;
+use crate::history::{Archive, TALLIES};
 pub use crate::integrators::REGISTERS;
 use crate::math::{Real, Vector};
 use crate::parallel::Split;
-use crate::simd::padded;
+use crate::simd::{LANES, padded};
 pub use crate::tally::{EnergySink, EnergyTally, Power, SINKS};
 
 /// The constant properties of particles.
@@ -140,6 +142,33 @@ impl<V: Vector> Matter<V> {
         }
         self.residual.copy_from(&other.residual);
         self.tallies.copy_from_slice(&other.tallies);
+    }
+
+    /// Writes positions, velocities, the first registers and the tallies to an archive.
+    pub fn capture(&self, registers: usize, archive: &mut Archive) {
+        self.position.capture("positions", archive);
+        self.velocity.capture("velocities", archive);
+        self.residual.capture("residuals", archive);
+        let registers = self.registers.iter().take(registers).enumerate();
+        registers.for_each(|(index, columns)| columns.capture(&format!("registers[{index}]"), archive));
+        let tallies = self.tallies.iter().flat_map(|tally| tally.energy.iter().chain(&tally.last));
+        archive.write(TALLIES, tallies.flatten().copied());
+    }
+
+    /// Reads the data of [`Matter::capture`].
+    ///
+    /// # Errors
+    /// If an array is missing or of another size.
+    pub fn restore(&mut self, registers: usize, archive: &mut Archive) -> Result<()> {
+        self.position.restore("positions", archive)?;
+        self.velocity.restore("velocities", archive)?;
+        self.residual.restore("residuals", archive)?;
+        let mut registers = self.registers.iter_mut().take(registers).enumerate();
+        registers.try_for_each(|(index, columns)| columns.restore(&format!("registers[{index}]"), archive))?;
+        let numbers = archive.read_exactly(TALLIES, 2 * SINKS * LANES * self.tallies.len())?;
+        let slots = self.tallies.iter_mut().flat_map(|tally| tally.energy.iter_mut().chain(&mut tally.last));
+        slots.flatten().zip(numbers).for_each(|(slot, &number)| *slot = number);
+        Ok(())
     }
 
     /// Exact position of a particle relative to the origin [m].

@@ -98,8 +98,8 @@ impl Simulation {
             Some(tolerance) => {
                 let expected = "one that estimates its errors, for a tolerance";
                 let estimates = || Error::parameter("integrator", expected, self.method());
-                let (_, order) = self.system.error(0.0).ok_or_else(estimates)?;
-                self.advance_by_errors(course, steps, rule, (tolerance, self.system.control(order)), interrupted)
+                let (_, control) = self.system.error(0.0).ok_or_else(estimates)?;
+                self.advance_by_errors(course, steps, rule, (tolerance, control), interrupted)
             }
         }
     }
@@ -209,7 +209,7 @@ impl Simulation {
     pub(super) fn poll(&self, since: &mut u64, unfinished: bool, interrupted: &dyn Fn() -> bool) -> Result<()> {
         *since += 1;
         // Computing the limit takes a few times as long as a step.
-        if 4 * *since < self.system.most_steps() {
+        if 4 * *since < self.hints.most_steps {
             return Ok(());
         }
         *since = 0;

@@ -11,10 +11,8 @@ pub struct Checkpoint {
     pub segment: Segment,
     /// Number of steps taken so far.
     pub steps: u64,
-    /// The state and the history of the system.
-    pub system: Vec<f64>,
-    /// The energy tallies, part by part.
-    pub tallies: Vec<f64>,
+    /// The state, the history and the tallies of the system.
+    pub system: Archive,
     /// The state of the divergence monitor.
     pub monitor: [f64; 6],
     /// The state of the step-size control.
@@ -27,8 +25,7 @@ impl Simulation {
         Checkpoint {
             segment: self.segment,
             steps: self.steps,
-            system: self.archive().into_numbers(),
-            tallies: self.system.tallies(),
+            system: self.archive(),
             monitor: self.monitor.capture(),
             adaptation: self.adaptation,
         }
@@ -39,10 +36,9 @@ impl Simulation {
     /// # Errors
     /// If it belongs to another scene or to other numerics.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        let mut archive = Archive::new(checkpoint.system.clone());
+        let mut archive = checkpoint.system.clone();
         self.system.restore(&mut archive)?;
         archive.finish()?;
-        self.system.restore_tallies(&checkpoint.tallies)?;
         (self.segment, self.steps) = (checkpoint.segment, checkpoint.steps);
         self.monitor.restore(checkpoint.monitor);
         self.adaptation = checkpoint.adaptation;
@@ -52,8 +48,8 @@ impl Simulation {
     /// A hash of the state, the history of the system, and the clock.
     pub fn state_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
-        let numbers = self.archive().into_numbers();
-        for number in numbers.iter().chain([&self.segment.start, &self.segment.dt]).chain(&self.adaptation.control) {
+        let archive = self.archive();
+        for number in archive.state().chain([&self.segment.start, &self.segment.dt]).chain(&self.adaptation.control) {
             hasher.update(&number.to_le_bytes());
         }
         hasher.update(&self.segment.steps.to_le_bytes());

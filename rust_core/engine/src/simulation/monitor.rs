@@ -154,7 +154,7 @@ impl Simulation {
         let steps = match (self.monitor.vigilance, record) {
             (Vigilance::EveryStep, _) => 1,
             (_, RecordedSteps::LastStep) => most,
-            _ => most.min(self.monitor.quiet.max(SHORTEST)).min(self.system.most_recorded()),
+            _ => most.min(self.monitor.quiet.max(SHORTEST)).min(self.hints.most_recorded),
         };
         match self.advance(steps, record, interrupted) {
             Err(error) if stops_a_step(&error) && steps > 1 => return self.batch(steps / 2, rule, interrupted),
@@ -166,10 +166,7 @@ impl Simulation {
         let activity = self.system.activity();
         let Some(first) = activity.iter().position(|&activity| is_above(activity, threshold)) else {
             self.monitor.quiet = self.monitor.quiet.saturating_add(steps);
-            let mach = self.system.mach();
-            if mach > self.mach {
-                self.mach = mach;
-            }
+            self.observe_mach();
             return Ok(steps);
         };
         // A quantity that is not finite appears in the activity of the next step, or at the end of a batch.
@@ -236,7 +233,7 @@ impl Simulation {
     fn attention(&self, rule: StepSizes) -> (RecordedSteps, f64) {
         // In steps that never double the energy only overflow needs a diagnosis.
         let certified = || self.limit(Horizon::Certified, &SERIAL);
-        let tame = self.system.is_linear() && certified().is_ok_and(|limit| 2.0 * self.segment.dt <= limit.stability);
+        let tame = self.hints.linear && certified().is_ok_and(|limit| 2.0 * self.segment.dt <= limit.stability);
         match self.monitor.vigilance {
             Vigilance::OutOfRange => (RecordedSteps::LastStep, f64::MAX),
             Vigilance::EveryStep => (RecordedSteps::EveryStep, -1.0),
@@ -266,7 +263,7 @@ impl Simulation {
         }
         let activity = self.system.activity().last().copied().unwrap_or_default();
         let rise = self.monitor.observe(&energy, activity, self.epsilon);
-        let grown = self.system.amplitude().and_then(|amplitude| self.monitor.follow(amplitude, self.steps));
+        let grown = self.system.hints().amplitude.and_then(|amplitude| self.monitor.follow(amplitude, self.steps));
         if let Some(ratio) = grown {
             let cause = format!("has run away: it is {ratio:.3e} times the largest value that a resolved growth had reached");
             return Ok(Finding::Risen(divergence(self.system.fastest(), "value", cause)));

@@ -3,16 +3,13 @@
 //! Each system takes its own steps of one length, batch by batch. Systems are independent of each other. Fields of other
 //! systems than the first are named after their items.
 
-use glam::DVec3;
-
-use super::{Element, Fault, FieldInfo, Interval, RecordedSteps, Sample, System};
+use super::{Control, Element, Fault, FieldInfo, Hints, Interval, RecordedSteps, Sample, System};
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::ledger::Ledger;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-use crate::systems::Mach;
 
 /// A system, and the name of its item in the scene; empty for matter, and for a system of several items.
 pub struct SystemPart {
@@ -20,6 +17,11 @@ pub struct SystemPart {
     pub name: String,
     /// The system.
     pub system: Box<dyn System>,
+}
+
+/// Writes or reads what belongs to a system, under the name of its item.
+fn within<T>(item: &str, archive: &mut Archive, act: impl FnOnce(&mut Archive) -> T) -> T {
+    if item.is_empty() { act(archive) } else { archive.within(&format!("systems/{item}"), act) }
 }
 
 /// Systems of a scene, at least one.
@@ -86,11 +88,14 @@ impl History for Several {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        self.systems().for_each(|system| system.capture(archive));
+        for SystemPart { name, system } in &self.parts {
+            within(name, archive, |archive| system.capture(archive));
+        }
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.parts.iter_mut().try_for_each(|part| part.system.restore(archive))
+        let mut parts = self.parts.iter_mut();
+        parts.try_for_each(|SystemPart { name, system }| within(name, archive, |archive| system.restore(archive)))
     }
 }
 
@@ -112,16 +117,8 @@ impl System for Several {
         self.systems().map(System::cost).sum()
     }
 
-    fn iterates(&self) -> bool {
-        self.systems().any(System::iterates)
-    }
-
-    fn most_steps(&self) -> u64 {
-        self.systems().map(System::most_steps).min().unwrap_or(1)
-    }
-
-    fn most_recorded(&self) -> u64 {
-        self.systems().map(System::most_recorded).min().unwrap_or(1)
+    fn hints(&self) -> Hints {
+        self.systems().map(System::hints).reduce(Hints::and).unwrap_or(Hints::new(0.0, 1..=1))
     }
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
@@ -144,16 +141,8 @@ impl System for Several {
         &self.activity
     }
 
-    fn amplitude(&self) -> Option<f64> {
-        self.systems().filter_map(System::amplitude).reduce(f64::max)
-    }
-
-    fn is_linear(&self) -> bool {
-        self.systems().all(System::is_linear)
-    }
-
-    fn gains_energy(&self) -> bool {
-        self.systems().any(System::gains_energy)
+    fn resolvable(&self, time: f64, h: f64) -> f64 {
+        self.systems().map(|system| system.resolvable(time, h)).sum()
     }
 
     /// Smallest limit of each kind over all systems.
@@ -174,10 +163,11 @@ impl System for Several {
         self.systems().any(|system| system.limit_varies(horizon, time))
     }
 
-    /// Largest error and lowest order over all systems; None if a system has no estimate.
-    fn error(&self, h: f64) -> Option<(f64, u32)> {
+    /// Largest error, and control of the lowest order, over all systems; None if a system has no estimate.
+    fn error(&self, h: f64) -> Option<(f64, Control)> {
         let errors: Option<Vec<_>> = self.systems().map(|system| system.error(h)).collect();
-        errors?.into_iter().reduce(|(one, order), (other, lower)| (one.max(other), order.min(lower)))
+        let lower = |one: Control, other: Control| if other.order < one.order { other } else { one };
+        errors?.into_iter().reduce(|(error, one), (larger, other)| (error.max(larger), lower(one, other)))
     }
 
     fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
@@ -192,19 +182,6 @@ impl System for Several {
         Ok(ledger)
     }
 
-    fn lowest_potential(&self) -> Option<f64> {
-        self.systems().map(System::lowest_potential).sum()
-    }
-
-    fn momenta(&self) -> (DVec3, DVec3) {
-        let add = |sum: (DVec3, DVec3), own: (DVec3, DVec3)| (sum.0 + own.0, sum.1 + own.1);
-        self.systems().map(System::momenta).fold((DVec3::ZERO, DVec3::ZERO), add)
-    }
-
-    fn resolvable(&self, time: f64, h: f64) -> f64 {
-        self.systems().map(|system| system.resolvable(time, h)).sum()
-    }
-
     fn fault(&self) -> Option<Fault> {
         self.parts
             .iter()
@@ -217,10 +194,6 @@ impl System for Several {
         let fastest = self.parts.iter().max_by(|one, other| kinetic(one).total_cmp(&kinetic(other)));
         let none = || Element { name: "nothing".to_owned(), index: 0 };
         fastest.map_or_else(none, |part| Self::named(part, part.system.fastest()))
-    }
-
-    fn mach(&self) -> Option<Mach> {
-        self.systems().find_map(System::mach)
     }
 
     fn fields(&self) -> Vec<FieldInfo> {
@@ -248,7 +221,7 @@ impl System for Several {
                 return Err(Error::parameter(format!("set.{name}"), "the name of a field", name));
             }
         }
-        let mut written: Vec<(usize, Archive, Vec<f64>)> = Vec::new();
+        let mut written: Vec<(usize, Archive)> = Vec::new();
         for (index, names) in names.iter().enumerate() {
             let part = &mut self.parts[index];
             let prefix = if part.name.is_empty() { 0 } else { part.name.len() + 1 };
@@ -259,31 +232,12 @@ impl System for Several {
             let own: Vec<(&str, &[f64])> = own.into_iter().map(|(name, values)| (&name[prefix..], *values)).collect();
             let mut before = Archive::default();
             part.system.capture(&mut before);
-            let tallies = part.system.tallies();
             let outcome = part.system.write(&own, time, executor);
             if outcome.is_err() {
-                for (index, mut before, tallies) in written {
-                    let system = &mut self.parts[index].system;
-                    system.restore(&mut before)?;
-                    system.restore_tallies(&tallies)?;
-                }
+                written.into_iter().try_for_each(|(index, mut before)| self.parts[index].system.restore(&mut before))?;
                 return outcome;
             }
-            written.push((index, before, tallies));
-        }
-        Ok(())
-    }
-
-    fn tallies(&self) -> Vec<f64> {
-        self.systems().flat_map(System::tallies).collect()
-    }
-
-    fn restore_tallies(&mut self, mut numbers: &[f64]) -> Result<()> {
-        for part in &mut self.parts {
-            let foreign = || Error::State("it does not belong to this scene and these numerics".to_owned());
-            let (own, rest) = numbers.split_at_checked(part.system.tallies().len()).ok_or_else(foreign)?;
-            part.system.restore_tallies(own)?;
-            numbers = rest;
+            written.push((index, before));
         }
         Ok(())
     }

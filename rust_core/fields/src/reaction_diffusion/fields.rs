@@ -6,7 +6,7 @@ use super::law::SpeciesTally;
 use crate::error::{Error, Result};
 use crate::grid::Window;
 use crate::math::Real;
-use crate::systems::FieldInfo;
+use crate::systems::{Control, FieldInfo, Location};
 
 impl<T: Real> ReactionDiffusion<T> {
     /// Row of a species in a field.
@@ -23,7 +23,14 @@ impl<T: Real> ReactionDiffusion<T> {
     /// Descriptions of the fields, with the shape of the grid.
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
         let shape = self.law.grid.shape();
-        let info = |&name: &&str| FieldInfo { name: name.to_owned(), unit: "1", shape: shape.clone(), rate: None, state: true };
+        let info = |&name: &&str| FieldInfo {
+            name: name.to_owned(),
+            unit: "1",
+            location: Location::Cells,
+            shape: shape.clone(),
+            rate: None,
+            state: true,
+        };
         self.law.species.iter().map(info).collect()
     }
 
@@ -62,9 +69,10 @@ impl<T: Real> ReactionDiffusion<T> {
     }
 
     /// Largest estimated error of the last step of `h` seconds. The slope at its end is evaluated from the present state.
-    pub(super) fn estimate(&self, h: f64) -> Option<(f64, u32)> {
+    pub(super) fn estimate(&self, h: f64) -> Option<(f64, Control)> {
         let estimate = self.method.estimate.as_ref()?;
-        let Ok(given) = self.given(&self.state.field) else { return Some((f64::INFINITY, estimate.order)) };
+        let control = Control::pair(estimate.order);
+        let Ok(given) = self.given(&self.state.field) else { return Some((f64::INFINITY, control)) };
         let (length, count) = (self.law.grid.row_length(), self.law.species.len());
         let edges = &self.workspace.edges[self.workspace.edges.len() - self.law.edge_values()..];
         let mut slope = vec![T::ZERO; count * length];
@@ -87,7 +95,7 @@ impl<T: Real> ReactionDiffusion<T> {
                 largest = if error.is_nan() || error > largest { error } else { largest };
             }
         }
-        Some((if largest.is_nan() { f64::INFINITY } else { largest }, estimate.order))
+        Some((if largest.is_nan() { f64::INFINITY } else { largest }, control))
     }
 
     /// Adds the reaction rates in a row of the present state to those of diffusion.

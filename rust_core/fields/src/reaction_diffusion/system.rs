@@ -2,25 +2,23 @@
 
 use super::ReactionDiffusion;
 use super::law::SpeciesTally;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::grid::{Edge, EdgeValues, Laplacian};
-use crate::history::{Archive, History};
+use crate::history::{Archive, History, TALLIES};
 use crate::integrators::runge_kutta_chebyshev as chebyshev;
 use crate::ledger::{Budget, Ledger};
 use crate::math::Real;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
+use crate::systems::{Control, Element, Fault, FieldInfo, Hints, Interval, RecordedSteps, System};
 
-/// Duration of a batch of steps [s].
-const BATCH: f64 = 0.05;
 /// Minimum and maximum number of steps of a batch: the state at its start costs a sweep, and its activities cost memory.
 const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
 /// Estimated duration of a stage of a species in a cell [s].
 const COST: f64 = 6e-10;
-/// Number of entries of a tally.
-const TALLIES: usize = 5;
+/// Number of sums in a tally.
+const SUMS: usize = 5;
 /// Units of amounts in one, two and three dimensions.
 const UNITS: [&str; 3] = ["m", "m²", "m³"];
 /// Numbers of stages for which the plan reports the limit.
@@ -51,7 +49,7 @@ impl<T: Real> ReactionDiffusion<T> {
     }
 }
 
-/// Saves the field alone: no slope is kept from step to step.
+/// Saves the field and the tallies; no slope is kept from step to step.
 impl<T: Real> History for ReactionDiffusion<T> {
     /// Swaps the states: steps read the saved state and write the other.
     fn save(&mut self) {
@@ -63,12 +61,18 @@ impl<T: Real> History for ReactionDiffusion<T> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write(self.state.field.iter().map(|number| number.to_f64()));
+        archive.write("species", self.state.field.iter().map(|number| number.to_f64()));
+        let numbers = |tally: &SpeciesTally| [tally.gain, tally.loss, tally.edges, tally.supply, tally.set];
+        archive.write(TALLIES, self.state.tallies.iter().flat_map(numbers));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let numbers = archive.read(self.state.field.len())?;
+        let numbers = archive.read_exactly("species", self.state.field.len())?;
         self.state.field.iter_mut().zip(numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
+        let groups = archive.read_exactly(TALLIES, SUMS * self.state.tallies.len())?.as_chunks::<SUMS>().0;
+        for (tally, &[gain, loss, edges, supply, set]) in self.state.tallies.iter_mut().zip(groups) {
+            *tally = SpeciesTally { gain, loss, edges, supply, set };
+        }
         Ok(())
     }
 }
@@ -117,14 +121,13 @@ impl<T: Real> System for ReactionDiffusion<T> {
         stages * (1e-7 + COST * self.state.field.len() as f64)
     }
 
-    /// Maximum number of steps: one for a user-defined function, which is called once per stage and may take long.
-    fn most_steps(&self) -> u64 {
+    /// Batches are of one step for a user-defined function, which is called once per stage and may take long.
+    fn hints(&self) -> Hints {
+        let hints = Hints::new(self.cost(), STEPS);
         let calls_back = self.law.kinetics.calls_back() || self.law.edges_vary();
-        if calls_back { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
-    }
-
-    fn most_recorded(&self) -> u64 {
-        *STEPS.end()
+        let imposed = self.law.edges.iter().map(|edges| edges.largest(&self.workspace.edges)).fold(0.0, f64::max);
+        let amplitude = self.state.field.iter().fold(imposed, |most, value| value.to_f64().abs().max(most));
+        Hints { most_steps: if calls_back { 1 } else { hints.most_steps }, amplitude: Some(amplitude), ..hints }
     }
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
@@ -147,11 +150,6 @@ impl<T: Real> System for ReactionDiffusion<T> {
         &self.activity
     }
 
-    fn amplitude(&self) -> Option<f64> {
-        let imposed = self.law.edges.iter().map(|edges| edges.largest(&self.workspace.edges)).fold(0.0, f64::max);
-        Some(self.state.field.iter().fold(imposed, |most, value| value.to_f64().abs().max(most)))
-    }
-
     fn limit(&self, _horizon: Horizon, _time: f64, executor: &Executor) -> Result<Limit> {
         self.bound(executor)
     }
@@ -160,7 +158,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
         true
     }
 
-    fn error(&self, h: f64) -> Option<(f64, u32)> {
+    fn error(&self, h: f64) -> Option<(f64, Control)> {
         self.estimate(h)
     }
 
@@ -183,14 +181,6 @@ impl<T: Real> System for ReactionDiffusion<T> {
         }
         executor.check()?;
         Ok(ledger)
-    }
-
-    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
-        let ledger = self.audit(time, executor)?;
-        match ledger.budgets().iter().find(|budget| !budget.stored.is_finite()) {
-            None => Ok(ledger),
-            Some(budget) => Err(Error::parameter("scene", format!("an amount of {} that is finite", budget.name), budget.stored)),
-        }
     }
 
     fn fault(&self) -> Option<Fault> {
@@ -223,20 +213,5 @@ impl<T: Real> System for ReactionDiffusion<T> {
             self.state = before;
         }
         done
-    }
-
-    fn tallies(&self) -> Vec<f64> {
-        self.state.tallies.iter().flat_map(|tally| [tally.gain, tally.loss, tally.edges, tally.supply, tally.set]).collect()
-    }
-
-    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
-        let (groups, rest) = numbers.as_chunks::<TALLIES>();
-        if groups.len() != self.state.tallies.len() || !rest.is_empty() {
-            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
-        }
-        for (tally, &[gain, loss, edges, supply, set]) in self.state.tallies.iter_mut().zip(groups) {
-            *tally = SpeciesTally { gain, loss, edges, supply, set };
-        }
-        Ok(())
     }
 }

@@ -43,9 +43,9 @@ impl<T: Real> QuantumState<T> {
         [self.removed, self.dissipated, self.supplied, self.work]
     }
 
-    /// Sets the tallies.
-    pub fn set_tallies(&mut self, [removed, dissipated, supplied, work]: [f64; 4]) {
-        (self.removed, self.dissipated, self.supplied, self.work) = (removed, dissipated, supplied, work);
+    /// Mutable tallies, in the order of [`Self::tallies`].
+    pub fn tallies_mut(&mut self) -> [&mut f64; 4] {
+        [&mut self.removed, &mut self.dissipated, &mut self.supplied, &mut self.work]
     }
 }
 

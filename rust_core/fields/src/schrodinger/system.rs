@@ -5,15 +5,13 @@ use super::fourier::{FourierReal, norm, square};
 use super::passes::Field;
 use super::{Schrodinger, state};
 use crate::error::{Error, Result};
-use crate::history::{Archive, History};
+use crate::history::{Archive, History, TALLIES};
 use crate::ledger::{Budget, Class, Ledger};
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
+use crate::systems::{Element, Fault, FieldInfo, Hints, Interval, Location, RecordedSteps, System};
 
-/// Duration of a batch of steps [s].
-const BATCH: f64 = 0.05;
 /// Maximum number of steps of a batch.
 const STEPS: u64 = 1023;
 /// Estimated duration of an evaluation of a cell [s].
@@ -59,14 +57,18 @@ impl<T: FourierReal> History for Schrodinger<T> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write(self.state.values.iter().flat_map(|value| [value.re.to_f64(), value.im.to_f64()]));
+        archive.write("wave_function", self.state.values.iter().flat_map(|value| [value.re.to_f64(), value.im.to_f64()]));
+        archive.write(TALLIES, self.state.tallies());
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let numbers = archive.read(2 * self.state.values.len())?.as_chunks::<2>().0;
+        let numbers = archive.read_exactly("wave_function", 2 * self.state.values.len())?.as_chunks::<2>().0;
         for (value, pair) in self.state.values.iter_mut().zip(numbers) {
             (value.re, value.im) = (T::from_f64(pair[0]), T::from_f64(pair[1]));
         }
+        let slots = self.state.tallies_mut();
+        let tallies = archive.read_exactly(TALLIES, slots.len())?;
+        slots.into_iter().zip(tallies).for_each(|(slot, &tally)| *slot = tally);
         Ok(())
     }
 }
@@ -117,12 +119,8 @@ impl<T: FourierReal> System for Schrodinger<T> {
         1e-7 + COST * (passes * grid.count()) as f64
     }
 
-    fn most_steps(&self) -> u64 {
-        ((BATCH / self.cost()) as u64).clamp(1, STEPS)
-    }
-
-    fn most_recorded(&self) -> u64 {
-        STEPS
+    fn hints(&self) -> Hints {
+        Hints::new(self.cost(), 1..=STEPS)
     }
 
     fn begin(&mut self, _time: f64, executor: &Executor) -> Result<()> {
@@ -173,12 +171,8 @@ impl<T: FourierReal> System for Schrodinger<T> {
     }
 
     fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
-        let ledger = self.audit(time, executor)?;
-        if ledger.balance().is_finite() {
-            return Ok(ledger);
-        }
-        let error = Error::parameter("scene", "an energy that is finite", ledger.balance());
-        Err(error.with_hint(format!("a smaller wave function, potential or interaction; this is {}", T::NAME)))
+        let hint = || format!("a smaller wave function, potential or interaction; this is {}", T::NAME);
+        self.audit(time, executor)?.finite().map_err(|error| error.with_hint(hint()))
     }
 
     fn fault(&self) -> Option<Fault> {
@@ -196,7 +190,14 @@ impl<T: FourierReal> System for Schrodinger<T> {
     fn fields(&self) -> Vec<FieldInfo> {
         let shape = self.hamiltonian.padding.inner.shape();
         let pairs = shape.iter().copied().chain([2]).collect();
-        let info = |name: &str, unit, shape, state| FieldInfo { name: name.to_owned(), unit, shape, rate: None, state };
+        let info = |name: &str, unit, shape, state| FieldInfo {
+            name: name.to_owned(),
+            unit,
+            location: Location::Cells,
+            shape,
+            rate: None,
+            state,
+        };
         vec![info("density", "m^-D", shape, false), info("wave_function", "m^(-D/2)", pairs, true)]
     }
 
@@ -233,16 +234,5 @@ impl<T: FourierReal> System for Schrodinger<T> {
             self.begin(time, executor)?;
         }
         done
-    }
-
-    fn tallies(&self) -> Vec<f64> {
-        self.state.tallies().to_vec()
-    }
-
-    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
-        let tallies = <[f64; 4]>::try_from(numbers);
-        let tallies = tallies.map_err(|_| Error::State("it does not belong to this scene and these numerics".to_owned()))?;
-        self.state.set_tallies(tallies);
-        Ok(())
     }
 }

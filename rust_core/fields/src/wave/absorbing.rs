@@ -18,7 +18,7 @@ use std::ops::Range;
 
 use super::medium::Medium;
 use super::stage::{BufferedStage, Input, WaveStageAction};
-use super::state::WaveCells;
+use super::state::{WaveCells, fill, register};
 use crate::error::{Error, Result};
 use crate::grid::{Edge, Edges, Padding};
 use crate::history::Archive;
@@ -362,17 +362,17 @@ impl<T: Real> Layers<T> {
 
     /// Writes p and q to an archive.
     pub fn capture(&self, archive: &mut Archive) {
-        let columns = std::iter::once(&self.memory.values).chain(&self.memory.persistent);
-        columns.for_each(|column| archive.write(column.iter().map(|number| number.to_f64())));
+        archive.write("values", self.memory.values.iter().map(|number| number.to_f64()));
+        for (index, column) in self.memory.persistent.iter().enumerate() {
+            archive.write(&register(index), column.iter().map(|number| number.to_f64()));
+        }
     }
 
     /// Reads p and q from an archive.
     pub fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        for column in std::iter::once(&mut self.memory.values).chain(&mut self.memory.persistent) {
-            let numbers = archive.read(column.len())?;
-            column.iter_mut().zip(numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
-        }
-        Ok(())
+        fill("values", &mut self.memory.values, archive)?;
+        let mut registers = self.memory.persistent.iter_mut().enumerate();
+        registers.try_for_each(|(index, column)| fill(&register(index), column, archive))
     }
 
     /// Memory [bytes].

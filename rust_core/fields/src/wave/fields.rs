@@ -9,7 +9,7 @@ use crate::grid::Padding;
 use crate::history::{Archive, History};
 use crate::math::Real;
 use crate::parallel::Executor;
-use crate::systems::{FieldInfo, System};
+use crate::systems::{FieldInfo, Location, System};
 
 /// Names and units of the fields.
 const FIELDS: [(&str, &str); 2] = [("displacement", "m"), ("rate", "m/s")];
@@ -37,6 +37,7 @@ impl<T: Real> Wave<T> {
         let info = |&(name, unit): &(&str, &'static str)| FieldInfo {
             name: name.to_owned(),
             unit,
+            location: Location::Cells,
             shape: shape.clone(),
             rate: (name == "displacement").then(|| "rate".to_owned()),
             state: true,
@@ -58,7 +59,6 @@ impl<T: Real> Wave<T> {
         let imposed = self.dynamics.imposed(&self.state, &edges).driven;
         let mut previous = Archive::default();
         self.capture(&mut previous);
-        let tallies = self.state.tallies.clone();
         let done = self.narrow(fields).and_then(|()| self.begin(time, executor)).and_then(|()| {
             let energy = self.finite_audit(time, executor)?.total();
             self.state.tallies[0].energy[SOURCE] += energy - before;
@@ -67,7 +67,6 @@ impl<T: Real> Wave<T> {
         });
         if done.is_err() {
             self.restore(&mut previous)?;
-            self.state.tallies = tallies;
         }
         done
     }

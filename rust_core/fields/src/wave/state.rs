@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
+use crate::error::Result;
 use crate::grid::Block;
+use crate::history::{Archive, TALLIES};
 use crate::integrators::Facts;
 use crate::integrators::REGISTERS;
 use crate::math::Real;
@@ -23,6 +25,18 @@ pub struct WaveTally {
     pub last: [f64; SINKS],
 }
 
+/// Name of a persistent register in archives.
+pub fn register(index: usize) -> String {
+    format!("registers[{index}]")
+}
+
+/// Fills a column of numbers from an archive.
+pub fn fill<T: Real>(name: &str, column: &mut [T], archive: &mut Archive) -> Result<()> {
+    let numbers = archive.read_exactly(name, column.len())?;
+    column.iter_mut().zip(numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
+    Ok(())
+}
+
 /// Displacement and rate of all cells, the persistent registers of the integrator, and the tallies of all rows.
 #[derive(Debug, Clone)]
 pub struct WaveState<T> {
@@ -33,19 +47,35 @@ pub struct WaveState<T> {
 }
 
 impl<T: Real> WaveState<T> {
-    /// Columns of numbers, in a fixed order.
-    pub fn columns(&self) -> impl Iterator<Item = &Vec<T>> {
-        [&self.displacement, &self.rate].into_iter().chain(&self.persistent)
+    /// Writes the columns and the tallies to an archive.
+    pub fn capture(&self, archive: &mut Archive) {
+        let mut write = |name: &str, column: &[T]| archive.write(name, column.iter().map(|number| number.to_f64()));
+        write("displacement", &self.displacement);
+        write("rate", &self.rate);
+        self.persistent.iter().enumerate().for_each(|(index, column)| write(&register(index), column));
+        archive.write(TALLIES, self.tallies.iter().flat_map(|tally| tally.energy.into_iter().chain(tally.last)));
     }
 
-    /// Mutable columns of numbers, in the order of [`Self::columns`].
-    pub fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<T>> {
-        [&mut self.displacement, &mut self.rate].into_iter().chain(&mut self.persistent)
+    /// Reads the columns and the tallies from an archive.
+    ///
+    /// # Errors
+    /// If an array is missing or of another size.
+    pub fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        fill("displacement", &mut self.displacement, archive)?;
+        fill("rate", &mut self.rate, archive)?;
+        self.persistent.iter_mut().enumerate().try_for_each(|(index, column)| fill(&register(index), column, archive))?;
+        let numbers = archive.read_exactly(TALLIES, 2 * SINKS * self.tallies.len())?;
+        for (tally, numbers) in self.tallies.iter_mut().zip(numbers.chunks_exact(2 * SINKS)) {
+            tally.energy.copy_from_slice(&numbers[..SINKS]);
+            tally.last.copy_from_slice(&numbers[SINKS..]);
+        }
+        Ok(())
     }
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        self.columns().map(|column| size_of_val(column.as_slice())).sum::<usize>() + size_of_val(self.tallies.as_slice())
+        let columns = [&self.displacement, &self.rate].into_iter().chain(&self.persistent);
+        columns.map(|column| size_of_val(column.as_slice())).sum::<usize>() + size_of_val(self.tallies.as_slice())
     }
 }
 

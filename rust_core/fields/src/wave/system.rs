@@ -4,22 +4,20 @@ use std::f64::consts::TAU;
 
 use super::absorbing::{AbsorptionParameters, Layers};
 use super::stage::WaveStageAction;
-use super::state::{DAMPING, EDGES, HELD, SINKS, SOURCE};
+use super::state::{DAMPING, EDGES, HELD, SOURCE};
 use super::sweep::WavePass;
 use super::{Wave, budget, limit};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::math::Real;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
+use crate::systems::{Control, Element, Fault, FieldInfo, Hints, Interval, RecordedSteps, System};
 
 /// Wavelength for which the plan states the reflection of layers [cells].
 const SHORT_WAVE: f64 = 20.0;
-/// Duration of a batch of steps [s].
-const BATCH: f64 = 0.05;
 /// Minimum and maximum number of steps of a batch: the state at its start costs a sweep, and its activities cost memory.
 const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
 /// Estimated duration of a stage of a cell [s].
@@ -37,7 +35,7 @@ impl<T: Real> Wave<T> {
     }
 }
 
-/// Saves displacement, rate, and the persistent registers of the integrator.
+/// Saves displacement, rate, the persistent registers of the integrator, and the tallies.
 impl<T: Real> History for Wave<T> {
     /// Swaps the states: steps read the saved state and write the other.
     fn save(&mut self) {
@@ -51,18 +49,13 @@ impl<T: Real> History for Wave<T> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        self.state.columns().for_each(|column| archive.write(column.iter().map(|number| number.to_f64())));
-        self.dynamics.layers.iter().for_each(|layers| layers.capture(archive));
+        self.state.capture(archive);
+        self.dynamics.layers.iter().for_each(|layers| archive.within("layers", |archive| layers.capture(archive)));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let count = self.state.columns().map(Vec::len).sum();
-        // Read as a whole: an archive that is too short then changes no state.
-        let mut numbers = archive.read(count)?.iter();
-        for column in self.state.columns_mut() {
-            column.iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
-        }
-        self.dynamics.layers.iter_mut().try_for_each(|layers| layers.restore(archive))
+        self.state.restore(archive)?;
+        self.dynamics.layers.iter_mut().try_for_each(|layers| archive.within("layers", |archive| layers.restore(archive)))
     }
 }
 
@@ -120,14 +113,18 @@ impl<T: Real> System for Wave<T> {
         stages * (1e-7 + COST * self.dynamics.medium.laplacian.grid.count() as f64)
     }
 
-    /// Maximum number of steps: one for user-defined functions, which are called at least once per evaluation, in the order of time.
-    fn most_steps(&self) -> u64 {
+    /// Batches are of one step for user-defined functions, which are called at least once per evaluation, in the order of time.
+    /// The potential energy is at least 0, because it is a sum of squares.
+    fn hints(&self) -> Hints {
+        let hints = Hints::new(self.cost(), STEPS);
         let calls_back = self.dynamics.sources.calls_back() || self.dynamics.edges.vary();
-        if calls_back { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
-    }
-
-    fn most_recorded(&self) -> u64 {
-        *STEPS.end()
+        Hints {
+            most_steps: if calls_back { 1 } else { hints.most_steps },
+            linear: self.dynamics.sources.count() == 0 && self.dynamics.edges.is_empty() && self.absorption.is_none(),
+            gains_energy: self.method.gains_energy(),
+            lowest_potential: Some(0.0),
+            ..hints
+        }
     }
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
@@ -157,19 +154,11 @@ impl<T: Real> System for Wave<T> {
         &self.activity
     }
 
-    fn is_linear(&self) -> bool {
-        self.dynamics.sources.count() == 0 && self.dynamics.edges.is_empty() && self.absorption.is_none()
-    }
-
-    fn gains_energy(&self) -> bool {
-        self.method.gains_energy()
-    }
-
     fn limit(&self, _horizon: Horizon, _time: f64, _executor: &Executor) -> Result<Limit> {
         Ok(*self.limit.get_or_init(|| limit::limit(&self.dynamics, &self.method)))
     }
 
-    fn error(&self, h: f64) -> Option<(f64, u32)> {
+    fn error(&self, h: f64) -> Option<(f64, Control)> {
         let [x, v] = self.method.error?.map(|register| {
             let persistent = self.state.persistent.len();
             if register < persistent {
@@ -179,7 +168,7 @@ impl<T: Real> System for Wave<T> {
             }
         });
         let of = |(x, v): (&T, &T)| x.to_f64().abs().max(h * v.to_f64().abs());
-        Some((x.iter().zip(v).map(of).fold(0.0, f64::max), self.method.order))
+        Some((x.iter().zip(v).map(of).fold(0.0, f64::max), Control::pair(self.method.order)))
     }
 
     fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
@@ -203,17 +192,8 @@ impl<T: Real> System for Wave<T> {
     }
 
     fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
-        let ledger = self.audit(time, executor)?;
-        if ledger.balance().is_finite() {
-            return Ok(ledger);
-        }
-        let error = Error::parameter("scene", "an energy that is finite", ledger.balance());
-        Err(error.with_hint("smaller displacements, rates, speeds or densities"))
-    }
-
-    /// Zero, because the potential energy is a sum of squares.
-    fn lowest_potential(&self) -> Option<f64> {
-        Some(0.0)
+        let ledger = self.audit(time, executor)?.finite();
+        ledger.map_err(|error| error.with_hint("smaller displacements, rates, speeds or densities"))
     }
 
     fn resolvable(&self, time: f64, h: f64) -> f64 {
@@ -248,20 +228,5 @@ impl<T: Real> System for Wave<T> {
 
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         self.replace(fields, time, executor)
-    }
-
-    fn tallies(&self) -> Vec<f64> {
-        self.state.tallies.iter().flat_map(|tally| tally.energy.into_iter().chain(tally.last)).collect()
-    }
-
-    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
-        if numbers.len() != 2 * SINKS * self.state.tallies.len() {
-            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
-        }
-        for (tally, numbers) in self.state.tallies.iter_mut().zip(numbers.chunks_exact(2 * SINKS)) {
-            let slots = tally.energy.iter_mut().chain(&mut tally.last);
-            slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
-        }
-        Ok(())
     }
 }

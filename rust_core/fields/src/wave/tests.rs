@@ -11,8 +11,8 @@ use crate::scenes::wave::*;
 use crate::systems::{Interval, RecordedSteps, System};
 use crate::wave::Wave;
 
-/// Runs 21 steps of an integrator in passes of `depth` stages on `threads` threads; returns the state and the activity.
-fn passes<I: Integrator>(item: &Item, depth: Option<usize>, threads: usize) -> (Vec<f64>, Vec<f64>) {
+/// Runs 21 steps of an integrator in passes of `depth` stages on `threads` threads; returns the state with the tallies, and the activity.
+fn passes<I: Integrator>(item: &Item, depth: Option<usize>, threads: usize) -> (Archive, Vec<f64>) {
     let mut wave = Wave::<f64>::new::<I>(item).unwrap();
     if let Some(depth) = depth {
         let rows = wave.dynamics.medium.laplacian.grid.rows();
@@ -24,8 +24,7 @@ fn passes<I: Integrator>(item: &Item, depth: Option<usize>, threads: usize) -> (
     ThreadPool::new(threads).run(&|| false, advance).unwrap();
     let mut archive = Archive::default();
     wave.capture(&mut archive);
-    archive.write(wave.tallies());
-    (archive.into_numbers(), wave.activity().to_vec())
+    (archive, wave.activity().to_vec())
 }
 
 /// Covers passes of several stages over slabs, on one thread and on several with seams between their bands.

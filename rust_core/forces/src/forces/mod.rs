@@ -41,7 +41,7 @@ pub use central::{InverseSquare, InverseSquareLaw};
 use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;
 pub use electromagnetic::{Affine, ElectromagneticLaw, FieldLaw, Use, times};
-pub use fluid::{DensityScheme, Drift, Fields, FluidScheme};
+pub use fluid::{DensityScheme, Drift, Fields, FluidScheme, Mach};
 use linear::Fusion;
 pub use pointwise::ForceField;
 pub use soft_spheres::KIND as SOFT_SPHERES;

@@ -233,19 +233,22 @@ impl History for NeighborList {
 
     fn capture(&self, archive: &mut Archive) {
         if self.rolled_back {
-            archive.write(self.saved.iter().flatten().copied());
+            archive.write(ANCHORS, self.saved.iter().flatten().copied());
         } else {
-            archive.write((0..AXES).flat_map(|axis| self.neighbors.anchors(axis)));
+            archive.write(ANCHORS, (0..AXES).flat_map(|axis| self.neighbors.anchors(axis)));
         }
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.saved.iter_mut().try_for_each(|column| archive.read_into(column))?;
+        let numbers = archive.read_exactly(ANCHORS, self.saved.iter().map(Vec::len).sum())?;
+        self.saved.iter_mut().flatten().zip(numbers).for_each(|(slot, &number)| *slot = number);
         (self.renewed, self.rolled_back) = (false, true);
         Ok(())
     }
 }
 
+/// Name of the positions of the last build in archives.
+const ANCHORS: &str = "anchors";
 /// Assumed number of neighbors per particle, which only sets the length of a batch of steps.
 const TYPICAL: usize = 20;
 

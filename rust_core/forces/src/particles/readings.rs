@@ -40,10 +40,15 @@ impl Readings {
         forces.chain(pressures).for_each(|(integral, present)| *integral += passed * present);
     }
 
-    /// All numbers of an archive except the time.
-    fn numbers(&mut self) -> [&mut [f64]; 4] {
+    /// Arrays of an archive, with their names.
+    fn arrays(&mut self) -> [(&'static str, &mut [f64]); 4] {
         let Self { forces, pressures, impulses, pressure_integrals, .. } = self;
-        [forces.as_flattened_mut(), pressures, impulses.as_flattened_mut(), pressure_integrals]
+        [
+            ("forces", forces.as_flattened_mut()),
+            ("pressures", pressures),
+            ("impulses", impulses.as_flattened_mut()),
+            ("pressure_integrals", pressure_integrals),
+        ]
     }
 
     /// Copies the values of other readings of the same scene without allocation.
@@ -57,14 +62,14 @@ impl Readings {
 
     /// Writes all numbers to an archive.
     pub fn capture(&self, archive: &mut Archive) {
-        self.clone().numbers().into_iter().for_each(|numbers| archive.write(numbers.iter().copied()));
-        archive.write([self.time.unwrap_or(f64::NAN)]);
+        self.clone().arrays().into_iter().for_each(|(name, numbers)| archive.write(name, numbers.iter().copied()));
+        archive.write("time", [self.time.unwrap_or(f64::NAN)]);
     }
 
     /// Reads all numbers from an archive.
     pub fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.numbers().into_iter().try_for_each(|numbers| archive.read_into(numbers))?;
-        self.time = Some(archive.read(1)?[0]).filter(|time| !time.is_nan());
+        self.arrays().into_iter().try_for_each(|(name, numbers)| archive.read_into(name, numbers))?;
+        self.time = Some(archive.read_number("time")?).filter(|time| !time.is_nan());
         Ok(())
     }
 }

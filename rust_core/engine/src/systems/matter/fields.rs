@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::MatterSystem;
 use super::compile::out_of_range;
+use super::constraints::Constraint;
+use super::{MatterSystem, budget};
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::{DensityScheme, Fields};
@@ -11,7 +12,7 @@ use crate::math::AXES;
 use crate::matter::{Columns, EnergySink, Matter};
 use crate::parallel::{Executor, SERIAL};
 use crate::particles::Gauges;
-use crate::systems::{FieldInfo, System};
+use crate::systems::{FieldInfo, Location, System};
 
 /// Names and units of the fields of all matter, and of fluids.
 const MOTION: [(&str, &str); 2] = [("positions", "m"), ("velocities", "m/s")];
@@ -19,6 +20,10 @@ const FLUID: [(&str, &str); 2] = [("densities", "kg/m³"), ("pressures", "Pa")];
 /// Names and units of the fields of boundaries and bodies, and of probes, with their integrals over time.
 const WALLS: [(&str, &str); 2] = [("wall_forces", "N"), ("wall_impulses", "N·s")];
 const PROBES: [(&str, &str); 2] = [("probe_pressures", "Pa"), ("probe_impulses", "Pa·s")];
+/// Names and units of the fields of matter as a whole: momentum, and angular momentum about the origin of coordinates.
+const WHOLE: [(&str, &str); 2] = [("momentum", "kg·m/s"), ("angular_momentum", "kg·m²/s")];
+/// Name and unit of the [Mach number](crate::forces::Mach) of a fluid: fraction of fast particles, and speed of sound [m/s].
+const MACH: (&str, &str) = ("mach", "1");
 
 /// Flattens vectors, component by component.
 fn flat<V: Space>(vectors: &[[f64; AXES]]) -> Vec<f64> {
@@ -32,7 +37,8 @@ impl<V: Space> MatterSystem<V> {
         let walls = self.gauges().map(|_| WALLS);
         let probes = self.gauges().filter(|gauges| !gauges.pressures().is_empty()).map(|_| PROBES);
         let fluid = fluid.into_iter().chain(walls).chain(probes).flatten();
-        MOTION.into_iter().chain(fluid)
+        let mach = self.dynamics.scheme.is_some().then_some(MACH);
+        MOTION.into_iter().chain(fluid).chain(WHOLE).chain(mach)
     }
 
     /// Gauges of the fluids.
@@ -45,22 +51,25 @@ impl<V: Space> MatterSystem<V> {
         let info = |(name, unit): (&'static str, &'static str)| {
             let count = self.state.count();
             let moves = MOTION.contains(&(name, unit));
-            let shape = match name {
-                _ if moves => vec![count, V::DIMENSION],
-                "wall_forces" | "wall_impulses" => vec![self.gauges().map_or(0, |gauges| gauges.forces().len()), V::DIMENSION],
-                "probe_pressures" | "probe_impulses" => vec![self.gauges().map_or(0, |gauges| gauges.pressures().len())],
-                _ => vec![count],
+            let (location, shape) = match name {
+                _ if moves => (Location::Points, vec![count, V::DIMENSION]),
+                "wall_forces" | "wall_impulses" => {
+                    (Location::Walls, vec![self.gauges().map_or(0, |gauges| gauges.forces().len()), V::DIMENSION])
+                }
+                "probe_pressures" | "probe_impulses" => {
+                    (Location::Probes, vec![self.gauges().map_or(0, |gauges| gauges.pressures().len())])
+                }
+                "momentum" => (Location::Whole, vec![V::DIMENSION]),
+                "angular_momentum" => (Location::Whole, vec![self.turns()]),
+                "mach" => (Location::Whole, vec![2]),
+                _ => (Location::Points, vec![count]),
             };
             let rate = (name == "positions").then(|| "velocities".to_owned());
             // Density by continuity is a part of the state; density by summation follows from the positions.
             let continuity = name == "densities" && self.dynamics.scheme.is_some_and(DensityScheme::is_carried);
-            FieldInfo { name: name.to_owned(), unit, shape, rate, state: moves || continuity }
+            FieldInfo { name: name.to_owned(), unit, location, shape, rate, state: moves || continuity }
         };
-        // Which springs are broken is a part of the state; tensions follow from it.
-        let constraints = self.constraints.iter().flat_map(|each| each.fields().into_iter().map(|field| (field, each.tears())));
-        let own =
-            constraints.map(|((name, unit, shape), state)| FieldInfo { name: name.to_owned(), unit, shape, rate: None, state });
-        self.names().map(info).chain(own).collect()
+        self.names().map(info).chain(self.constraints.iter().flat_map(Constraint::fields)).collect()
     }
 
     /// Values of a field of constraints.
@@ -89,6 +98,13 @@ impl<V: Space> MatterSystem<V> {
             "wall_impulses" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(gauges.impulses())),
             "probe_pressures" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressures().to_vec()),
             "probe_impulses" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressure_integrals().to_vec()),
+            "momentum" => self.momenta().0.to_array()[..V::DIMENSION].to_vec(),
+            "angular_momentum" => self.momenta().1.to_array()[AXES - self.turns()..].to_vec(),
+            "mach" => {
+                let fluid = self.dynamics.forces().iter().find_map(|force| force.fluid());
+                let mach = fluid.and_then(|fluid| fluid.mach(state.velocity.view()));
+                mach.map_or_else(Vec::new, |mach| vec![mach.fast, mach.sound])
+            }
             name => {
                 let nothing = || vec![f64::NAN; properties.count()];
                 let mut fields = Fields { density: nothing(), pressure: nothing() };
@@ -100,6 +116,15 @@ impl<V: Space> MatterSystem<V> {
                 ordered
             }
         }
+    }
+
+    /// Number of components of an angular momentum.
+    fn turns(&self) -> usize {
+        if V::DIMENSION == 2 { 1 } else { AXES }
+    }
+
+    fn momenta(&self) -> (DVec3, DVec3) {
+        budget::momenta(&self.dynamics, &self.state)
     }
 
     fn vectors(&self, of: impl Fn(usize) -> DVec3) -> Vec<f64> {

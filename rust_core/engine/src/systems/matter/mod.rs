@@ -31,20 +31,17 @@ use crate::forces::Space;
 use crate::forces::{self, Validity};
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
-use crate::ledger::{Class, Ledger};
-use crate::math::{Real, Vector};
-use crate::matter::{Columns, EnergyTally, Matter, SINKS};
+use crate::ledger::Ledger;
+use crate::math::Vector;
+use crate::matter::{Columns, Matter};
 use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
 use crate::scene::{Body, Item, Scene};
-use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
 use crate::systems::{
-    Control, Element, Fault, FieldInfo, Interval, Mach, Quantity, RecordedSteps, Sample, System, unknown_integrator,
+    Control, Element, Fault, FieldInfo, Hints, Interval, Quantity, RecordedSteps, Sample, System, unknown_integrator,
 };
 
-/// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
-const BATCH: f64 = 0.05;
 /// Size of one column of a block that runs many steps [bytes]: position, velocity and registers in three dimensions fit into
 /// the first-level cache.
 const INDEPENDENT_COLUMN: usize = 2048;
@@ -186,7 +183,8 @@ impl<V: Space> MatterSystem<V> {
             certified: OnceLock::new(),
         };
         let blocks = if system.workspace.is_none() { blocks } else { 0 };
-        system.activity = Activity::new(blocks, system.most_steps().min(system.most_recorded()));
+        let hints = system.hints();
+        system.activity = Activity::new(blocks, hints.most_steps.min(hints.most_recorded));
         system
     }
 
@@ -231,13 +229,6 @@ impl<V: Space> MatterSystem<V> {
             body.charge.push(properties.charge[index]);
         }
         bodies
-    }
-
-    /// Columns that make up the state, in a fixed order.
-    fn columns(&self) -> impl Iterator<Item = &Columns<V>> {
-        let state = &self.state;
-        let persistent = state.registers.iter().take(self.method.persistent());
-        [&state.position, &state.velocity, &state.residual].into_iter().chain(persistent)
     }
 
     /// Calls a function with the state and the accelerations by all forces but those of constraints.
@@ -289,21 +280,34 @@ impl<V: Space> MatterSystem<V> {
         energy
     }
 
+    /// Writes the histories of method, constraints and forces to an archive.
     fn capture_histories(&self, archive: &mut Archive) {
-        self.method.capture(archive);
-        self.constraints.capture(archive);
-        self.dynamics.forces().iter().for_each(|force| force.capture(archive));
+        archive.within("method", |archive| self.method.capture(archive));
+        archive.within("constraints", |archive| self.constraints.capture(archive));
+        for (force, name) in self.dynamics.forces().iter().zip(self.names_of_forces()) {
+            archive.within(&name, |archive| force.capture(archive));
+        }
     }
 
     fn restore_histories(&mut self, archive: &mut Archive) -> Result<()> {
-        self.method.restore(archive)?;
-        self.constraints.restore(archive)?;
+        archive.within("method", |archive| self.method.restore(archive))?;
+        archive.within("constraints", |archive| self.constraints.restore(archive))?;
         self.leave_out_broken();
-        self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(archive))
+        let names = self.names_of_forces();
+        let mut forces = self.dynamics.forces_mut().iter_mut().zip(names);
+        forces.try_for_each(|(force, name)| archive.within(&name, |archive| force.restore(archive)))
+    }
+
+    /// Names of the forces in archives. Forces of one kind are counted, so that no name depends on forces of other kinds.
+    fn names_of_forces(&self) -> Vec<String> {
+        let kinds: Vec<_> = self.dynamics.forces().iter().map(|force| force.about().name).collect();
+        let alike = |index: usize| kinds[..index].iter().filter(|kind| **kind == kinds[index]).count();
+        kinds.iter().enumerate().map(|(index, kind)| format!("forces/{kind}[{}]", alike(index))).collect()
     }
 }
 
-/// History: positions, velocities, residuals, persistent registers of the method, and histories of method and forces.
+/// History: positions, velocities, residuals, persistent registers of the method, tallies, and histories of method,
+/// constraints and forces.
 impl<V: Space> History for MatterSystem<V> {
     fn save(&mut self) {
         self.method.save();
@@ -329,28 +333,18 @@ impl<V: Space> History for MatterSystem<V> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        for columns in self.columns() {
-            for axis in 0..V::DIMENSION {
-                archive.write(columns.axis(axis)[..columns.count()].iter().map(|number| number.to_f64()));
-            }
-        }
-        self.capture_histories(archive);
+        archive.within("matter", |archive| {
+            self.state.capture(self.method.persistent(), archive);
+            self.capture_histories(archive);
+        });
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let count = V::DIMENSION * self.columns().map(Columns::count).sum::<usize>();
-        // Reads all numbers first: an archive that is too short changes no state.
-        let mut numbers = archive.read(count)?.iter();
-        let (state, persistent) = (&mut self.state, self.method.persistent());
-        let columns = [&mut state.position, &mut state.velocity, &mut state.residual];
-        for columns in columns.into_iter().chain(state.registers.iter_mut().take(persistent)) {
-            let count = columns.count();
-            for axis in columns.span().axes.iter_mut().take(V::DIMENSION) {
-                axis[..count].iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = V::Scalar::from_f64(number));
-            }
-        }
-        self.resume();
-        self.restore_histories(archive)
+        archive.within("matter", |archive| {
+            self.state.restore(self.method.persistent(), archive)?;
+            self.resume();
+            self.restore_histories(archive)
+        })
     }
 }
 
@@ -379,26 +373,24 @@ impl<V: Space> System for MatterSystem<V> {
         self.cost
     }
 
-    fn iterates(&self) -> bool {
-        let solves = matches!(self.method.about().springs, Treatment::Solved | Treatment::Projections);
-        solves || self.constraints.abouts().any(|constraint| constraint.iterates)
-    }
-
-    /// Maximum number of steps of a batch: as many as fit into [`BATCH`], but enough that the copies of the state cost less
-    /// than the steps. With a user-defined function one step at a time: it is called in the order of time, once per
-    /// evaluation.
-    fn most_steps(&self) -> u64 {
+    /// Batches have enough steps that the copies of the state cost less than the steps. With a user-defined function they have
+    /// one: it is called in the order of time, once per evaluation.
+    fn hints(&self) -> Hints {
         let least = match &self.workspace {
-            _ if self.dynamics.callbacks > 0 => return 1,
-            None if self.dynamics.is_fused() => 200.0,
-            None => 25.0,
-            Some(_) => 5.0,
+            None if self.dynamics.is_fused() => 200,
+            None => 25,
+            Some(_) => 5,
         };
-        (BATCH / self.cost).clamp(least, 1e6) as u64
-    }
-
-    fn most_recorded(&self) -> u64 {
-        Activity::most_steps(self.state.tallies.len())
+        let hints = Hints::new(self.cost, least..=1_000_000);
+        let solves = matches!(self.method.about().springs, Treatment::Solved | Treatment::Projections);
+        Hints {
+            most_steps: if self.dynamics.callbacks > 0 { 1 } else { hints.most_steps },
+            most_recorded: Activity::most_steps(self.state.tallies.len()),
+            iterates: solves || self.constraints.abouts().any(|constraint| constraint.iterates),
+            linear: self.workspace.is_none() && self.dynamics.is_fused() && self.dynamics.contacts.is_none(),
+            gains_energy: self.method.gains_energy(),
+            ..hints
+        }
     }
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
@@ -430,14 +422,6 @@ impl<V: Space> System for MatterSystem<V> {
         self.activity.steps()
     }
 
-    fn is_linear(&self) -> bool {
-        self.workspace.is_none() && self.dynamics.is_fused() && self.dynamics.contacts.is_none()
-    }
-
-    fn gains_energy(&self) -> bool {
-        self.method.gains_energy()
-    }
-
     fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
         let holds = horizon == Horizon::Certified && self.limit_holds(time);
         if let (true, Some(&known)) = (holds, self.certified.get()) {
@@ -465,12 +449,8 @@ impl<V: Space> System for MatterSystem<V> {
             || forces.iter().any(|force| force.validity(&at, horizon) != Validity::Always)
     }
 
-    fn error(&self, h: f64) -> Option<(f64, u32)> {
-        Some((self.method.error(&self.state, h)?, self.method.about().orders[0]))
-    }
-
-    fn control(&self, _order: u32) -> Control {
-        self.method.control()
+    fn error(&self, h: f64) -> Option<(f64, Control)> {
+        Some((self.method.error(&self.state, h)?, self.method.control()))
     }
 
     fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
@@ -478,30 +458,10 @@ impl<V: Space> System for MatterSystem<V> {
     }
 
     fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
-        let ledger = self.audit(time, executor)?;
-        if ledger.balance().is_finite() {
-            return Ok(ledger);
-        }
-        let found = ledger.rows().iter().find(|row| !row.energy.is_finite()).map_or_else(
-            || "a sum that is not".to_owned(),
-            |row| {
-                let name = match row.class {
-                    Class::Kinetic => "kinetic",
-                    Class::Internal => "internal",
-                    _ => row.name,
-                };
-                format!("{name} energy of {} J", row.energy)
-            },
-        );
-        let error = Error::parameter("scene", "an energy that is finite", found);
-        Err(match self.coincident() {
+        self.audit(time, executor)?.finite().map_err(|error| match self.coincident() {
             Some([one, other]) => error.with_hint(format!("particles {one} and {other} coincide")),
             None => error.with_hint("particles too fast, too heavy or too close to each other"),
         })
-    }
-
-    fn momenta(&self) -> (DVec3, DVec3) {
-        budget::momenta(&self.dynamics, &self.state)
     }
 
     fn resolvable(&self, time: f64, h: f64) -> f64 {
@@ -520,10 +480,6 @@ impl<V: Space> System for MatterSystem<V> {
         self.element(mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0))
     }
 
-    fn mach(&self) -> Option<Mach> {
-        self.dynamics.forces().iter().find_map(|force| force.fluid())?.mach(self.state.velocity.view())
-    }
-
     fn fields(&self) -> Vec<FieldInfo> {
         self.field_infos()
     }
@@ -534,23 +490,6 @@ impl<V: Space> System for MatterSystem<V> {
 
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         self.replace(fields, time, executor)
-    }
-
-    fn tallies(&self) -> Vec<f64> {
-        self.state.tallies.iter().flat_map(|tally| tally.energy.iter().chain(&tally.last).flatten()).copied().collect()
-    }
-
-    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
-        let per_tally = 2 * SINKS * LANES;
-        if numbers.len() != self.state.tallies.len() * per_tally {
-            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
-        }
-        for (tally, numbers) in self.state.tallies.iter_mut().zip(numbers.chunks_exact(per_tally)) {
-            *tally = EnergyTally::ZERO;
-            let slots = tally.energy.iter_mut().chain(&mut tally.last).flatten();
-            slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
-        }
-        Ok(())
     }
 
     fn sample(&self, sample: &Sample<'_>, executor: &Executor) -> Result<Vec<f64>> {

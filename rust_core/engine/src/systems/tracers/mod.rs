@@ -92,6 +92,13 @@ struct Set {
     element: &'static str,
 }
 
+impl Set {
+    /// Name of the set in archives.
+    fn part(&self) -> String {
+        format!("systems/{}", self.item)
+    }
+}
+
 /// Sets of points in one flow.
 struct Tracers<T, const D: usize> {
     flow: Box<dyn Flow<T, D>>,

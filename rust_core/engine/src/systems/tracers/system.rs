@@ -4,16 +4,14 @@ use super::Tracers;
 use super::law::Outcome;
 use super::points::Points;
 use crate::error::{Error, Result};
-use crate::history::{Archive, History};
+use crate::history::{Archive, History, TALLIES};
 use crate::ledger::{Budget, Ledger};
 use crate::math::Real;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit, LimitKind};
-use crate::systems::{Element, Fault, FieldInfo, Interval, RecordedSteps, System};
+use crate::systems::{Control, Element, Fault, FieldInfo, Hints, Interval, Location, RecordedSteps, System};
 
-/// Duration of a batch of steps [s].
-const BATCH: f64 = 0.05;
 /// Maximum number of steps of a batch.
 const STEPS: u64 = 4095;
 /// Limit of accuracy in units of 1/|∇v|: neighbors separate by a tenth of their distance in a step.
@@ -49,7 +47,7 @@ impl<T: Real, const D: usize> Tracers<T, D> {
     }
 }
 
-/// History: the positions, and the time at which velocities are read. No slope is kept from one step to the next.
+/// History: the positions, the time at which velocities are read, and the tally. No slope is kept from one step to the next.
 impl<T: Real, const D: usize> History for Tracers<T, D> {
     fn save(&mut self) {
         self.saved_time = self.time;
@@ -62,16 +60,23 @@ impl<T: Real, const D: usize> History for Tracers<T, D> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write([self.time]);
-        self.points.iter().for_each(|points| archive.write(points.rows()));
+        archive.within(&self.sets[0].part(), |archive| {
+            archive.write("time", [self.time]);
+            archive.write(TALLIES, [self.supplied]);
+        });
+        for (set, points) in self.sets.iter().zip(&self.points) {
+            archive.within(&set.part(), |archive| archive.write(FIELDS[0], points.rows()));
+        }
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.time = archive.read(1)?[0];
-        self.points.iter_mut().try_for_each(|points| {
-            let count = points.count * D;
-            archive.read(count).map(|rows| points.fill(rows))
-        })
+        (self.time, self.supplied) =
+            archive.within(&self.sets[0].part(), |archive| Ok((archive.read_number("time")?, archive.read_number(TALLIES)?)))?;
+        for (set, points) in self.sets.iter().zip(&mut self.points) {
+            let count = D * points.count;
+            archive.within(&set.part(), |archive| archive.read_exactly(FIELDS[0], count).map(|rows| points.fill(rows)))?;
+        }
+        Ok(())
     }
 }
 
@@ -103,12 +108,9 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         self.coefficients.evaluations as f64 * (1e-8 + self.flow.cost() * self.total() as f64)
     }
 
-    fn most_steps(&self) -> u64 {
-        ((BATCH / self.cost()) as u64).clamp(1, STEPS).min(self.flow.most_steps(self.coefficients.evaluations))
-    }
-
-    fn most_recorded(&self) -> u64 {
-        STEPS
+    fn hints(&self) -> Hints {
+        let hints = Hints::new(self.cost(), 1..=STEPS);
+        Hints { most_steps: hints.most_steps.min(self.flow.most_steps(self.coefficients.evaluations)), ..hints }
     }
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
@@ -152,8 +154,8 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         matches!(horizon, Horizon::Present)
     }
 
-    fn error(&self, _h: f64) -> Option<(f64, u32)> {
-        self.method.estimate.as_ref().map(|estimate| (self.outcome.error, estimate.order))
+    fn error(&self, _h: f64) -> Option<(f64, Control)> {
+        self.method.estimate.as_ref().map(|estimate| (self.outcome.error, Control::pair(estimate.order)))
     }
 
     fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
@@ -164,14 +166,6 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         }
         executor.check()?;
         Ok(ledger)
-    }
-
-    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
-        let ledger = self.audit(time, executor)?;
-        match ledger.budgets().iter().find(|budget| !budget.stored.is_finite()) {
-            None => Ok(ledger),
-            Some(budget) => Err(Error::parameter("scene", format!("a {} that is finite", budget.name), budget.stored)),
-        }
     }
 
     fn fault(&self) -> Option<Fault> {
@@ -199,6 +193,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         let info = |set: usize, field: usize| FieldInfo {
             name: format!("{}.{}", self.sets[set].item, FIELDS[field]),
             unit: ["m", "m/s"][field],
+            location: Location::Points,
             shape: vec![self.points[set].count, D],
             rate: (field == 0).then(|| format!("{}.{}", self.sets[set].item, FIELDS[1])),
             state: field == 0,
@@ -230,19 +225,5 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         }
         self.outcome = Outcome::default();
         done
-    }
-
-    fn tallies(&self) -> Vec<f64> {
-        vec![self.supplied]
-    }
-
-    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
-        match numbers {
-            &[supplied] => {
-                self.supplied = supplied;
-                Ok(())
-            }
-            _ => Err(Error::State("it does not belong to this scene and these numerics".to_owned())),
-        }
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::WeaklyCompressible;
 use super::laws::RATES;
 use crate::error::Result;
-use crate::forces::{DensityScheme, Drift, Fields, FluidScheme};
+use crate::forces::{DensityScheme, Drift, Fields, FluidScheme, Mach};
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Power, Span, View};
 use crate::parallel::{BlockedSlice, Executor};
@@ -14,7 +14,6 @@ use crate::particles::kernel::KernelShape;
 use crate::particles::records::fill;
 use crate::particles::{BLOCK, Gauges, OBSTACLE};
 use crate::simd::LANES;
-use crate::systems::Mach;
 
 impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXED> {
     /// Updates density by summation, if that is the scheme.

@@ -4,14 +4,13 @@ use std::f64::consts::TAU;
 
 use super::WeaklyCompressible;
 use super::laws::FORCES;
-use crate::forces::FluidScheme;
+use crate::forces::{FluidScheme, Mach};
 use crate::math::{Real, Vector};
 use crate::matter::View;
 use crate::particles::kernel::KernelShape;
 use crate::particles::waves::FluidWave;
 use crate::particles::{Material, OBSTACLE};
 use crate::stability::SpectralBound;
-use crate::systems::Mach;
 
 impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXED> {
     /// The Mach number at these velocities.

@@ -183,17 +183,18 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> History for WeaklyCompressibl
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write(self.density.iter().copied().chain([self.strongest()]));
-        self.surface.capture(archive);
-        self.gauges.iter().for_each(|gauges| gauges.capture(archive));
+        archive.write("densities", self.density.iter().copied());
+        archive.write("strongest", [self.strongest()]);
+        archive.within("surface", |archive| self.surface.capture(archive));
+        self.gauges.iter().for_each(|gauges| archive.within("gauges", |archive| gauges.capture(archive)));
         self.neighbor_list.capture(archive);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        archive.read_into(&mut self.density)?;
-        self.strongest = Some(archive.read(1)?[0]);
-        self.surface.restore(archive)?;
-        self.gauges.iter_mut().try_for_each(|gauges| gauges.restore(archive))?;
+        archive.read_into("densities", &mut self.density)?;
+        self.strongest = Some(archive.read_number("strongest")?);
+        archive.within("surface", |archive| self.surface.restore(archive))?;
+        self.gauges.iter_mut().try_for_each(|gauges| archive.within("gauges", |archive| gauges.restore(archive)))?;
         self.neighbor_list.restore(archive)
     }
 }

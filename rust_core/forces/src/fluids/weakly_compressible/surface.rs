@@ -169,20 +169,19 @@ impl<V: Vector, K> History for SurfaceEffects<V, K> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write(self.wall_factors.iter().copied().flat_map(WallFactor::numbers));
-        archive.write([self.highest, f64::from(u8::from(self.is_stale))]);
+        archive.write("wall_factors", self.wall_factors.iter().copied().flat_map(WallFactor::numbers));
+        archive.write("highest_frequency", [self.highest]);
+        archive.write("stale", [f64::from(u8::from(self.is_stale))]);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        for wall_factor in &mut self.wall_factors {
-            let mut numbers = wall_factor.numbers();
-            archive.read_into(&mut numbers)?;
-            let [kick, drift] = [numbers[0], numbers[1]].map(|factor| (2.0 * factor) as u8);
-            *wall_factor = WallFactor { kick, drift, at_surface: numbers[2] > 0.0 };
+        let numbers = archive.read_exactly("wall_factors", 3 * self.wall_factors.len())?.as_chunks::<3>().0;
+        for (wall_factor, &[kick, drift, at_surface]) in self.wall_factors.iter_mut().zip(numbers) {
+            let [kick, drift] = [kick, drift].map(|factor| (2.0 * factor) as u8);
+            *wall_factor = WallFactor { kick, drift, at_surface: at_surface > 0.0 };
         }
-        let mut numbers = [0.0; 2];
-        archive.read_into(&mut numbers)?;
-        (self.highest, self.is_stale) = (numbers[0], numbers[1] > 0.0);
+        self.highest = archive.read_number("highest_frequency")?;
+        self.is_stale = archive.read_number("stale")? > 0.0;
         Ok(())
     }
 }

@@ -24,6 +24,7 @@ use crate::matter::{Columns, Matter, Properties};
 use crate::parallel::Executor;
 use crate::scene::Scene;
 use crate::stability::SpectralBound;
+use crate::systems::FieldInfo;
 
 use rods::Rods;
 use self_contact::SelfContacts;
@@ -122,6 +123,8 @@ pub struct ConstraintStage {
 /// Properties of a constraint.
 #[derive(Debug, Clone)]
 pub struct ConstraintProperties {
+    /// Name in archives.
+    pub name: &'static str,
     pub stages: Vec<ConstraintStage>,
     /// Highest order of convergence of a step.
     pub order: u32,
@@ -136,9 +139,6 @@ pub struct ConstraintProperties {
     /// Memory [bytes].
     pub bytes: usize,
 }
-
-/// Field of a constraint: name, unit, and number of values.
-pub type ConstraintField = (&'static str, &'static str, Vec<usize>);
 
 /// Broken springs.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,7 +195,7 @@ pub trait Constraint<V: Space>: History + Send + Sync {
     fn energy(&self, _ledger: &mut Ledger) {}
 
     /// Fields, in the caller's order.
-    fn fields(&self) -> Vec<ConstraintField> {
+    fn fields(&self) -> Vec<FieldInfo> {
         Vec::new()
     }
 
@@ -286,11 +286,11 @@ impl<V: Space> History for Constraints<V> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        self.list.iter().for_each(|constraint| constraint.capture(archive));
+        self.list.iter().for_each(|each| archive.within(each.about().name, |archive| each.capture(archive)));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.list.iter_mut().try_for_each(|constraint| constraint.restore(archive))
+        self.list.iter_mut().try_for_each(|each| archive.within(each.about().name, |archive| each.restore(archive)))
     }
 }
 

@@ -3,7 +3,7 @@
 //! At the end of each step, every spring of strain (r − L)/L > s breaks. It exerts no force from then on, and its energy ½ k
 //! (r − L)² is dissipated. A step in which a spring breaks is of order 1.
 
-use super::{Breakage, Constraint, ConstraintField, ConstraintProperties, Declaration, ForcedState};
+use super::{Breakage, Constraint, ConstraintProperties, Declaration, ForcedState};
 use crate::error::Result;
 use crate::forces::Space;
 use crate::forces::springs::{self, Spring};
@@ -11,6 +11,7 @@ use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::matter::Matter;
 use crate::systems::matter::methods::Treatment;
+use crate::systems::{FieldInfo, Location};
 
 /// Name of the field that tells whether each spring is broken.
 const BROKEN: &str = "broken";
@@ -69,13 +70,14 @@ impl History for Tearing {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write([self.now.energy]);
-        archive.write(self.now.springs.iter().map(|&broken| f64::from(u8::from(broken))));
+        archive.write("energy", [self.now.energy]);
+        archive.write("broken", self.now.springs.iter().map(|&broken| f64::from(u8::from(broken))));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let numbers = archive.read(1 + self.now.springs.len())?;
-        self.now = Broken { energy: numbers[0], springs: numbers[1..].iter().map(|&number| number != 0.0).collect() };
+        let numbers = archive.read_exactly("broken", self.now.springs.len())?;
+        self.now.springs = numbers.iter().map(|&number| number != 0.0).collect();
+        self.now.energy = archive.read_number("energy")?;
         Ok(())
     }
 }
@@ -84,6 +86,7 @@ impl<V: Space> Constraint<V> for Tearing {
     fn about(&self) -> ConstraintProperties {
         let broken = size_of_val(self.now.springs.as_slice()) + size_of_val(self.saved.springs.as_slice());
         ConstraintProperties {
+            name: "tearing",
             stages: Vec::new(),
             // A spring breaks at the end of a step.
             order: 1,
@@ -99,8 +102,15 @@ impl<V: Space> Constraint<V> for Tearing {
         ledger.add(Class::Dissipated, "tearing", self.now.energy);
     }
 
-    fn fields(&self) -> Vec<ConstraintField> {
-        vec![(BROKEN, "1", vec![self.now.springs.len()])]
+    fn fields(&self) -> Vec<FieldInfo> {
+        vec![FieldInfo {
+            name: BROKEN.to_owned(),
+            unit: "1",
+            location: Location::Springs,
+            shape: vec![self.now.springs.len()],
+            rate: None,
+            state: true,
+        }]
     }
 
     fn read(&self, _field: usize, _state: &ForcedState<'_, V>) -> Vec<f64> {

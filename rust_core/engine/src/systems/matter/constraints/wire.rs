@@ -15,8 +15,8 @@
 use glam::DVec3;
 
 use super::{
-    ConstrainedStep, Constraint, ConstraintField, ConstraintProperties, ConstraintStage, Declaration, ForcedState, WIRES, refuse,
-    rods, self_contact,
+    ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, Declaration, ForcedState, WIRES, refuse, rods,
+    self_contact,
 };
 use crate::error::{Error, Result};
 use crate::forces::Space;
@@ -24,6 +24,7 @@ use crate::history::{Archive, History};
 use crate::math::spline::{CubicSpline, CurvePoint};
 use crate::scene::{Item, Value};
 use crate::stability::SpectralBound;
+use crate::systems::{FieldInfo, Location};
 
 /// Kind of the items.
 pub const KIND: &str = "Wire";
@@ -207,11 +208,11 @@ impl History for Wires {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write(self.beads.iter().map(|bead| bead.place));
+        archive.write("places", self.beads.iter().map(|bead| bead.place));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let places = archive.read(self.beads.len())?;
+        let places = archive.read_exactly("places", self.beads.len())?;
         self.beads.iter_mut().zip(places).for_each(|(bead, &place)| bead.place = place);
         Ok(())
     }
@@ -222,6 +223,7 @@ impl<V: Space> Constraint<V> for Wires {
         let (count, curves) = (self.beads.len(), self.curves.len());
         let note = format!("{count} beads on {curves} {}", if curves == 1 { "curve" } else { "curves" });
         ConstraintProperties {
+            name: "wires",
             stages: vec![ConstraintStage { name: "wires", note: Some(note), last: true }],
             order: self.order,
             varies: true,
@@ -345,8 +347,15 @@ impl<V: Space> Constraint<V> for Wires {
         }
     }
 
-    fn fields(&self) -> Vec<ConstraintField> {
-        vec![("wire_forces", "N", vec![self.beads.len(), V::DIMENSION])]
+    fn fields(&self) -> Vec<FieldInfo> {
+        vec![FieldInfo {
+            name: "wire_forces".to_owned(),
+            unit: "N",
+            location: Location::Points,
+            shape: vec![self.beads.len(), V::DIMENSION],
+            rate: None,
+            state: false,
+        }]
     }
 
     fn read(&self, _field: usize, state: &ForcedState<'_, V>) -> Vec<f64> {

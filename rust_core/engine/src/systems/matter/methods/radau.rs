@@ -213,13 +213,16 @@ impl History for GaussRadau15 {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write([self.kept.h]);
-        self.kept.groups.iter().flat_map(LaneMemory::rows).for_each(|row| archive.write(row.iter().copied()));
+        archive.write("step", [self.kept.h]);
+        archive.write("series", self.kept.groups.iter().flat_map(LaneMemory::rows).flatten().copied());
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.kept.h = archive.read(1)?[0];
-        self.kept.groups.iter_mut().flat_map(LaneMemory::rows_mut).try_for_each(|row| archive.read_into(row))
+        self.kept.h = archive.read_number("step")?;
+        let count = self.kept.groups.iter().flat_map(LaneMemory::rows).map(|row| row.len()).sum();
+        let rows = self.kept.groups.iter_mut().flat_map(LaneMemory::rows_mut);
+        rows.flatten().zip(archive.read_exactly("series", count)?).for_each(|(slot, &number)| *slot = number);
+        Ok(())
     }
 }
 

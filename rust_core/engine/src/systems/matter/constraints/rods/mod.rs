@@ -15,7 +15,7 @@ mod supports;
 
 use glam::DVec3;
 
-use super::{Breakage, ConstrainedStep, Constraint, ConstraintField, ConstraintProperties, ConstraintStage, ForcedState};
+use super::{Breakage, ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, ForcedState};
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::forces::springs::Spring;
@@ -24,6 +24,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Matter};
 use crate::parallel::{Executor, SERIAL};
 use crate::stability::SpectralBound;
+use crate::systems::{FieldInfo, Location};
 use network::{Network, Rod, Unsolved};
 use supports::{RodWalls, Supports};
 
@@ -215,6 +216,7 @@ impl<V: Space> Constraint<V> for Rods {
     fn about(&self) -> ConstraintProperties {
         let supports = self.supports.as_ref().map_or(0, Supports::bytes);
         ConstraintProperties {
+            name: "rods",
             stages: vec![ConstraintStage { name: "rods", note: None, last: true }],
             // Contacts with walls within a step are resolved together, whenever they are.
             order: if self.supports.is_some() { 1 } else { u32::MAX },
@@ -316,8 +318,15 @@ impl<V: Space> Constraint<V> for Rods {
         }
     }
 
-    fn fields(&self) -> Vec<ConstraintField> {
-        vec![("tensions", "N", vec![self.all.len()])]
+    fn fields(&self) -> Vec<FieldInfo> {
+        vec![FieldInfo {
+            name: "tensions".to_owned(),
+            unit: "N",
+            location: Location::Springs,
+            shape: vec![self.all.len()],
+            rate: None,
+            state: false,
+        }]
     }
 
     /// Tensions of all springs and rods [N], as declared. The tension of a spring is k (l − l₀) + c l̇. A rod between two

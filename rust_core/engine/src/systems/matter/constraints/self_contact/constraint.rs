@@ -10,6 +10,7 @@ use crate::forces::Space;
 impl<V: Space> Constraint<V> for SelfContacts {
     fn about(&self) -> ConstraintProperties {
         ConstraintProperties {
+            name: "self_contact",
             stages: self.stages(),
             // Contacts begin at the start of a step.
             order: 1,

@@ -54,17 +54,16 @@ impl History for SelfContacts {
 
     fn capture(&self, archive: &mut Archive) {
         let Loads { pairs, walls } = &self.loads;
-        archive.write([pairs.len() as f64, walls.len() as f64]);
         // The two halves of a key are whole numbers that doubles represent exactly.
-        archive.write(pairs.iter().flat_map(|&(key, load)| [(key >> 32) as f64, (key & 0xffff_ffff) as f64, load]));
-        archive.write(walls.iter().flat_map(|&(vertex, normal, load)| [f64::from(vertex), normal.x, normal.y, normal.z, load]));
+        archive.write("pairs", pairs.iter().flat_map(|&(key, load)| [(key >> 32) as f64, (key & 0xffff_ffff) as f64, load]));
+        let walls = walls.iter().flat_map(|&(vertex, normal, load)| [f64::from(vertex), normal.x, normal.y, normal.z, load]);
+        archive.write("walls", walls);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let counts = [archive.read(1)?[0], archive.read(1)?[0]].map(|count| count as usize);
-        let pairs = archive.read(3 * counts[0])?.as_chunks::<3>().0.iter();
+        let pairs = archive.read("pairs")?.as_chunks::<3>().0.iter();
         self.loads.pairs = pairs.map(|&[high, low, load]| ((high as u64) << 32 | low as u64, load)).collect();
-        let walls = archive.read(5 * counts[1])?.as_chunks::<5>().0.iter();
+        let walls = archive.read("walls")?.as_chunks::<5>().0.iter();
         self.loads.walls = walls.map(|&[vertex, x, y, z, load]| (vertex as u32, DVec3::new(x, y, z), load)).collect();
         Ok(())
     }

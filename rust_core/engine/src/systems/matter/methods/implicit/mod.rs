@@ -208,11 +208,11 @@ impl History for Implicit {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write([self.before]);
+        archive.write("step", [self.before]);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.before = archive.read(1)?[0];
+        self.before = archive.read_number("step")?;
         Ok(())
     }
 }
