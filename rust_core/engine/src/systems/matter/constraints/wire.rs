@@ -21,6 +21,7 @@ use super::{
 use crate::error::{Error, Result};
 use crate::forces::Space;
 use crate::history::{Archive, History};
+use crate::math::Real;
 use crate::math::spline::{CubicSpline, CurvePoint};
 use crate::scene::{Item, Value};
 use crate::stability::SpectralBound;
@@ -32,6 +33,8 @@ pub const KIND: &str = "Wire";
 const DEVIATION: f64 = 1e-4;
 /// Largest accurate angle by which a wire turns under a bead in a step [rad].
 const LARGEST_ANGLE: f64 = 0.5;
+/// Tolerance of positions and velocities, in units of their rounding error.
+const ROUNDINGS: f64 = 16.0;
 /// Maximum number of iterations for the position on a wire.
 const MOST_ITERATIONS: u32 = 30;
 
@@ -184,7 +187,7 @@ impl WireCurve {
             let size = self.spline.end() + point.position.abs().max_element() + x.abs().max_element();
             let rounding = f64::EPSILON * size;
             // The divergence monitor reports states that are not finite.
-            if off.is_nan() || off.abs() <= rounding || (off.abs() <= 16.0 * rounding && off.abs() >= before) {
+            if off.is_nan() || off.abs() <= rounding || (off.abs() <= ROUNDINGS * rounding && off.abs() >= before) {
                 return self.spline.within(u);
             }
             if rate <= 0.0 {
@@ -262,13 +265,16 @@ impl<V: Space> Constraint<V> for Wires {
                     format!("particle {caller}, {distance} m beside it"),
                 ));
             }
-            step.matter.set_exact_position(index, point.position);
+            // What is on the wire up to rounding stays as it is.
+            if distance > ROUNDINGS * f64::EPSILON * (spline.end() + x.abs().max_element()) {
+                step.matter.set_exact_position(index, point.position);
+            }
             let (velocity, tangent) = (step.matter.velocity.get(index).widen(), point.tangent());
             let along = tangent.dot(velocity) * tangent;
-            step.matter.velocity.set(index, V::narrow(along));
-            let [before, after] = [velocity, along].map(|v| 0.5 * step.properties.mass[index] * v.length_squared());
-            if before - after > 1e-9 * before {
-                *removed += before - after;
+            if (velocity - along).length() > ROUNDINGS * V::Scalar::EPSILON.to_f64() * velocity.length() {
+                step.matter.velocity.set(index, V::narrow(along));
+                let [before, after] = [velocity, along].map(|v| 0.5 * step.properties.mass[index] * v.length_squared());
+                *removed += if before - after > 1e-9 * before { before - after } else { 0.0 };
             }
         }
         Ok(())
