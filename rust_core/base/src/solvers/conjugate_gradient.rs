@@ -16,7 +16,7 @@ use crate::parallel::Executor;
 const MOST_PER_NUMBER: u64 = 3;
 const MOST_BESIDES: u64 = 10;
 
-/// VectorComponent of a vector: a number, or a vector of space.
+/// Component of a vector: a number, or a vector of space.
 pub trait VectorComponent:
     Copy + Add<Output = Self> + AddAssign + SubAssign + Neg<Output = Self> + Mul<f64, Output = Self> + PartialEq
 {
@@ -190,12 +190,12 @@ mod tests {
             (solved, residual(&line, &x, &b))
         };
         for tolerance in [1e-2, 1e-8] {
-            let ((plain, first), (helped, second)) = (solve(false, tolerance), solve(true, tolerance));
-            assert!(plain.is_accurate && helped.is_accurate);
-            assert!(first <= 1.01 * tolerance && second <= 1.01 * tolerance, "{first} {second}");
-            assert!(helped.products < plain.products, "{plain:?} {helped:?}");
-            assert!(helped.products <= b.len() as u64 + 1, "{helped:?}");
+            for (solved, residual) in [solve(false, tolerance), solve(true, tolerance)] {
+                assert!(solved.is_accurate && residual <= 1.01 * tolerance, "{solved:?} {residual}");
+            }
         }
+        let [plain, helped] = [false, true].map(|preconditions| solve(preconditions, 1e-8).0.products);
+        assert!(helped < plain && helped <= b.len() as u64 + 1, "{helped} {plain}");
     }
 
     /// Blocks on the diagonal, whose inverses are exact preconditioners.

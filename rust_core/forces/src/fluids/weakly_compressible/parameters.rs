@@ -1,4 +1,4 @@
-//! FluidParameters of the scheme that a scene gives, or that follow from it.
+//! Parameters of the scheme that a scene gives, or that follow from it.
 
 use super::equation_of_state::CompressibleFluid;
 use super::sound;
@@ -31,7 +31,7 @@ impl Choice {
     }
 }
 
-/// FluidParameters of the fluids of a scene.
+/// Parameters of the fluids of a scene.
 #[derive(Debug)]
 pub struct FluidParameters {
     pub materials: Materials,
@@ -46,7 +46,7 @@ pub struct FluidParameters {
 }
 
 impl FluidParameters {
-    /// FluidParameters of a scene whose first fluid is this one.
+    /// Parameters of a scene whose first fluid is this one.
     ///
     /// # Errors
     /// If materials are inconsistent, or the speed of sound is neither given nor can be found.
