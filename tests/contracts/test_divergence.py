@@ -129,6 +129,24 @@ def test_the_step_that_fails_does_not_depend_on_how_steps_were_asked_for(name, f
     assert run.steps == 0 or plain.state_hash() == run.state_hash()
 
 
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+@pytest.mark.parametrize("name", LIMITED)
+def test_a_first_step_that_fails_always_fails(name):
+    """Far above the limit a failed step leaves enormous forces behind, which are not those of the start."""
+    run = SCENES[name].simulation(dt=40.0 * limit(name))
+    start, said = run.state_hash(), set()
+    try:
+        run.step()
+    except pc.SimulationDiverged as error:
+        said.add(str(error))
+    for _ in range(2 * len(said)):
+        with pytest.raises(pc.SimulationDiverged) as again:
+            run.step()
+        said.add(str(again.value))
+    assert len(said) < 2
+    assert run.steps == 1 or run.state_hash() == start
+
+
 @pytest.mark.parametrize("name", [name for name in LIMITED if name not in BOUNDED])
 def test_at_three_times_the_limit_it_fails(name):
     with pytest.raises(pc.SimulationDiverged):

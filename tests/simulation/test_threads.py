@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import subprocess
@@ -263,6 +264,18 @@ def test_ctrl_c_is_answered_while_a_simulation_is_asked(question):
     assert Interrupt(0.3).answered(often) < 0.2
     assert np.array_equal(world.read("positions"), before)
     assert ask() is not None
+
+
+@NEEDS_TIMERS
+@pytest.mark.long
+@pytest.mark.parametrize("seconds", [0.3, 0.6, 0.9, 1.2])
+def test_ctrl_c_is_answered_while_rods_are_ordered(seconds):
+    """The order of elimination of 320 000 rods takes most of a second, and is another package's."""
+    cloth = pc.cloth((400, 400), 0.01, 1.0, mass=1e-4, origin=(0.0, 0.0, 0.0), axes=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    along = (cloth.rest_length < 0.0101).nonzero()[0]
+    rods = pc.SpringNetwork(cloth.positions, cloth.pairs[along], math.inf, mass=1e-4, fixed=[0])
+    scene = pc.Scene(rods, pc.Gravity())
+    assert Interrupt(seconds).answered(lambda: pc.Simulation(scene)) < 0.2
 
 
 @NEEDS_TIMERS

@@ -96,8 +96,10 @@ pub struct Simulation {
     /// Number of steps taken so far.
     steps: u64,
     monitor: Monitor,
-    /// Certified limit of the time step at the start, once a step of given size was taken.
+    /// Certified limit of the time step at the start, once a step was tried.
     first: Option<Limit>,
+    /// Whether forces were evaluated elsewhere since the system was initialized.
+    moved: bool,
     /// Index of the field of the Mach number, if there is a fluid, and the largest value after a batch.
     mach: (Option<usize>, Option<Mach>),
 }
@@ -133,6 +135,7 @@ impl Simulation {
             steps: 0,
             monitor: Monitor::new(growth, numerics.vigilance),
             first: None,
+            moved: false,
         };
         simulation.system.begin(0.0, executor)?;
         let energy = simulation.system.finite_audit(0.0, executor)?;
@@ -174,7 +177,7 @@ impl Simulation {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(Error::parameter("dt", "a finite number > 0", dt));
         }
-        self.remember_limit(interrupted)?;
+        self.start(interrupted)?;
         let (before, first) = ((self.segment, self.monitor), self.steps);
         if dt != self.segment.dt {
             self.segment = Segment { start: self.time(), steps: 0, dt };
@@ -197,6 +200,26 @@ impl Simulation {
     /// As [`Simulation::step`].
     pub fn run(&mut self, interval: f64, rule: &StepSizeRule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         self.cross(&mut Course::new(self.time(), interval), u64::MAX, rule, interrupted)
+    }
+
+    /// Initializes the system again before a further try of the very first step, which thus depends on the state alone. Finds the
+    /// limit of the time step there, for the hint of a divergence.
+    fn start(&mut self, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        if self.steps > 0 {
+            return Ok(());
+        }
+        if std::mem::replace(&mut self.moved, true) {
+            let (time, Self { system, pool, .. }) = (self.segment.time(), &mut *self);
+            let mut outcome = Ok(());
+            pool.run(interrupted, |executor| outcome = system.begin(time, executor)).and(outcome)?;
+        }
+        let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Certified, time, executor));
+        self.first = match limit {
+            Err(error @ (Error::Interrupted | Error::Callback { .. })) => return Err(error),
+            // The step itself fails too, if the state is out of range.
+            other => other.ok(),
+        };
+        Ok(())
     }
 
     fn take(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {

@@ -11,7 +11,7 @@ use glam::{DVec3, DVec4};
 
 use crate::error::Result;
 use crate::memory;
-use crate::parallel::Executor;
+use crate::parallel::{Executor, attend};
 use crate::simd::{Isa, Kernel, dispatch};
 
 /// Factorization of matrices with one pattern of entries.
@@ -57,19 +57,19 @@ const NAME: &str = "the factorization";
 /// Memory of the analysis per row and entry [bytes].
 const ANALYSIS: usize = 250;
 
-/// Rows between two tests for an interrupt.
-const ROWS: usize = 64;
+/// Number of entries from which on the search for the order of elimination takes more than some 20 ms.
+const LONG: usize = 20_000;
 
 impl Factorization {
     /// Analyzes the pattern of matrices with `count` rows. The entries [row, column] are off the diagonal, each once, in any
-    /// triangle. The search for the order of elimination is not interruptible.
+    /// triangle.
     ///
     /// # Errors
     /// If L does not fit into memory, or on an interrupt.
     pub fn new(count: usize, entries: &[[u32; 2]], executor: &Executor) -> Result<Self> {
         memory::check(NAME, ANALYSIS * (count + entries.len()), 0, || format!("for {count} rows; take fewer springs or rods"))?;
         executor.check()?;
-        let row = elimination_order(count, entries);
+        let row = elimination_order(count, entries, executor)?;
         executor.check()?;
         let mut place = vec![0; count];
         row.iter().enumerate().for_each(|(index, &row)| place[row as usize] = index as u32);
@@ -99,9 +99,7 @@ impl Factorization {
         let count = self.row.len();
         let mut lengths = vec![0; count];
         for row in 0..count {
-            if row % ROWS == 0 {
-                executor.check()?;
-            }
+            executor.check()?;
             self.find_pattern(row);
             self.scratch.pattern.iter().for_each(|&column| lengths[column as usize] += 1);
         }
@@ -159,7 +157,8 @@ impl Factorization {
         self.scratch.filled.fill(0);
         self.scratch.mark.fill(NONE);
         for row in 0..self.row.len() {
-            if row % ROWS == 0 && executor.stopped() {
+            // The last rows take a millisecond each, where there are 10⁵.
+            if executor.stopped() {
                 return;
             }
             self.find_pattern(row);
@@ -268,8 +267,9 @@ impl<W: Copy + SubAssign + Mul<f64, Output = W> + Div<f64, Output = W>> Kernel f
     }
 }
 
-/// Order of elimination of the rows.
-fn elimination_order(count: usize, entries: &[[u32; 2]]) -> Vec<u32> {
+/// Order of elimination of the rows. The crate does not look for interrupts: a long search is left to a thread of its own, which
+/// nobody waits for after an interrupt.
+fn elimination_order(count: usize, entries: &[[u32; 2]], executor: &Executor) -> Result<Vec<u32>> {
     let mut columns: Vec<Vec<usize>> = (0..count).map(|row| vec![row]).collect();
     for &[one, other] in entries {
         columns[one as usize].push(other as usize);
@@ -280,9 +280,11 @@ fn elimination_order(count: usize, entries: &[[u32; 2]]) -> Vec<u32> {
         column.sort_unstable();
         starts.push(starts.last().unwrap_or(&0) + column.len());
     }
+    let columns = columns.concat();
+    let search = move |_: &Executor| amd::order(count, &starts, &columns, &amd::Control::default());
+    let found = if entries.len() < LONG { search(executor) } else { attend(1, &|| executor.stopped(), search)? };
     let natural = || (0..count as u32).collect();
-    amd::order(count, &starts, &columns.concat(), &amd::Control::default())
-        .map_or_else(|_| natural(), |(order, _, _)| order.into_iter().map(|row| row as u32).collect())
+    Ok(found.map_or_else(|_| natural(), |(order, _, _)| order.into_iter().map(|row| row as u32).collect()))
 }
 
 /// Elimination tree of a matrix, from the entries left of its diagonal. Ancestors are shortcuts to the roots so far.

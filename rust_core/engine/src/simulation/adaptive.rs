@@ -93,6 +93,7 @@ impl Simulation {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("interval", "a finite number > 0", interval));
         }
+        self.start(interrupted)?;
         match rule.tolerance {
             None => self.advance_in_blocks(course, steps, rule, interrupted),
             Some(tolerance) => {

@@ -287,20 +287,6 @@ impl Simulation {
         self.monitor.expect(energy);
     }
 
-    /// Remembers the limit of the time step before the very first step, for the hint of a divergence.
-    pub(super) fn remember_limit(&mut self, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        if self.steps > 0 {
-            return Ok(());
-        }
-        let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Certified, time, executor));
-        self.first = match limit {
-            Err(error @ (Error::Interrupted | Error::Callback { .. })) => return Err(error),
-            // The step itself fails too, if the state is out of range.
-            other => other.ok(),
-        };
-        Ok(())
-    }
-
     /// Divergence of a state whose neighbors cannot be searched.
     fn beyond_search(&self) -> Divergence {
         divergence(self.system.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
