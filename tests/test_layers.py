@@ -38,7 +38,7 @@ LAYERS = [
     "__main__",
 ]
 
-KINDS = 23
+KINDS = 21
 """Largest number of tests on kinds of scene items, such as `isinstance(item, Fluid)`, in the package."""
 
 ALIASES = {"integrators"}

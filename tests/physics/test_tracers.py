@@ -315,8 +315,8 @@ def test_lyapunov_refuses_what_it_cannot_do():
     cloud = pc.Tracers(START, pc.Lorenz())
     with pytest.raises(pc.SceneError, match=r"lyapunov.scene: must be a Scene or Tracers"):
         pc.lyapunov("cloud", 1.0)  # type: ignore[arg-type]
-    with pytest.raises(pc.SceneError, match=r"lyapunov.scene: must be Tracers, or a scene .* got no bodies"):
-        pc.lyapunov(pc.Scene(cloud), 1.0)
+    with pytest.raises(pc.SceneError, match=rf"lyapunov.exponents: must be at most {START.size} in this scene"):
+        pc.lyapunov(pc.Scene(cloud), 0.1, dt=0.01, exponents=START.size + 1)
     with pytest.raises(pc.SceneError, match=r"lyapunov.precision: must be 'f64'"):
         pc.lyapunov(cloud, 1.0, precision="f32")
     with pytest.raises(pc.SceneError, match=r"lyapunov.duration: must be > 0"):
