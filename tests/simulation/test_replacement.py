@@ -249,19 +249,22 @@ def test_fields_of_grids_go_on() -> None:
 
 
 def test_species_that_are_supplied_by_a_replacement_are_in_their_budgets() -> None:
-    def scene(high: float, *more: Any) -> pc.Scene:
-        start = {"u": 1.0, "v": lambda x, y: high * np.exp(-50 * ((x - 0.3) ** 2 + (y - 0.3) ** 2))}
-        grid = pc.Grid((16, 16), 0.04)
+    """The fields go on, in cells of four times the area: so do the amounts, which are three quarters supplied."""
+
+    def scene(spacing: float, *more: Any) -> pc.Scene:
+        start = {"u": 1.0, "v": lambda x, y: 0.5 * np.exp(-50 * ((x - 0.3) ** 2 + (y - 0.3) ** 2))}
+        grid = pc.Grid((16, 16), spacing)
         return pc.Scene(pc.ReactionDiffusion(grid, pc.GrayScott(0.03, 0.06), {"u": 1e-4, "v": 5e-5}, start), *more)
 
-    simulation = pc.Simulation(scene(0.5), dt=0.5)
+    simulation = pc.Simulation(scene(0.04), dt=0.5)
     simulation.run(5.0)
     before = simulation.budgets()
-    simulation.replace(scene(0.7, pc.Particles([[0.1, 0.1]])))
+    simulation.replace(scene(0.08, pc.Particles([[0.1, 0.1]])))
     after = simulation.budgets()
     assert after.keys() == before.keys()
     for name, amount in after.items():
-        assert amount.total == before[name].total
+        assert amount.total == pytest.approx(4.0 * before[name].total, rel=1e-12)
+        assert amount.supplied_by["replacement"] == pytest.approx(3.0 * before[name].total, rel=1e-12)
         assert amount.balance == pytest.approx(before[name].balance, rel=1e-12), name
     simulation.run(5.0)
     for name, amount in simulation.budgets().items():
