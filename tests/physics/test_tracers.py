@@ -210,6 +210,29 @@ def test_tracers_stand_beside_bodies():
     assert "four: velocity of point vortices" in str(beside.plan)
 
 
+def test_tracers_move_with_the_vortices_of_the_present_state(tmp_path):
+    """At the start, after steps, in a file that is loaded, and after vortices are moved: Σ Γ/(2π r) about each."""
+    pair = pc.PointVortices(*PAIR)
+    run = pc.Simulation(pc.Scene(pc.Tracers([[0.4, 0.3]], pair), pair), dt=0.01)
+
+    def velocity(state: pc.Simulation) -> np.ndarray:
+        """By the formula; the velocity that is read is close to it."""
+        tracer, moving = (state[system] for system in state.scene.systems)
+        x, y = (tracer.positions - moving.positions).T
+        rate = np.array(PAIR[1]) / (math.tau * (x * x + y * y))
+        expected = np.array([-np.sum(rate * y), np.sum(rate * x)])
+        np.testing.assert_allclose(tracer.velocities[0], expected, rtol=1e-13)
+        return expected
+
+    found = [velocity(run)]
+    run.step(70)
+    run.save(tmp_path / "state")
+    found += [velocity(run), velocity(pc.load(tmp_path / "state"))]
+    run[pair].set(positions=pair.centers + 0.5)
+    found.append(velocity(run))
+    assert len({tuple(each) for each in found}) == 3
+
+
 def test_vortices_that_come_after_their_tracers_are_saved_and_copied(tmp_path):
     scene = swirl()
     run = pc.Simulation(scene, dt=0.01)

@@ -1,6 +1,7 @@
 //! Systems: a state with its equations of motion, time stepping, energy budget and fields.
 
 mod control;
+mod coupling;
 
 use std::any::Any;
 use std::ops::RangeInclusive;
@@ -12,6 +13,7 @@ use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
 pub use control::Control;
+pub use coupling::{Coupling, SystemPart};
 
 /// Interval of equal steps.
 #[derive(Debug, Clone, Copy)]

@@ -20,7 +20,7 @@ use crate::error::{Divergence, Error, Result};
 use crate::ledger::{Class, Ledger};
 use crate::parallel::SERIAL;
 use crate::stability::Horizon;
-use crate::systems::{Element, Fault, RecordedSteps};
+use crate::systems::{Element, Fault, RecordedSteps, System};
 
 /// Shortest batch after a diagnosis.
 const SHORTEST: u64 = 8;
@@ -252,7 +252,7 @@ impl Simulation {
         if self.monitor.vigilance == Vigilance::OutOfRange {
             return Ok(Finding::Good);
         }
-        let energy = match self.ask(interrupted, |system, time, executor| system.audit(time, executor)) {
+        let energy = match self.ask(interrupted, System::audit) {
             Err(error) if is_beyond_search(&error) => return Ok(Finding::OutOfRange(self.beyond_search())),
             Err(Error::Undefined { path, found, .. }) => return Ok(Finding::OutOfRange(self.undefined(&path, &found))),
             outcome => outcome?,

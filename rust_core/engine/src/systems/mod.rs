@@ -15,7 +15,8 @@ use crate::parallel::{Executor, SERIAL};
 use crate::scene::{self, Item, Scene};
 pub use physcore_base::systems::*;
 use physcore_fields::{reaction_diffusion, schrodinger, wave};
-use several::{Several, SystemPart};
+use several::Several;
+use tracers::coupling::VortexCoupling;
 
 /// Builds the systems of a scene as one, in `f32` or `f64`. If there are bodies, they form a system of matter, advanced by
 /// `method`. Further systems are those that items declare. The map `methods` gives their methods by name; the default is
@@ -35,20 +36,27 @@ pub fn build(
         parts.push(SystemPart { name: String::new(), system: matter::build(scene, method, precision, executor)? });
     }
     let own = |item: &Item| methods.get(item.name.as_ref().unwrap_or(&item.path)).unwrap_or(method);
-    for (index, item) in scene.systems.iter().enumerate().filter(|(_, item)| tracers::leader(item).is_none()) {
-        let followers = scene.systems.iter().filter(|other| tracers::leader(other) == Some(index));
-        let items: Vec<_> = [item].into_iter().chain(followers).collect();
-        if let Some(other) = items.iter().find(|other| own(other) != own(item)) {
-            let (path, found) = (format!("integrator of {}", other.path), &own(other).kind);
-            return Err(Error::parameter(path, format!("{}, that of {}", own(item).kind, item.path), found)
-                .with_hint("they are advanced in the same stages"));
+    let mut couplings: Vec<Box<dyn Coupling>> = Vec::new();
+    for (index, item) in scene.systems.iter().enumerate().filter(|(_, item)| tracers::flow_of(item).is_none()) {
+        let leader = parts.len();
+        parts.push(declared(item, None, own(item), precision, executor)?);
+        for tracers in scene.systems.iter().filter(|other| tracers::flow_of(other) == Some(index)) {
+            if own(tracers) != own(item) {
+                let (path, found) = (format!("integrator of {}", tracers.path), &own(tracers).kind);
+                return Err(Error::parameter(path, format!("{}, that of {}", own(item).kind, item.path), found)
+                    .with_hint("they are advanced in the same stages"));
+            }
+            couplings.push(match precision {
+                "f32" => Box::new(VortexCoupling::<f32>::new(leader, parts.len())),
+                _ => Box::new(VortexCoupling::<f64>::new(leader, parts.len())),
+            });
+            parts.push(declared(tracers, Some(item), own(item), precision, executor)?);
         }
-        parts.push(declared(&items, own(item), precision, executor)?);
     }
     Ok(match <[SystemPart; 1]>::try_from(parts) {
         Ok([SystemPart { name, system }]) if name.is_empty() => system,
-        Ok([part]) => Box::new(Several::new(vec![part])),
-        Err(parts) => Box::new(Several::new(parts)),
+        Ok([part]) => Box::new(Several::new(vec![part], couplings)),
+        Err(parts) => Box::new(Several::new(parts, couplings)),
     })
 }
 
@@ -68,18 +76,14 @@ pub fn advances(kind: &str, method: &Item) -> bool {
     }
 }
 
-/// Builds the system that an item declares, with the items that are advanced with it, by a method. Registry of systems.
-fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executor) -> Result<SystemPart> {
-    let item = items[0];
+/// Builds the system that an item declares, by a method; tracers perhaps in the flow of another item. Registry of systems.
+fn declared(item: &Item, flow: Option<&Item>, method: &Item, precision: &str, _executor: &Executor) -> Result<SystemPart> {
     let system = match item.kind.as_str() {
         kind @ "Wave" if !advances(kind, method) => Err(unknown_integrator(method)),
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
         "ReactionDiffusion" => reaction_diffusion::build(item, method, precision),
         "Schrodinger" => schrodinger::build(item, method, precision),
-        // The system names its sets itself.
-        "Tracers" | "PointVortices" => {
-            return Ok(SystemPart { name: String::new(), system: tracers::build(items, method, precision)? });
-        }
+        "Tracers" | "PointVortices" => tracers::build(item, flow, method, precision),
         _ => Err(scene::unknown(item, "a kind of system")),
     };
     Ok(SystemPart { name: item.name.clone().unwrap_or_else(|| item.path.clone()), system: system? })

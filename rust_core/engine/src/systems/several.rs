@@ -1,23 +1,22 @@
 //! Several systems in one scene, with one clock, one budget and one divergence monitor.
 //!
-//! Each system takes its own steps of one length, batch by batch. Systems are independent of each other. Fields of other
-//! systems than the first are named after their items.
+//! Each system takes its own steps of one length, batch by batch, in the order of the scene. Systems meet by [couplings](Coupling)
+//! alone:
+//!
+//! ```text
+//!     batch:   system 0 ─ follow ─ system 1 ─ follow ─ …
+//!     begin, rollback, restore, write:   all systems ─ update
+//! ```
+//!
+//! Fields of other systems than matter are named after their items.
 
-use super::{Control, Element, Fault, FieldInfo, Hints, Interval, RecordedSteps, Sample, System};
+use super::{Control, Coupling, Element, Fault, FieldInfo, Hints, Interval, RecordedSteps, Sample, System, SystemPart};
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::ledger::Ledger;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
-
-/// A system, and the name of its item in the scene; empty for matter, and for a system of several items.
-pub struct SystemPart {
-    /// Name of the item.
-    pub name: String,
-    /// The system.
-    pub system: Box<dyn System>,
-}
 
 /// Writes or reads what belongs to a system, under the name of its item.
 fn within<T>(item: &str, archive: &mut Archive, act: impl FnOnce(&mut Archive) -> T) -> T {
@@ -27,14 +26,20 @@ fn within<T>(item: &str, archive: &mut Archive, act: impl FnOnce(&mut Archive) -
 /// Systems of a scene, at least one.
 pub struct Several {
     parts: Vec<SystemPart>,
+    couplings: Vec<Box<dyn Coupling>>,
     /// Sums of the systems' activities [J].
     activity: Vec<f64>,
 }
 
 impl Several {
     /// Combines several systems into one.
-    pub fn new(parts: Vec<SystemPart>) -> Self {
-        Self { parts, activity: Vec::new() }
+    pub fn new(parts: Vec<SystemPart>, couplings: Vec<Box<dyn Coupling>>) -> Self {
+        Self { parts, couplings, activity: Vec::new() }
+    }
+
+    /// Updates what the systems know of each other.
+    fn update(&mut self) {
+        self.couplings.iter().for_each(|coupling| coupling.update(&mut self.parts));
     }
 
     fn systems(&self) -> impl Iterator<Item = &dyn System> {
@@ -65,7 +70,7 @@ impl Several {
 
     /// Sums the activities over all systems, if each recorded the same number; otherwise those after the last step.
     fn add_up(&mut self) {
-        let Self { parts, activity } = self;
+        let Self { parts, activity, .. } = self;
         let recorded = |part: &SystemPart| part.system.activity().len();
         let steps = parts.iter().map(recorded).min().unwrap_or(0);
         let steps = if parts.iter().all(|part| recorded(part) == steps) { steps } else { steps.min(1) };
@@ -85,6 +90,7 @@ impl History for Several {
 
     fn rollback(&mut self) {
         self.parts.iter_mut().for_each(|part| part.system.rollback());
+        self.update();
     }
 
     fn capture(&self, archive: &mut Archive) {
@@ -95,7 +101,9 @@ impl History for Several {
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
         let mut parts = self.parts.iter_mut();
-        parts.try_for_each(|SystemPart { name, system }| within(name, archive, |archive| system.restore(archive)))
+        let restored = parts.try_for_each(|SystemPart { name, system }| within(name, archive, |archive| system.restore(archive)));
+        self.update();
+        restored
     }
 }
 
@@ -122,7 +130,9 @@ impl System for Several {
     }
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
-        self.parts.iter_mut().try_for_each(|part| part.system.begin(time, executor))
+        self.parts.iter_mut().try_for_each(|part| part.system.begin(time, executor))?;
+        self.update();
+        Ok(())
     }
 
     fn advance(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
@@ -130,8 +140,10 @@ impl System for Several {
             let outcome = self.parts[index].system.advance(interval, record, executor);
             if outcome.is_err() {
                 self.parts[..index].iter_mut().for_each(|part| part.system.rollback());
+                self.update();
                 return outcome;
             }
+            self.couplings.iter().for_each(|coupling| coupling.follow(&mut self.parts, index));
         }
         self.add_up();
         Ok(())
@@ -239,6 +251,7 @@ impl System for Several {
             }
             written.push((index, before));
         }
+        self.update();
         Ok(())
     }
 

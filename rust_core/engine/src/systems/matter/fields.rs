@@ -60,7 +60,7 @@ impl<V: Space> MatterSystem<V> {
                     (Location::Probes, vec![self.gauges().map_or(0, |gauges| gauges.pressures().len())])
                 }
                 "momentum" => (Location::Whole, vec![V::DIMENSION]),
-                "angular_momentum" => (Location::Whole, vec![self.turns()]),
+                "angular_momentum" => (Location::Whole, vec![Self::turns()]),
                 "mach" => (Location::Whole, vec![2]),
                 _ => (Location::Points, vec![count]),
             };
@@ -99,7 +99,7 @@ impl<V: Space> MatterSystem<V> {
             "probe_pressures" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressures().to_vec()),
             "probe_impulses" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressure_integrals().to_vec()),
             "momentum" => self.momenta().0.to_array()[..V::DIMENSION].to_vec(),
-            "angular_momentum" => self.momenta().1.to_array()[AXES - self.turns()..].to_vec(),
+            "angular_momentum" => self.momenta().1.to_array()[AXES - Self::turns()..].to_vec(),
             "mach" => {
                 let fluid = self.dynamics.forces().iter().find_map(|force| force.fluid());
                 let mach = fluid.and_then(|fluid| fluid.mach(state.velocity.view()));
@@ -119,7 +119,7 @@ impl<V: Space> MatterSystem<V> {
     }
 
     /// Number of components of an angular momentum.
-    fn turns(&self) -> usize {
+    fn turns() -> usize {
         if V::DIMENSION == 2 { 1 } else { AXES }
     }
 

@@ -1,4 +1,6 @@
-//! Two systems in one simulation equal two separate simulations.
+//! Two systems in one simulation equal two separate simulations; couplings are told of steps and of other new states.
+
+use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 
@@ -33,7 +35,7 @@ fn system(count: u32) -> Box<dyn System> {
 
 fn both() -> Several {
     let part = |name: &str, count: u32| SystemPart { name: name.to_owned(), system: system(count) };
-    Several::new(vec![part("", 4), part("tail", 7)])
+    Several::new(vec![part("", 4), part("tail", 7)], Vec::new())
 }
 
 const INTERVAL: Interval = Interval { start: 0.0, first: 0, h: 1e-3, steps: 100 };
@@ -115,4 +117,33 @@ fn the_limit_is_that_of_the_stiffest_system() {
     let [one, other, both] =
         [&*one, &*other, &both() as &dyn System].map(|system| system.limit(Horizon::Sharp, 0.0, &SERIAL).unwrap());
     assert_eq!((both.stability, both.term), (one.stability.min(other.stability), "springs"));
+}
+
+/// Coupling that notes its calls: the system that has advanced, or None for another new state.
+struct Noted(Arc<Mutex<Vec<Option<usize>>>>);
+
+impl Coupling for Noted {
+    fn update(&self, _systems: &mut [SystemPart]) {
+        self.0.lock().unwrap().push(None);
+    }
+
+    fn follow(&self, _systems: &mut [SystemPart], advanced: usize) {
+        self.0.lock().unwrap().push(Some(advanced));
+    }
+}
+
+#[test]
+fn a_coupling_follows_each_system_and_learns_of_every_other_new_state() {
+    let calls = Arc::default();
+    let mut both = Several { couplings: vec![Box::new(Noted(Arc::clone(&calls)))], ..both() };
+    let noted = || std::mem::take(&mut *calls.lock().unwrap());
+    both.begin(0.0, &SERIAL).unwrap();
+    assert_eq!(noted(), [None]);
+    both.advance(INTERVAL, RecordedSteps::LastStep, &SERIAL).unwrap();
+    assert_eq!(noted(), [Some(0), Some(1)]);
+    let mut archive = captured(&both);
+    both.rollback();
+    both.restore(&mut archive).unwrap();
+    both.write(&[("velocities", &[0.0; 8])], 0.1, &SERIAL).unwrap();
+    assert_eq!(noted(), [None; 3]);
 }

@@ -1,4 +1,6 @@
-//! Flows: the velocity fields that advance all points of some sets.
+//! Flows: the velocity fields that advance points.
+
+use std::any::Any;
 
 use super::law::{self, Outcome, VelocityLaw};
 use super::points::Points;
@@ -9,7 +11,7 @@ use crate::parallel::Executor;
 use crate::systems::Interval;
 
 /// Velocity field in which points move, x' = v(x, t).
-pub trait Flow<T, const D: usize>: Send + Sync {
+pub trait Flow<T, const D: usize>: Any + Send + Sync {
     /// Name, for plans.
     fn name(&self) -> &'static str;
 
@@ -28,7 +30,7 @@ pub trait Flow<T, const D: usize>: Send + Sync {
     ///
     /// # Errors
     /// If the velocity there cannot be evaluated, or is not finite.
-    fn begin(&self, _sets: &[Points<T, D>], _time: f64) -> Result<()> {
+    fn begin(&self, _points: &Points<T, D>, _time: f64) -> Result<()> {
         Ok(())
     }
 
@@ -39,25 +41,25 @@ pub trait Flow<T, const D: usize>: Send + Sync {
     fn advance(
         &mut self,
         method: Coefficients,
-        sets: &mut [Points<T, D>],
+        points: &mut Points<T, D>,
         interval: Interval,
         executor: &Executor,
     ) -> Result<Outcome>;
 
-    /// Velocities of the points of a set.
+    /// Velocities of the points.
     ///
     /// # Errors
     /// If they cannot be evaluated.
-    fn velocities(&self, sets: &[Points<T, D>], set: usize, time: f64) -> Result<Points<T, D>>;
+    fn velocities(&self, points: &Points<T, D>, time: f64) -> Result<Points<T, D>>;
 
     /// Largest |∇v| at all points [1/s].
     ///
     /// # Errors
     /// As [`Flow::velocities`], or on an interrupt.
-    fn steepest(&self, sets: &[Points<T, D>], time: f64, executor: &Executor) -> Result<f64>;
+    fn steepest(&self, points: &Points<T, D>, time: f64, executor: &Executor) -> Result<f64>;
 
     /// Hamiltonian [m⁴/s²], if there is one.
-    fn hamiltonian(&self, _sets: &[Points<T, D>]) -> Option<f64> {
+    fn hamiltonian(&self, _points: &Points<T, D>) -> Option<f64> {
         None
     }
 
@@ -75,7 +77,7 @@ pub struct Known<L> {
     pub law: L,
 }
 
-impl<T: Real, L: VelocityLaw<T, D>, const D: usize> Flow<T, D> for Known<L> {
+impl<T: Real, L: VelocityLaw<T, D> + 'static, const D: usize> Flow<T, D> for Known<L> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -91,26 +93,24 @@ impl<T: Real, L: VelocityLaw<T, D>, const D: usize> Flow<T, D> for Known<L> {
     fn advance(
         &mut self,
         method: Coefficients,
-        sets: &mut [Points<T, D>],
+        points: &mut Points<T, D>,
         interval: Interval,
         executor: &Executor,
     ) -> Result<Outcome> {
         let (law, Interval { h, steps, .. }) = (self.law, interval);
-        let outcomes = sets.iter_mut().map(|points| law::advance(law, method, points, h, steps, executor));
-        let outcome = outcomes.fold(Outcome::default(), Outcome::and);
+        let outcome = law::advance(law, method, points, h, steps, executor);
         executor.check()?;
         Ok(outcome)
     }
 
-    fn velocities(&self, sets: &[Points<T, D>], set: usize, _time: f64) -> Result<Points<T, D>> {
-        let mut out = sets[set].clone();
-        law::velocities(self.law, 0, &sets[set], &mut out, &crate::parallel::SERIAL);
+    fn velocities(&self, points: &Points<T, D>, _time: f64) -> Result<Points<T, D>> {
+        let mut out = points.clone();
+        law::velocities(self.law, 0, points, &mut out, &crate::parallel::SERIAL);
         Ok(out)
     }
 
-    fn steepest(&self, sets: &[Points<T, D>], _time: f64, executor: &Executor) -> Result<f64> {
-        let each = sets.iter().map(|points| law::steepest(self.law, 0, points, executor));
-        let steepest = each.fold(0.0, f64::max);
+    fn steepest(&self, points: &Points<T, D>, _time: f64, executor: &Executor) -> Result<f64> {
+        let steepest = law::steepest(self.law, 0, points, executor);
         executor.check()?;
         Ok(steepest)
     }

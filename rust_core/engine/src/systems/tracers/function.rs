@@ -71,14 +71,12 @@ impl<T: Real, const D: usize> Flow<T, D> for VelocityFunction<T, D> {
         "one call with all tracers per evaluation"
     }
 
-    fn begin(&self, sets: &[Points<T, D>], time: f64) -> Result<()> {
-        for points in sets {
-            let velocities = call::<D>(&*self.callback, &self.path, time, &points.rows())?;
-            if let Some(index) = velocities.iter().position(|&velocity| !T::from_f64(velocity).is_finite()) {
-                let found = format!("{} for tracer {}", velocities[index], index / D);
-                let expected = format!("velocities that are finite in {}", T::NAME);
-                return Err(Error::parameter(self.path.clone(), expected, found));
-            }
+    fn begin(&self, points: &Points<T, D>, time: f64) -> Result<()> {
+        let velocities = call::<D>(&*self.callback, &self.path, time, &points.rows())?;
+        if let Some(index) = velocities.iter().position(|&velocity| !T::from_f64(velocity).is_finite()) {
+            let found = format!("{} for tracer {}", velocities[index], index / D);
+            let expected = format!("velocities that are finite in {}", T::NAME);
+            return Err(Error::parameter(self.path.clone(), expected, found));
         }
         Ok(())
     }
@@ -86,52 +84,46 @@ impl<T: Real, const D: usize> Flow<T, D> for VelocityFunction<T, D> {
     fn advance(
         &mut self,
         method: Coefficients,
-        sets: &mut [Points<T, D>],
+        points: &mut Points<T, D>,
         interval: Interval,
         executor: &Executor,
     ) -> Result<Outcome> {
         let Self { callback, path, staged } = self;
         let mut outcome = Outcome::default();
-        for points in sets {
-            for step in 0..interval.steps {
-                executor.check()?;
-                let size = Step { h: interval.h, estimated: interval.steps == 1 };
-                let slope = |stage: usize, state: &Points<T, D>, out: &mut Points<T, D>| {
-                    let node = if stage < method.evaluations { method.nodes[stage] } else { 1.0 };
-                    out.fill(&call::<D>(&**callback, path, interval.time(step, node), &state.rows())?);
-                    Ok(())
-                };
-                outcome = outcome.and(staged.step(method, points, size, slope)?);
-            }
+        for step in 0..interval.steps {
+            executor.check()?;
+            let size = Step { h: interval.h, estimated: interval.steps == 1 };
+            let slope = |stage: usize, state: &Points<T, D>, out: &mut Points<T, D>| {
+                let node = if stage < method.evaluations { method.nodes[stage] } else { 1.0 };
+                out.fill(&call::<D>(&**callback, path, interval.time(step, node), &state.rows())?);
+                Ok(())
+            };
+            outcome = outcome.and(staged.step(method, points, size, slope)?);
         }
         Ok(outcome)
     }
 
-    fn velocities(&self, sets: &[Points<T, D>], set: usize, time: f64) -> Result<Points<T, D>> {
-        Ok(Points::from_rows(&call::<D>(&*self.callback, &self.path, time, &sets[set].rows())?))
+    fn velocities(&self, points: &Points<T, D>, time: f64) -> Result<Points<T, D>> {
+        Ok(Points::from_rows(&call::<D>(&*self.callback, &self.path, time, &points.rows())?))
     }
 
     /// Largest |∇v| at all points [1/s], by differences.
-    fn steepest(&self, sets: &[Points<T, D>], time: f64, executor: &Executor) -> Result<f64> {
-        let mut steepest = 0.0_f64;
-        for points in sets {
-            let rows = points.rows();
-            let here = call::<D>(&*self.callback, &self.path, time, &rows)?;
-            let largest = rows.iter().fold(0.0_f64, |most, value| value.abs().max(most));
-            let step = DIFFERENCE * if largest > 0.0 { largest } else { 1.0 };
-            let mut squares = vec![0.0; points.count];
-            for axis in 0..D {
-                executor.check()?;
-                let mut moved = rows.clone();
-                moved[axis..].iter_mut().step_by(D).for_each(|value| *value += step);
-                let there = call::<D>(&*self.callback, &self.path, time, &moved)?;
-                for (index, (one, other)) in here.iter().zip(&there).enumerate() {
-                    squares[index / D] += ((other - one) / step).powi(2);
-                }
+    fn steepest(&self, points: &Points<T, D>, time: f64, executor: &Executor) -> Result<f64> {
+        let rows = points.rows();
+        let here = call::<D>(&*self.callback, &self.path, time, &rows)?;
+        let largest = rows.iter().fold(0.0_f64, |most, value| value.abs().max(most));
+        let step = DIFFERENCE * if largest > 0.0 { largest } else { 1.0 };
+        let mut squares = vec![0.0; points.count];
+        for axis in 0..D {
+            executor.check()?;
+            let mut moved = rows.clone();
+            moved[axis..].iter_mut().step_by(D).for_each(|value| *value += step);
+            let there = call::<D>(&*self.callback, &self.path, time, &moved)?;
+            for (index, (one, other)) in here.iter().zip(&there).enumerate() {
+                squares[index / D] += ((other - one) / step).powi(2);
             }
-            steepest = squares.into_iter().fold(steepest, |most, square| square.sqrt().max(most));
         }
-        Ok(steepest)
+        Ok(squares.into_iter().fold(0.0_f64, |most, square| square.sqrt().max(most)))
     }
 
     fn bytes(&self) -> usize {

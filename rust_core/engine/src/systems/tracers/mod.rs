@@ -1,8 +1,9 @@
 //! Tracers: massless points that move with a velocity field, x' = v(x, t). Point vortices are one such field.
 //!
-//! Sets of tracers in the flow of vortices of the scene are advanced with the vortices, in the same stages.
+//! Tracers in the flow of vortices of the scene are [coupled](coupling) to these, and advanced in the same stages.
 
 mod attractors;
+pub mod coupling;
 mod flow;
 mod function;
 mod law;
@@ -24,40 +25,42 @@ use flow::Flow;
 use function::VelocityFunction;
 use law::Outcome;
 use points::Points;
-use vortices::Vortices;
+use vortices::{InducedFlow, Vortices};
 
 /// Kind of an item that declares vortices.
 const VORTICES: &str = "PointVortices";
 
 /// Index of the scene's system whose flow moves the tracers; None if the flow belongs to no system.
-pub fn leader(item: &Item) -> Option<usize> {
+pub fn flow_of(item: &Item) -> Option<usize> {
     match item.values.get("flow") {
         Some(Value::Indices(Array { entries, .. })) => entries.first().map(|&index| index as usize),
         _ => None,
     }
 }
 
-/// Compiles tracers, or vortices with the sets of tracers in their flow, for a method.
+/// Compiles tracers or vortices for a method. Tracers may move in the flow of the vortices that another item declares.
 ///
 /// # Errors
 /// If a parameter is missing or out of range, the method is not of first order, or memory does not suffice.
-pub fn build(items: &[&Item], method: &Item, precision: &str) -> Result<Box<dyn System>> {
-    let item = items[0];
+pub fn build(item: &Item, vortices: Option<&Item>, method: &Item, precision: &str) -> Result<Box<dyn System>> {
     let Some(Value::Numbers(Array { shape, .. })) = item.values.get(rows_of(item)) else {
         return Err(item.wrong(rows_of(item), "rows of coordinates", item.values.get(rows_of(item))));
     };
     match (precision, shape.last()) {
-        ("f32", Some(2)) => Ok(Box::new(Tracers::<f32, 2>::new(items, method, plane)?)),
-        ("f64", Some(2)) => Ok(Box::new(Tracers::<f64, 2>::new(items, method, plane)?)),
-        ("f32", Some(3)) => Ok(Box::new(Tracers::<f32, 3>::new(items, method, space)?)),
-        ("f64", Some(3)) => Ok(Box::new(Tracers::<f64, 3>::new(items, method, space)?)),
+        ("f32", Some(2)) => Ok(Box::new(Tracers::<f32, 2>::new(item, vortices, method, plane)?)),
+        ("f64", Some(2)) => Ok(Box::new(Tracers::<f64, 2>::new(item, vortices, method, plane)?)),
+        ("f32", Some(3)) => Ok(Box::new(Tracers::<f32, 3>::new(item, None, method, space)?)),
+        ("f64", Some(3)) => Ok(Box::new(Tracers::<f64, 3>::new(item, None, method, space)?)),
         ("f32" | "f64", _) => Err(Error::parameter(&item.path, "points in 2D or 3D", format!("the shape {shape:?}"))),
         (other, _) => Err(Error::parameter("precision", "f32 or f64", other)),
     }
 }
 
-/// Builds the flow in the plane that an item declares, with the first set of points.
-fn plane<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 2>>> {
+/// Builds the flow in the plane that an item declares, or that of vortices.
+fn plane<T: Real>(item: &Item, vortices: Option<&Item>, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 2>>> {
+    if let Some(vortices) = vortices {
+        return Ok(Box::new(InducedFlow::declared(vortices, points_of(vortices)?)?));
+    }
     if item.kind == VORTICES {
         return Ok(Box::new(Vortices::declared(item, points)?));
     }
@@ -67,8 +70,8 @@ fn plane<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 
     }
 }
 
-/// Builds the flow in space that an item declares, with the first set of points.
-fn space<T: Real>(item: &Item, points: &Points<T, 3>) -> Result<Box<dyn Flow<T, 3>>> {
+/// Builds the flow in space that an item declares.
+fn space<T: Real>(item: &Item, _vortices: Option<&Item>, points: &Points<T, 3>) -> Result<Box<dyn Flow<T, 3>>> {
     match item.record("flow")? {
         flow if flow.kind == "Flow" => Ok(Box::new(VelocityFunction::declared(flow, points.count)?)),
         flow => attractors::declared(flow),
@@ -80,33 +83,18 @@ fn rows_of(item: &Item) -> &'static str {
     if item.kind == VORTICES { "centers" } else { "positions" }
 }
 
-/// Function that builds the flow of an item with the first set of points.
-type FlowBuilder<T, const D: usize> = fn(&Item, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>;
+/// Function that builds the flow of an item with its points, from the item of vortices if there is one.
+type FlowBuilder<T, const D: usize> = fn(&Item, Option<&Item>, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>;
 
-/// Points of an item.
-#[derive(Debug, Clone)]
-struct Set {
-    /// Name or path of the item.
-    item: String,
-    /// Word for one of the points.
-    element: &'static str,
-}
-
-impl Set {
-    /// Name of the set in archives.
-    fn part(&self) -> String {
-        format!("systems/{}", self.item)
-    }
-}
-
-/// Sets of points in one flow.
+/// Points in a flow.
 struct Tracers<T, const D: usize> {
     flow: Box<dyn Flow<T, D>>,
-    sets: Vec<Set>,
-    /// Points of each set [m].
-    points: Vec<Points<T, D>>,
-    /// Points at the start of the last batch.
-    saved: Vec<Points<T, D>>,
+    /// Word for one of the points.
+    element: &'static str,
+    /// Positions [m].
+    points: Points<T, D>,
+    /// Positions at the start of the last batch.
+    saved: Points<T, D>,
     method: FirstOrder,
     coefficients: Coefficients,
     /// Change of the Hamiltonian by changes of the state between steps [m⁴/s²].
@@ -121,19 +109,14 @@ struct Tracers<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Tracers<T, D> {
-    fn new(items: &[&Item], method: &Item, declared: FlowBuilder<T, D>) -> Result<Self> {
+    fn new(item: &Item, vortices: Option<&Item>, method: &Item, declared: FlowBuilder<T, D>) -> Result<Self> {
         let refused = || Error::parameter("integrator", NAMES.join(" or "), &method.kind);
         let coefficients = Coefficients::named(&method.kind).ok_or_else(refused)?;
         let method = FirstOrder::named(&method.kind).ok_or_else(refused)?;
-        let points = items.iter().map(|item| points_of(item)).collect::<Result<Vec<_>>>()?;
-        let flow = declared(items[0], &points[0])?;
-        let set = |item: &&Item| Set {
-            item: item.name.clone().unwrap_or_else(|| item.path.clone()),
-            element: if item.kind == VORTICES { "vortex" } else { "tracer" },
-        };
+        let points = points_of(item)?;
         Ok(Self {
-            flow,
-            sets: items.iter().map(set).collect(),
+            flow: declared(item, vortices, &points)?,
+            element: if item.kind == VORTICES { "vortex" } else { "tracer" },
             saved: points.clone(),
             points,
             method,

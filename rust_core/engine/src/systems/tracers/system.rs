@@ -2,7 +2,6 @@
 
 use super::Tracers;
 use super::law::Outcome;
-use super::points::Points;
 use crate::error::{Error, Result};
 use crate::history::{Archive, History, TALLIES};
 use crate::ledger::{Budget, Ledger};
@@ -16,30 +15,25 @@ use crate::systems::{Control, Element, Fault, FieldInfo, Hints, Interval, Locati
 const STEPS: u64 = 4095;
 /// Limit of accuracy in units of 1/|∇v|: neighbors separate by a tenth of their distance in a step.
 const ACCURATE: f64 = 0.1;
-/// Fields of each set.
+/// Names of the fields.
 const FIELDS: [&str; 2] = ["positions", "velocities"];
 
 impl<T: Real, const D: usize> Tracers<T, D> {
-    fn element(&self, set: usize, index: usize) -> Element {
-        let set = &self.sets[set];
-        Element { name: format!("{} {index} of {}", set.element, set.item), index }
+    fn element(&self, index: usize) -> Element {
+        Element { name: format!("{} {index}", self.element), index }
     }
 
-    fn total(&self) -> usize {
-        self.points.iter().map(|points| points.count).sum()
-    }
-
-    /// Replaces the positions of a set, which is given by its path.
-    fn replace(&mut self, path: &str, rows: &[f64]) -> Result<()> {
-        let set = self.sets.iter().position(|set| path == format!("{}.{}", set.item, FIELDS[0]));
-        let known = || self.sets.iter().map(|set| format!("{}.{}", set.item, FIELDS[0])).collect::<Vec<_>>().join(" or ");
-        let set = set.ok_or_else(|| Error::parameter(format!("set.{path}"), known(), path))?;
-        let points = &mut self.points[set];
+    /// Replaces the positions.
+    fn replace(&mut self, name: &str, rows: &[f64]) -> Result<()> {
+        if name != FIELDS[0] {
+            return Err(Error::parameter(format!("set.{name}"), FIELDS[0], name));
+        }
+        let points = &mut self.points;
         if rows.len() != points.count * D {
-            return Err(Error::parameter(format!("set.{path}"), format!("{} rows", points.count), rows.len() / D));
+            return Err(Error::parameter(format!("set.{name}"), format!("{} rows", points.count), rows.len() / D));
         }
         if let Some(index) = rows.iter().position(|&value| !T::from_f64(value).is_finite()) {
-            let place = format!("set.{path}[{}, {}]", index / D, index % D);
+            let place = format!("set.{name}[{}, {}]", index / D, index % D);
             return Err(Error::parameter(place, format!("a finite number that {} holds", T::NAME), rows[index]));
         }
         points.fill(rows);
@@ -51,39 +45,32 @@ impl<T: Real, const D: usize> Tracers<T, D> {
 impl<T: Real, const D: usize> History for Tracers<T, D> {
     fn save(&mut self) {
         self.saved_time = self.time;
-        self.saved.iter_mut().zip(&self.points).for_each(|(saved, points)| saved.copy_from(points));
+        self.saved.copy_from(&self.points);
     }
 
     fn rollback(&mut self) {
         self.time = self.saved_time;
-        self.points.iter_mut().zip(&self.saved).for_each(|(points, saved)| points.copy_from(saved));
+        self.points.copy_from(&self.saved);
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.within(&self.sets[0].part(), |archive| {
-            archive.write("time", [self.time]);
-            archive.write(TALLIES, [self.supplied]);
-        });
-        for (set, points) in self.sets.iter().zip(&self.points) {
-            archive.within(&set.part(), |archive| archive.write(FIELDS[0], points.rows()));
-        }
+        archive.write("time", [self.time]);
+        archive.write(FIELDS[0], self.points.rows());
+        archive.write(TALLIES, [self.supplied]);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        (self.time, self.supplied) =
-            archive.within(&self.sets[0].part(), |archive| Ok((archive.read_number("time")?, archive.read_number(TALLIES)?)))?;
-        for (set, points) in self.sets.iter().zip(&mut self.points) {
-            let count = D * points.count;
-            archive.within(&set.part(), |archive| archive.read_exactly(FIELDS[0], count).map(|rows| points.fill(rows)))?;
-        }
+        self.time = archive.read_number("time")?;
+        self.points.fill(archive.read_exactly(FIELDS[0], D * self.points.count)?);
+        self.supplied = archive.read_number(TALLIES)?;
         Ok(())
     }
 }
 
 impl<T: Real, const D: usize> System for Tracers<T, D> {
     fn stages(&self) -> Vec<Stages> {
-        let stages = |set: &super::Set| Stages {
-            item: set.item.clone(),
+        vec![Stages {
+            item: String::new(),
             names: vec![format!("velocity of {}", self.flow.name()), "update of positions".to_owned()],
             dimension: D,
             precision: T::NAME,
@@ -96,16 +83,15 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
             layout: self.flow.layout().to_owned(),
             left_out: Vec::new(),
             notes: Vec::new(),
-        };
-        self.sets.iter().map(stages).collect()
+        }]
     }
 
     fn bytes(&self) -> usize {
-        2 * self.points.iter().map(Points::bytes).sum::<usize>() + self.flow.bytes()
+        2 * self.points.bytes() + self.flow.bytes()
     }
 
     fn cost(&self) -> f64 {
-        self.coefficients.evaluations as f64 * (1e-8 + self.flow.cost() * self.total() as f64)
+        self.coefficients.evaluations as f64 * (1e-8 + self.flow.cost() * self.points.count as f64)
     }
 
     fn hints(&self) -> Hints {
@@ -169,47 +155,36 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
     }
 
     fn fault(&self) -> Option<Fault> {
-        let faults = self.points.iter().enumerate().filter_map(|(set, points)| points.fault().map(|index| (set, index)));
-        faults.map(|(set, index)| Fault { element: self.element(set, index), quantity: "position" }).next()
+        self.points.fault().map(|index| Fault { element: self.element(index), quantity: "position" })
     }
 
     /// Point farthest from the origin.
     fn fastest(&self) -> Element {
-        let rows = self.points.iter().enumerate().flat_map(|(set, points)| {
-            let square = |row: &[f64]| row.iter().map(|value| value * value).sum::<f64>();
-            points
-                .rows()
-                .chunks_exact(D)
-                .map(square)
-                .enumerate()
-                .map(move |(index, square)| (square, set, index))
-                .collect::<Vec<_>>()
-        });
-        let (_, set, index) = rows.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or_default();
-        self.element(set, index)
+        let square = |row: &[f64]| row.iter().map(|value| value * value).sum::<f64>();
+        let squares = self.points.rows().chunks_exact(D).map(square).zip(0..).collect::<Vec<_>>();
+        let farthest = squares.into_iter().max_by(|one, other| one.0.total_cmp(&other.0));
+        self.element(farthest.map_or(0, |(_, index)| index))
     }
 
     fn fields(&self) -> Vec<FieldInfo> {
-        let info = |set: usize, field: usize| FieldInfo {
-            name: format!("{}.{}", self.sets[set].item, FIELDS[field]),
+        let info = |field: usize| FieldInfo {
+            name: FIELDS[field].to_owned(),
             unit: ["m", "m/s"][field],
             location: Location::Points,
-            shape: vec![self.points[set].count, D],
-            rate: (field == 0).then(|| format!("{}.{}", self.sets[set].item, FIELDS[1])),
+            shape: vec![self.points.count, D],
+            rate: (field == 0).then(|| FIELDS[1].to_owned()),
             state: field == 0,
         };
-        (0..self.sets.len()).flat_map(|set| [info(set, 0), info(set, 1)]).collect()
+        vec![info(0), info(1)]
     }
 
-    /// Positions or velocities of a set. Velocities that cannot be evaluated are NaN; the next step meets the same error, and
-    /// reports it.
+    /// Positions or velocities. Velocities that cannot be evaluated are NaN; the next step meets the same error, and reports it.
     fn read(&self, field: usize) -> Vec<f64> {
-        let points = &self.points[field / 2];
-        if field.is_multiple_of(2) {
-            return points.rows();
+        if field == 0 {
+            return self.points.rows();
         }
-        let velocities = self.flow.velocities(&self.points, field / 2, self.time);
-        velocities.map_or_else(|_| vec![f64::NAN; points.count * D], |velocities| velocities.rows())
+        let velocities = self.flow.velocities(&self.points, self.time);
+        velocities.map_or_else(|_| vec![f64::NAN; self.points.count * D], |velocities| velocities.rows())
     }
 
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {

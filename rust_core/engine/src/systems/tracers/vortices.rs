@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Tracers do not act on vortices. Vortices therefore take all steps of a batch first. Their positions at each stage are kept
-//! for the tracers, which are advanced in the same stages.
+//! for the tracers, which are advanced in the same stages: [`VortexCoupling`](super::coupling::VortexCoupling).
 //!
 //! Sources: G. Kirchhoff, Vorlesungen über mathematische Physik (1876), lecture 20; P. G. Saffman, Vortex Dynamics (1992),
 //! chapter 7; for the core δ: R. Krasny, J. Comput. Phys. 65 (1986) 292.
@@ -27,21 +27,19 @@ use crate::systems::Interval;
 /// Maximum number of coordinates kept for the tracers of a batch.
 const KEPT: usize = 1 << 18;
 
-/// Vortices of an item; their positions are the first set of the points.
-pub struct Vortices<T> {
+/// Strengths and cores of the vortices of an item.
+#[derive(Debug, Clone)]
+pub struct VortexStrengths<T> {
     /// Circulations Γ [m²/s].
     circulations: Vec<f64>,
     /// Strengths Γ/(2π) [m²/s].
     strengths: Vec<T>,
     /// Square of the core, δ² [m²].
     core: T,
-    staged: Staged<T, 2>,
-    /// Coordinates of the vortices at each stage of a batch, one stage after the other.
-    kept: [Vec<T>; 2],
 }
 
-impl<T: Real> Vortices<T> {
-    /// Builds the vortices that an item declares, with their positions.
+impl<T: Real> VortexStrengths<T> {
+    /// Reads the strengths that an item declares for vortices at some points.
     ///
     /// # Errors
     /// If a value is missing or out of range, or two vortices without a core are in the same place.
@@ -60,14 +58,64 @@ impl<T: Real> Vortices<T> {
         if square == T::ZERO {
             apart(item, points)?;
         }
-        let (staged, kept) = (Staged::new(points.count), [Vec::new(), Vec::new()]);
-        Ok(Self { circulations, strengths, core: square, staged, kept })
+        Ok(Self { circulations, strengths, core: square })
     }
 
-    /// Law of velocity of the vortices at these positions.
-    fn law<'a>(&'a self, points: &'a Points<T, 2>) -> VortexLaw<'a, T> {
-        let places = points.axes.each_ref().map(|axis| &axis[..points.count]);
+    /// Law of velocity of vortices at these positions, or at those of each stage, one after the other.
+    fn law<'a>(&'a self, places: [&'a [T]; 2]) -> VortexLaw<'a, T> {
         VortexLaw { places, strengths: &self.strengths, core: self.core }
+    }
+
+    /// Estimated duration of an evaluation at a point [s]: a division per vortex.
+    fn cost(&self) -> f64 {
+        3e-10 * size_of::<T>() as f64 * self.strengths.len() as f64
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.strengths.as_slice()) + size_of_val(self.circulations.as_slice())
+    }
+}
+
+/// Coordinates of points, without padding.
+fn places<T>(points: &Points<T, 2>) -> [&[T]; 2] {
+    points.axes.each_ref().map(|axis| &axis[..points.count])
+}
+
+/// Flow of vortices, in which they move themselves.
+pub struct Vortices<T> {
+    pub strengths: VortexStrengths<T>,
+    staged: Staged<T, 2>,
+    /// Coordinates of the vortices at each stage of a batch, one stage after the other.
+    pub kept: [Vec<T>; 2],
+}
+
+impl<T: Real> Vortices<T> {
+    /// Builds the vortices that an item declares, with their positions.
+    ///
+    /// # Errors
+    /// As [`VortexStrengths::declared`].
+    pub fn declared(item: &Item, points: &Points<T, 2>) -> Result<Self> {
+        let strengths = VortexStrengths::declared(item, points)?;
+        Ok(Self { strengths, staged: Staged::new(points.count), kept: [Vec::new(), Vec::new()] })
+    }
+}
+
+/// Flow of vortices of another system, in which tracers move.
+pub struct InducedFlow<T> {
+    strengths: VortexStrengths<T>,
+    /// Present coordinates of the vortices.
+    pub present: Points<T, 2>,
+    /// Coordinates of the vortices at each stage of the steps to be taken, one stage after the other.
+    pub stages: [Vec<T>; 2],
+}
+
+impl<T: Real> InducedFlow<T> {
+    /// Builds the flow of the vortices that an item declares, with their positions.
+    ///
+    /// # Errors
+    /// As [`VortexStrengths::declared`].
+    pub fn declared(item: &Item, present: Points<T, 2>) -> Result<Self> {
+        Ok(Self { strengths: VortexStrengths::declared(item, &present)?, present, stages: [Vec::new(), Vec::new()] })
     }
 }
 
@@ -147,78 +195,120 @@ impl<T: Real> VelocityLaw<T, 2> for VortexLaw<'_, T> {
     }
 }
 
+/// Name of the flow, for plans.
+const NAME: &str = "point vortices";
+/// Description of the layout, for plans.
+const LAYOUT: &str = "vortices stage by stage, then blocks of tracers in the cache, each through all steps of a batch";
+
 impl<T: Real> Flow<T, 2> for Vortices<T> {
     fn name(&self) -> &'static str {
-        "point vortices"
+        NAME
     }
 
-    /// Estimated duration of an evaluation at a point [s]: a division per vortex.
     fn cost(&self) -> f64 {
-        3e-10 * size_of::<T>() as f64 * self.strengths.len() as f64
+        self.strengths.cost()
     }
 
     fn most_steps(&self, evaluations: usize) -> u64 {
-        (KEPT / (evaluations * self.strengths.len().max(1))).max(1) as u64
+        (KEPT / (evaluations * self.strengths.strengths.len().max(1))).max(1) as u64
     }
 
     fn layout(&self) -> &'static str {
-        "vortices stage by stage, then blocks of tracers in the cache, each through all steps of a batch"
+        LAYOUT
     }
 
     fn advance(
         &mut self,
         method: Coefficients,
-        sets: &mut [Points<T, 2>],
+        points: &mut Points<T, 2>,
         interval: Interval,
         executor: &Executor,
     ) -> Result<Outcome> {
         let Interval { h, steps, .. } = interval;
-        let Self { strengths, core, staged, kept, .. } = self;
-        let [vortices, tracers @ ..] = sets else { return Ok(Outcome::default()) };
+        let Self { strengths, staged, kept } = self;
         kept.iter_mut().for_each(Vec::clear);
         let mut outcome = Outcome::default();
         for _ in 0..steps {
             let slope = |_: usize, state: &Points<T, 2>, out: &mut Points<T, 2>| {
-                let places = state.axes.each_ref().map(|axis| &axis[..state.count]);
-                kept.iter_mut().zip(places).for_each(|(kept, places)| kept.extend_from_slice(places));
-                law::velocities(VortexLaw { places, strengths, core: *core }, 0, state, out, executor);
+                kept.iter_mut().zip(places(state)).for_each(|(kept, places)| kept.extend_from_slice(places));
+                law::velocities(strengths.law(places(state)), 0, state, out, executor);
                 executor.check()
             };
-            outcome = outcome.and(staged.step(method, vortices, Step { h, estimated: steps == 1 }, slope)?);
+            outcome = outcome.and(staged.step(method, points, Step { h, estimated: steps == 1 }, slope)?);
         }
-        let law = VortexLaw { places: kept.each_ref().map(Vec::as_slice), strengths, core: *core };
-        let advance = |points: &mut Points<T, 2>| law::advance(law, method, points, h, steps, executor);
-        let outcome = tracers.iter_mut().fold(outcome, |all, points| all.and(advance(points)));
-        executor.check()?;
         Ok(outcome)
     }
 
-    fn velocities(&self, sets: &[Points<T, 2>], set: usize, _time: f64) -> Result<Points<T, 2>> {
-        let mut out = sets[set].clone();
-        law::velocities(self.law(&sets[0]), 0, &sets[set], &mut out, &SERIAL);
+    fn velocities(&self, points: &Points<T, 2>, _time: f64) -> Result<Points<T, 2>> {
+        let mut out = points.clone();
+        law::velocities(self.strengths.law(places(points)), 0, points, &mut out, &SERIAL);
         Ok(out)
     }
 
-    fn steepest(&self, sets: &[Points<T, 2>], _time: f64, executor: &Executor) -> Result<f64> {
-        let law = self.law(&sets[0]);
-        let steepest = sets.iter().map(|points| law::steepest(law, 0, points, executor)).fold(0.0, f64::max);
+    fn steepest(&self, points: &Points<T, 2>, _time: f64, executor: &Executor) -> Result<f64> {
+        let steepest = law::steepest(self.strengths.law(places(points)), 0, points, executor);
         executor.check()?;
         Ok(steepest)
     }
 
-    fn hamiltonian(&self, sets: &[Points<T, 2>]) -> Option<f64> {
-        let [x, y] = &sets[0].axes;
+    fn hamiltonian(&self, points: &Points<T, 2>) -> Option<f64> {
+        let VortexStrengths { circulations, core, .. } = &self.strengths;
+        let [x, y] = &points.axes;
         let apart = |axis: &[T], one: usize, other: usize| axis[one].to_f64() - axis[other].to_f64();
         let pair = |one: usize, other: usize| {
-            let square = apart(x, one, other).powi(2) + apart(y, one, other).powi(2) + self.core.to_f64();
-            self.circulations[one] * self.circulations[other] * libm::log(square)
+            let square = apart(x, one, other).powi(2) + apart(y, one, other).powi(2) + core.to_f64();
+            circulations[one] * circulations[other] * libm::log(square)
         };
         let with_earlier = |one: usize| (0..one).map(|other| pair(one, other)).sum::<f64>();
-        Some(-(0..sets[0].count).map(with_earlier).sum::<f64>() / (4.0 * PI))
+        Some(-(0..points.count).map(with_earlier).sum::<f64>() / (4.0 * PI))
     }
 
     fn bytes(&self) -> usize {
         let kept: usize = self.kept.iter().map(|axis| size_of_val(axis.as_slice())).sum();
-        kept + self.staged.bytes() + size_of_val(self.strengths.as_slice()) + size_of_val(self.circulations.as_slice())
+        kept + self.staged.bytes() + self.strengths.bytes()
+    }
+}
+
+impl<T: Real> Flow<T, 2> for InducedFlow<T> {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn cost(&self) -> f64 {
+        self.strengths.cost()
+    }
+
+    fn layout(&self) -> &'static str {
+        LAYOUT
+    }
+
+    fn advance(
+        &mut self,
+        method: Coefficients,
+        points: &mut Points<T, 2>,
+        interval: Interval,
+        executor: &Executor,
+    ) -> Result<Outcome> {
+        let law = self.strengths.law(self.stages.each_ref().map(Vec::as_slice));
+        let outcome = law::advance(law, method, points, interval.h, interval.steps, executor);
+        executor.check()?;
+        Ok(outcome)
+    }
+
+    fn velocities(&self, points: &Points<T, 2>, _time: f64) -> Result<Points<T, 2>> {
+        let mut out = points.clone();
+        law::velocities(self.strengths.law(places(&self.present)), 0, points, &mut out, &SERIAL);
+        Ok(out)
+    }
+
+    fn steepest(&self, points: &Points<T, 2>, _time: f64, executor: &Executor) -> Result<f64> {
+        let steepest = law::steepest(self.strengths.law(places(&self.present)), 0, points, executor);
+        executor.check()?;
+        Ok(steepest)
+    }
+
+    fn bytes(&self) -> usize {
+        let stages: usize = self.stages.iter().map(|axis| size_of_val(axis.as_slice())).sum();
+        stages + self.present.bytes() + self.strengths.bytes()
     }
 }
