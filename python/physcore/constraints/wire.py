@@ -10,12 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore._core import spline_points
+from physcore.arithmetic import lengths
 from physcore.checks import LONGEST, FloatArray, array, count, flag, frozen, number, require
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.by_value import ByValue
 from physcore.scene.fields import Element
 from physcore.scene.items import Constraint, On
+
+NEAREST = 1e-9
+"""Least distance of neighboring points, relative to the length of the wire."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -37,9 +41,11 @@ class Wire(ByValue, Constraint):
 
     Beads are moved onto the curve at the start, and velocities across it are removed; the plan tells how much energy
     these had. A bead that reaches an end of an open wire stops the simulation. Nothing else may hold a bead: no rod, no
-    boundary, no SelfContact and no second wire. Springs and all other forces act on it.
+    strain limit, no boundary, no SelfContact and no second wire. Springs and all other forces act on it.
 
-    Wires need VelocityVerlet, RATTLE, BackwardEuler, BDF2, XPBD or ProjectiveDynamics, and no Periodic domain.
+    Wires need VelocityVerlet, RATTLE, BackwardEuler, BDF2, XPBD or ProjectiveDynamics, and no Periodic domain. BDF2
+    takes steps of backward Euler in scenes with wires. RATTLE(order=4) takes no friction, and is of order 4 only for
+    steps that are short against the distance of the points: third derivatives of the curve jump there.
 
     Args:
         points: points of the curve [m], shape (K, D): at least two, or three for a closed wire. Neighbors differ.
@@ -71,9 +77,12 @@ class Wire(ByValue, Constraint):
             )
         require(np.abs(values) <= LONGEST, values, "Wire.points", f"at most {LONGEST:g} m in size")
         following = np.roll(values, -1, axis=0) if whole else values[1:]
-        again = (values[: len(following)] == following).all(axis=1)
-        if again.any():
-            raise SceneError(f"Wire.points[{int(np.argmax(again))}]: must differ from the next point")
+        sides = lengths(following - values[: len(following)])
+        near = sides <= NEAREST * sides.sum()
+        if near.any():
+            first = int(np.argmax(near))
+            again = "; a closed wire returns to its first point by itself" if whole and first == len(values) - 1 else ""
+            raise SceneError(f"Wire.points[{first}]: must differ from the next point by rounding at least{again}")
         self._set(points=frozen(values), closed=whole, friction=number(friction, "Wire.friction", least=0.0), on=on)
         self.__post_init__()
 

@@ -33,7 +33,7 @@ def default_integrator(scene: Scene, automatic: bool) -> Integrator:
     fine = automatic and is_small(scene) and _is_smooth(scene)
     if scene.has_rods or (scene.constraints and fine):
         return RATTLE(order=4) if fine and not _is_damped(scene) else RATTLE()
-    if is_magnetic(scene):
+    if is_magnetic(scene) and not scene.constraints:
         return Boris()
     if not fine:
         return VelocityVerlet()

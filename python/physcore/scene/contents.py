@@ -116,7 +116,7 @@ class Contents:
         return pressed or (solid and any(fluid.obstacles for fluid in self.fluids)) or bool(self.probes)
 
     def targets(self, item: ActingItem) -> tuple[Body, ...]:
-        """The bodies that a force or a boundary of this scene acts on.
+        """The bodies that a force, a boundary or a constraint of this scene acts on.
 
         Raises:
             SceneError: the item is neither.
@@ -129,12 +129,12 @@ class Contents:
         return tuple(body for body in self.bodies if not (item.spares_fluids and body.is_fluid))
 
     def members(self, item: ActingItem, field: str = "on") -> BoolArray:
-        """Whether a force or a boundary of this scene acts on each particle, shape (N,).
+        """Whether a force, a boundary or a constraint of this scene acts on each particle, shape (N,).
 
             scene.members(scene.forces[0])
 
         Args:
-            item: the force or the boundary.
+            item: the force, the boundary or the constraint.
             field: "on", or another field of the item that names bodies, such as "sources".
 
         Raises:

@@ -286,8 +286,8 @@ pub trait System: History + Any + Send + Sync {
     /// Descriptions of all fields.
     fn fields(&self) -> Vec<FieldInfo>;
 
-    /// Values of a field, element by element in the caller's order.
-    fn read(&self, field: usize) -> Vec<f64>;
+    /// Values of a field at a time, element by element in the caller's order.
+    fn read(&self, field: usize, time: f64) -> Vec<f64>;
 
     /// Replaces fields by name and reinitializes the system. The change of energy counts as work.
     ///

@@ -278,7 +278,7 @@ impl Simulation {
     pub fn read(&self, name: &str) -> Option<(FieldInfo, Vec<f64>)> {
         let fields = self.system.fields();
         let index = fields.iter().position(|field| field.name == name)?;
-        let values = self.system.read(index);
+        let values = self.system.read(index, self.time());
         Some((fields.into_iter().nth(index)?, values))
     }
 
@@ -300,8 +300,9 @@ impl Simulation {
 
     /// Updates the largest Mach number by that of the present state.
     fn observe_mach(&mut self) {
+        let time = self.time();
         let (field, largest) = &mut self.mach;
-        if let Some(&[fast, sound]) = field.map(|field| self.system.read(field)).as_deref() {
+        if let Some(&[fast, sound]) = field.map(|field| self.system.read(field, time)).as_deref() {
             let mach = Some(Mach { fast, sound });
             if mach > *largest {
                 *largest = mach;

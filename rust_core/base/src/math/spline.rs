@@ -24,6 +24,16 @@ pub struct CubicSpline {
     points: Vec<DVec3>,
     slopes: Vec<DVec3>,
     closed: bool,
+    /// Parameters, positions and curvatures [1/m] of points that divide the intervals.
+    samples: Vec<CurveSample>,
+}
+
+/// Point of a curve for searches.
+#[derive(Debug, Clone, Copy)]
+struct CurveSample {
+    place: f64,
+    position: DVec3,
+    curvature: f64,
 }
 
 /// Point of a curve, with the derivatives by the parameter.
@@ -62,7 +72,13 @@ impl CubicSpline {
         let slopes = if closed { closed_slopes(&lengths, &rates) } else { open_slopes(&lengths, &rates) };
         let mut knots = vec![0.0];
         lengths.iter().for_each(|h| knots.push(knots[knots.len() - 1] + h));
-        Self { knots, points, slopes, closed }
+        let mut spline = Self { knots, points, slopes, closed, samples: Vec::new() };
+        let sample = |place: f64| {
+            let point = spline.at(place);
+            CurveSample { place, position: point.position, curvature: point.curvature().length() }
+        };
+        spline.samples = spline.divided(SAMPLES).into_iter().map(sample).collect();
+        spline
     }
 
     /// Largest parameter, the length of the polygon through the points [m].
@@ -72,7 +88,8 @@ impl CubicSpline {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        size_of_val(self.knots.as_slice()) + size_of_val(self.points.as_slice()) + size_of_val(self.slopes.as_slice())
+        let points = size_of_val(self.points.as_slice()) + size_of_val(self.slopes.as_slice());
+        size_of_val(self.knots.as_slice()) + points + size_of_val(self.samples.as_slice())
     }
 
     /// Parameter of the same point within the curve; None beyond the ends of an open curve.
@@ -110,20 +127,53 @@ impl CubicSpline {
 
     /// Parameter of the point nearest to `x`.
     pub fn nearest(&self, x: DVec3) -> f64 {
-        let samples = self.divided(SAMPLES);
-        let square = |u: f64| (self.at(u).position - x).length_squared();
-        let (mut best, mut least) = (0, f64::INFINITY);
-        for (index, &u) in samples.iter().enumerate() {
-            let found = square(u);
-            if found < least {
-                (best, least) = (index, found);
+        let square = |index: usize| (self.samples[index].position - x).length_squared();
+        let last = self.samples.len() - 1;
+        // A closed curve goes on at its seam, where the first sample is also the last one.
+        let before = |index: usize| {
+            if index > 0 {
+                index - 1
+            } else if self.closed {
+                last - 1
+            } else {
+                0
+            }
+        };
+        let after = |index: usize| {
+            if index < last {
+                index + 1
+            } else if self.closed {
+                1
+            } else {
+                last
+            }
+        };
+        let lowest = (0..=last).filter(|&index| square(index) <= square(before(index)).min(square(after(index))));
+        let found =
+            lowest.map(|index| self.lowest(x, index, self.samples[before(index)].place, self.samples[after(index)].place));
+        let mut best = (0.0, f64::INFINITY);
+        for place in found {
+            let square = (self.at(place).position - x).length_squared();
+            if square < best.1 {
+                best = (place, square);
             }
         }
-        // The derivative of the distance changes its sign between the neighbors.
-        let (mut low, mut high) = (samples[best.saturating_sub(1)], samples[(best + 1).min(samples.len() - 1)]);
+        best.0
+    }
+
+    /// Parameter of the point nearest to `x` about a sample, between the parameters of its neighbors.
+    fn lowest(&self, x: DVec3, sample: usize, mut low: f64, mut high: f64) -> f64 {
+        let middle = self.samples[sample].place;
+        if low > middle {
+            low -= self.end();
+        }
+        if high < middle {
+            high += self.end();
+        }
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             let point = self.at(middle);
+            // The derivative of the distance changes its sign at the nearest point.
             if (point.position - x).dot(point.first) > 0.0 {
                 high = middle;
             } else {
@@ -131,7 +181,22 @@ impl CubicSpline {
             }
         }
         let found = 0.5 * (low + high);
-        if square(found) <= least { found } else { samples[best] }
+        let square = |u: f64| (self.at(u).position - x).length_squared();
+        let found = if square(found) <= square(middle) { found } else { middle };
+        self.within(found).unwrap_or(middle)
+    }
+
+    /// Least sum of a length and of the distance along the curve from a place times `share` [m]; the length is `turn` over
+    /// the curvature, at each sample.
+    pub fn reach(&self, place: f64, turn: f64, share: f64) -> f64 {
+        let reaches = self.samples.iter().map(|sample| share * self.distance(place, sample.place) + turn / sample.curvature);
+        reaches.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Difference of two parameters, the smaller way around a closed curve.
+    pub fn distance(&self, one: f64, other: f64) -> f64 {
+        let way = (other - one).abs();
+        if self.closed { way.min(self.end() - way) } else { way }
     }
 }
 
@@ -257,6 +322,19 @@ mod tests {
             let point = spline.at(spline.end() * f64::from(part) / 100.0);
             // Second derivatives are off by h²/12 relative to the fourth: (2π/64)²/12 = 8e-4.
             assert!((point.curvature() + 0.25 * point.position).length() < 5e-4, "{:?}", point.curvature());
+        }
+    }
+
+    #[test]
+    fn nearest_points_are_found_at_the_seam_and_at_a_crossing() {
+        let eight: Vec<DVec3> = (0..64)
+            .map(|index| std::f64::consts::TAU * f64::from(index) / 64.0)
+            .map(|turn| DVec3::new(libm::sin(turn), 0.5 * libm::sin(2.0 * turn), 0.0))
+            .collect();
+        let spline = CubicSpline::through(&eight, true);
+        for part in 0..1000 {
+            let x = spline.at(spline.end() * f64::from(part) / 1000.0).position;
+            assert!((spline.at(spline.nearest(x)).position - x).length() < 1e-12, "{part}");
         }
     }
 

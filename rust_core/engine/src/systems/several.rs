@@ -220,8 +220,8 @@ impl System for Several {
         self.parts.iter().flat_map(named).collect()
     }
 
-    fn read(&self, field: usize) -> Vec<f64> {
-        self.locate(field).map_or_else(Vec::new, |(part, field)| part.system.read(field))
+    fn read(&self, field: usize, time: f64) -> Vec<f64> {
+        self.locate(field).map_or_else(Vec::new, |(part, field)| part.system.read(field, time))
     }
 
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {

@@ -200,7 +200,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
         self.field_infos()
     }
 
-    fn read(&self, field: usize) -> Vec<f64> {
+    fn read(&self, field: usize, _time: f64) -> Vec<f64> {
         self.species_rows(field, &self.state.field).map(|value| value.to_f64()).collect()
     }
 

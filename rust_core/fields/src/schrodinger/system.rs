@@ -201,7 +201,7 @@ impl<T: FourierReal> System for Schrodinger<T> {
         vec![info("density", "m^-D", shape, false), info("wave_function", "m^(-D/2)", pairs, true)]
     }
 
-    fn read(&self, field: usize) -> Vec<f64> {
+    fn read(&self, field: usize, _time: f64) -> Vec<f64> {
         let cells = state::rows(&self.hamiltonian.padding).flat_map(|cells| &self.state.values[cells]);
         if field == 0 {
             return cells.map(|&value| square(value)).collect();

@@ -222,7 +222,7 @@ impl<T: Real> System for Wave<T> {
         self.field_infos()
     }
 
-    fn read(&self, field: usize) -> Vec<f64> {
+    fn read(&self, field: usize, _time: f64) -> Vec<f64> {
         self.values(field)
     }
 

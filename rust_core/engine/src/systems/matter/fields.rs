@@ -73,11 +73,11 @@ impl<V: Space> MatterSystem<V> {
     }
 
     /// Values of a field of constraints.
-    fn values_of_constraints(&self, mut field: usize) -> Vec<f64> {
+    fn values_of_constraints(&self, mut field: usize, time: f64) -> Vec<f64> {
         for constraint in self.constraints.iter() {
             let count = constraint.fields().len();
             if field < count {
-                return self.forced(0.0, &SERIAL, |state| constraint.read(field, state));
+                return self.forced(time, &SERIAL, |state| constraint.read(field, state));
             }
             field -= count;
         }
@@ -85,11 +85,11 @@ impl<V: Space> MatterSystem<V> {
     }
 
     /// Values of a field.
-    pub(super) fn values(&self, field: usize) -> Vec<f64> {
+    pub(super) fn values(&self, field: usize, time: f64) -> Vec<f64> {
         let (state, properties) = (&self.state, &self.dynamics.properties);
         let names = self.names().count();
         if field >= names {
-            return self.values_of_constraints(field - names);
+            return self.values_of_constraints(field - names, time);
         }
         match self.names().nth(field).map_or("", |(name, _)| name) {
             "positions" => self.vectors(|index| properties.origin + state.exact_position(index)),

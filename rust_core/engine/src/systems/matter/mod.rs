@@ -234,7 +234,7 @@ impl<V: Space> MatterSystem<V> {
     /// Calls a function with the state and the accelerations by all forces but those of constraints.
     fn forced<T>(&self, time: f64, executor: &Executor, call: impl FnOnce(&ForcedState<'_, V>) -> T) -> T {
         let at = self.dynamics.view_of(&self.state, time, executor);
-        let accelerations = || self.dynamics.accelerations(&at).map(Vector::widen).collect();
+        let accelerations = || self.dynamics.all_accelerations(&at).map(Vector::widen).collect();
         call(&ForcedState { at: &at, walls: self.dynamics.contacts.as_ref(), accelerations: &accelerations })
     }
 
@@ -484,8 +484,8 @@ impl<V: Space> System for MatterSystem<V> {
         self.field_infos()
     }
 
-    fn read(&self, field: usize) -> Vec<f64> {
-        self.values(field)
+    fn read(&self, field: usize, time: f64) -> Vec<f64> {
+        self.values(field, time)
     }
 
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {

@@ -179,7 +179,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
     }
 
     /// Positions or velocities. Velocities that cannot be evaluated are NaN; the next step meets the same error, and reports it.
-    fn read(&self, field: usize) -> Vec<f64> {
+    fn read(&self, field: usize, _time: f64) -> Vec<f64> {
         if field == 0 {
             return self.points.rows();
         }

@@ -15,16 +15,18 @@
 use glam::DVec3;
 
 use super::{
-    ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, Declaration, ForcedState, WIRES, refuse, rods,
-    self_contact,
+    ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, Declaration, DriftVelocity, ForcedState, WIRES, refuse,
+    rods, self_contact,
 };
 use crate::error::{Error, Result};
 use crate::forces::Space;
+use crate::forces::springs;
 use crate::history::{Archive, History};
 use crate::math::Real;
 use crate::math::spline::{CubicSpline, CurvePoint};
 use crate::scene::{Item, Value};
 use crate::stability::SpectralBound;
+use crate::systems::matter::methods::Treatment;
 use crate::systems::{FieldInfo, Location};
 
 /// Kind of the items.
@@ -33,6 +35,13 @@ pub const KIND: &str = "Wire";
 const DEVIATION: f64 = 1e-4;
 /// Largest accurate angle by which a wire turns under a bead in a step [rad].
 const LARGEST_ANGLE: f64 = 0.5;
+/// Least distance of neighboring points, relative to the length of the wire.
+const NEAREST: f64 = 1e-9;
+/// Length of a path on a wire over the drift along the tangent above which it leads around a bend. On a circle the ratio is
+/// π/2 for a quarter turn.
+const LONGEST_WAY: f64 = 2.0;
+/// Share of a step limit in which a bead may come to the next bend: limits are looked at again after 16 steps.
+const AHEAD: f64 = 1.0 / 16.0;
 /// Tolerance of positions and velocities, in units of their rounding error.
 const ROUNDINGS: f64 = 16.0;
 /// Maximum number of iterations for the position on a wire.
@@ -62,6 +71,8 @@ struct Bead {
     speed: f64,
     /// Change of the speed by friction in the drift [m/s].
     slowed: f64,
+    /// Whether friction held the bead in its place in the drift.
+    held: bool,
 }
 
 /// All wires of a scene with their beads.
@@ -97,14 +108,19 @@ impl Wires {
         for item in items {
             let points = item.vectors("points", None, V::DIMENSION)?;
             let (closed, friction) = (item.flag("closed")?, item.non_negative("friction")?);
-            let coincide = |ends: &[DVec3]| ends[0] == ends[1];
-            let given = Value::Text(format!("{} points", points.len()));
-            if points.len() < if closed { 3 } else { 2 } || points.windows(2).any(coincide) {
-                return Err(item.wrong(
-                    "points",
-                    "at least two points, three for a closed wire, that differ from the next",
-                    Some(&given),
-                ));
+            let length: f64 = points.windows(2).map(|ends| (ends[1] - ends[0]).length()).sum();
+            let coincide = |one: &DVec3, other: &DVec3| (*one - *other).length() <= NEAREST * length;
+            let repeats = closed && points.len() > 1 && coincide(&points[0], &points[points.len() - 1]);
+            if points.len() < if closed { 3 } else { 2 } || points.windows(2).any(|ends| coincide(&ends[0], &ends[1])) || repeats
+            {
+                let given = Value::Text(format!("{} points", points.len()));
+                let expected = "at least two points, three for a closed wire, that differ from the next";
+                return Err(item.wrong("points", expected, Some(&given)));
+            }
+            if friction > 0.0 && declared.method.springs == Treatment::Rods && declared.method.orders[0] > 2 {
+                let path = format!("{}.friction", item.path);
+                return Err(Error::parameter(path, format!("0 with {}(order=4)", declared.method.name), friction)
+                    .with_hint("parts of its steps go backward in time, where friction would speed beads up: take order=2"));
             }
             if friction > 0.0 {
                 wires.order = 1;
@@ -128,7 +144,7 @@ impl Wires {
                 }
                 let wire = wires.curves.len() - 1;
                 let (tangent, place) = (DVec3::ZERO, 0.0);
-                wires.beads.push(Bead { particle, wire, place, saved: place, tangent, speed: 0.0, slowed: 0.0 });
+                wires.beads.push(Bead { particle, wire, place, saved: place, tangent, speed: 0.0, slowed: 0.0, held: false });
             }
         }
         wires.refuse_others(declared)?;
@@ -136,14 +152,27 @@ impl Wires {
     }
 
     /// Refuses beads that rods, walls or other meshes hold too: their constraints would have to be solved together.
-    fn refuse_others<V: Space>(&self, Declaration { scene, springs, properties, walls, .. }: &Declaration<'_, V>) -> Result<()> {
+    fn refuse_others<V: Space>(
+        &self,
+        Declaration { scene, springs: declared_springs, properties, walls, .. }: &Declaration<'_, V>,
+    ) -> Result<()> {
         let mut held = vec![false; properties.count()];
-        springs.iter().filter(|spring| rods::is_rod(spring)).flat_map(|rod| rod.ends).for_each(|end| held[end as usize] = true);
+        declared_springs
+            .iter()
+            .filter(|spring| rods::is_rod(spring))
+            .flat_map(|rod| rod.ends)
+            .for_each(|end| held[end as usize] = true);
         let meshes = self_contact::bodies(scene)?;
+        let strains = springs::strains(scene, "strain_limit")?;
+        let mut limited = vec![false; properties.count()];
+        let taut = declared_springs.iter().zip(strains).filter(|(_, strain)| strain.is_finite());
+        taut.flat_map(|(spring, _)| spring.ends).for_each(|end| limited[end as usize] = true);
         for bead in &self.beads {
             let index = bead.particle as usize;
             let other = if held[index] {
                 "a rod"
+            } else if limited[index] {
+                "a strain limit"
             } else if walls.as_ref().is_some_and(|walls| walls.walls_of(properties, index).next().is_some()) {
                 "a boundary"
             } else if meshes.contains(&(properties.body[index] as usize)) {
@@ -172,7 +201,7 @@ impl Wires {
         let along = tangent.dot(acceleration);
         let across = point.curvature() * speed * speed - (acceleration - along * tangent);
         let most = self.curves[bead.wire].friction * across.length();
-        let friction = if speed == 0.0 { along.clamp(-most, most) } else { most.copysign(speed) };
+        let friction = if speed == 0.0 || bead.held { along.clamp(-most, most) } else { most.copysign(speed) };
         [across, -friction * tangent]
     }
 }
@@ -224,7 +253,8 @@ impl History for Wires {
 impl<V: Space> Constraint<V> for Wires {
     fn about(&self) -> ConstraintProperties {
         let (count, curves) = (self.beads.len(), self.curves.len());
-        let note = format!("{count} beads on {curves} {}", if curves == 1 { "curve" } else { "curves" });
+        let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        let note = format!("{} on {}", counted(count, "bead"), counted(curves, "curve"));
         ConstraintProperties {
             name: "wires",
             stages: vec![ConstraintStage { name: "wires", note: Some(note), last: true }],
@@ -253,7 +283,11 @@ impl<V: Space> Constraint<V> for Wires {
         for bead in beads {
             let (index, WireCurve { path, spline, .. }) = (bead.particle as usize, &curves[bead.wire]);
             let x = step.matter.exact_position(index);
-            bead.place = spline.nearest(x);
+            // Where a wire crosses itself, a bead that has not moved keeps its branch.
+            let rounding = ROUNDINGS * f64::EPSILON * (spline.end() + x.abs().max_element());
+            if (spline.at(bead.place).position - x).length() > rounding {
+                bead.place = spline.nearest(x);
+            }
             let point = spline.at(bead.place);
             let distance = (point.position - x).length();
             if distance > DEVIATION * spline.end() {
@@ -262,11 +296,11 @@ impl<V: Space> Constraint<V> for Wires {
                 return Err(Error::parameter(
                     format!("{path}.on"),
                     expected,
-                    format!("particle {caller}, {distance} m beside it"),
+                    format!("particle {caller}, {} m beside it", (1e6 * distance).round() * 1e-6),
                 ));
             }
             // What is on the wire up to rounding stays as it is.
-            if distance > ROUNDINGS * f64::EPSILON * (spline.end() + x.abs().max_element()) {
+            if distance > rounding {
                 step.matter.set_exact_position(index, point.position);
             }
             let (velocity, tangent) = (step.matter.velocity.get(index).widen(), point.tangent());
@@ -297,13 +331,23 @@ impl<V: Space> Constraint<V> for Wires {
                              longer or closed, or take a smaller dt";
                 Error::unsolved(step.properties.caller[index] as usize, cause)
             };
-            let along = bead.tangent.dot(x - curve.spline.at(bead.place).position);
-            let mut place = curve.across(bead.place, x, bead.tangent).ok_or_else(lost)?;
-            let mut slowed = 0.0;
-            if curve.friction > 0.0 {
+            let way = x - curve.spline.at(bead.place).position;
+            let along = bead.tangent.dot(way);
+            // Friction that holds the bead needs no place ahead of it.
+            bead.held = along.abs() <= curve.friction * (way - along * bead.tangent).length();
+            let mut slowed = -along;
+            let mut place = bead.place;
+            if !bead.held {
+                place = curve.across(place, x, bead.tangent).ok_or_else(lost)?;
                 let across = (curve.spline.at(place).position - x).length();
                 slowed = -(curve.friction * across).min(along.abs()).copysign(along);
-                place = curve.across(place, x + slowed * bead.tangent, bead.tangent).ok_or_else(lost)?;
+                if slowed != 0.0 {
+                    place = curve.across(place, x + slowed * bead.tangent, bead.tangent).ok_or_else(lost)?;
+                }
+                let room = LONGEST_WAY * along.abs() + NEAREST * curve.spline.end();
+                if curve.spline.distance(bead.place, place) > room {
+                    return Err(lost());
+                }
             }
             bead.slowed = slowed / step.h;
             let end = curve.spline.at(place).position;
@@ -323,7 +367,12 @@ impl<V: Space> Constraint<V> for Wires {
             let velocity = step.matter.velocity.get(index).widen();
             let free = tangent.dot(velocity);
             let friction = self.curves[bead.wire].friction;
-            let slowed = -(friction * (velocity - free * tangent).length()).min(free.abs()).copysign(free);
+            let most = if bead.held && step.drift == DriftVelocity::End {
+                f64::INFINITY
+            } else {
+                friction * (velocity - free * tangent).length()
+            };
+            let slowed = -most.min(free.abs()).copysign(free);
             let speed = free + slowed;
             step.matter.velocity.set(index, V::narrow(speed * tangent));
             if friction > 0.0 {
@@ -344,11 +393,14 @@ impl<V: Space> Constraint<V> for Wires {
             let curvature = self.point(bead).curvature().length();
             let [across, _] = self.accelerations(bead, state, &accelerations);
             bound.point(index, "wires", state.at.properties.mass[index] * across.length() * curvature, 0.0);
-            // Before the bead moves, √(κ |a|) stands for its rate of turning κ |v|.
             let speed = state.at.velocity.get(index).widen().length();
-            let turning = (curvature * speed).max((curvature * accelerations[index].length()).sqrt());
-            if turning > 0.0 {
-                bound.accuracy("wires", LARGEST_ANGLE / turning);
+            if speed > 0.0 {
+                bound.accuracy("wires", self.curves[bead.wire].spline.reach(bead.place, LARGEST_ANGLE, AHEAD) / speed);
+            }
+            // Before the bead moves, √(κ |a|) stands for its rate of turning κ |v|.
+            let onset = (curvature * accelerations[index].length()).sqrt();
+            if onset > 0.0 {
+                bound.accuracy("wires", LARGEST_ANGLE / onset);
             }
         }
     }

@@ -61,12 +61,26 @@ impl<V: Space> Dynamics<V> {
         accelerations.map(|(index, a)| 0.5 * self.properties.mass[index] * a.widen().length_squared() * h * h).sum()
     }
 
-    /// Acceleration of every particle at a state [m/s²].
+    /// Acceleration of every particle at a state [m/s²], without springs for a method that projects them.
     pub fn accelerations<'a>(&'a self, at: &'a StateView<'_, V>) -> impl Iterator<Item = V> + 'a {
+        self.accelerated(at, false)
+    }
+
+    /// Acceleration of every particle at a state by all forces [m/s²].
+    pub fn all_accelerations<'a>(&'a self, at: &'a StateView<'_, V>) -> impl Iterator<Item = V> + 'a {
+        self.accelerated(at, self.treatment == Treatment::Projections)
+    }
+
+    fn accelerated<'a>(&'a self, at: &'a StateView<'_, V>, springs: bool) -> impl Iterator<Item = V> + 'a {
         let count = self.properties.count();
         let mut force = Columns::<V>::zeros(count);
         let mut power = [[0.0; LANES]; SINKS];
-        self.accumulate(&(0..padded(count)), at, &mut Rates::new(force.span(), &mut power));
+        let mut rates = Rates::new(force.span(), &mut power);
+        self.accumulate(&(0..padded(count)), at, &mut rates);
+        if springs {
+            let between = &self.forces[self.fused..self.together];
+            between.iter().for_each(|force| force.accumulate(0..padded(count), at, &mut rates));
+        }
         (0..count).map(move |index| {
             let inverse_mass = self.properties.inverse_mass[index];
             V::from_axes(|axis| {

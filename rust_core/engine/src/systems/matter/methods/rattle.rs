@@ -5,7 +5,7 @@
 //!
 //! RATTLE is symplectic, reversible, and of order 2; the symmetric composition of five such steps is of order 4. The
 //! constraint forces act along the rods before the drift. If they acted only along the rods after it, the method would be of
-//! order 1. Contacts with walls act together with the rods ([`crate::rods`]). Sources: H. C. Andersen, J. Comput. Phys. 52,
+//! order 1. Contacts with walls act together with the rods (`constraints/rods`). Sources: H. C. Andersen, J. Comput. Phys. 52,
 //! 24 (1983); E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed., 2006, section VII.1.4; for the
 //! composition M. Suzuki, Phys. Lett. A 146, 319 (1990).
 
