@@ -223,3 +223,97 @@ def test_rods_of_other_bodies_move_beside_wires() -> None:
     alone.step(200)
     assert np.array_equal(simulation.positions[:1], alone.positions)
     assert abs(np.hypot(*(simulation.positions[2] - simulation.positions[1])) - 1.0) < 1e-12
+
+
+def test_the_force_of_the_wire_is_that_at_the_time_of_the_state() -> None:
+    """A charge on a straight wire in the field E(t) of a trap: the wire cancels it at each time."""
+    charge = pc.Particles([[0.0, 0.0, 1.0]], charge=1.0)
+    wire = pc.Wire([[-5.0, 0.0, 1.0], [5.0, 0.0, 1.0]], on=charge)
+    trap = pc.ElectromagneticField(electric=pc.PaulTrap(0.0, 10.0, 1.0))
+    recording = pc.simulate(pc.Scene(charge, wire, trap), 1.0, fps=8, dt=0.005)
+    size = np.abs(recording[wire].force[:, 0, 2])
+    assert size == pytest.approx(size[0] * np.abs(np.cos(2.0 * np.pi * recording.times)), abs=1e-9 * size[0])
+
+
+def test_the_force_of_the_wire_has_that_of_springs_under_every_method() -> None:
+    """A bead with a weight on a spring at rest below it bears both weights."""
+    pair = pc.SpringNetwork([[0.0, 0.0], [0.0, -1.0 - 9.81 / 50.0]], [[0, 1]], 50.0, rest_length=1.0)
+    wire = pc.Wire([[-1.0, 0.0], [1.0, 0.0]], on=(pair, 0))
+    for integrator in CARRIERS:
+        simulation = pc.Simulation(pc.Scene(pair, wire, DOWN), integrator=integrator, dt=0.001)
+        assert simulation[wire].force[0] == pytest.approx([0.0, 2.0 * 9.81], abs=1e-9), integrator
+
+
+def test_friction_is_refused_where_a_step_goes_back_in_time() -> None:
+    with pytest.raises(pc.SceneError, match=r"friction: .*0 with RATTLE\(order=4\)"):
+        pc.Simulation(pendulum(friction=0.1)[0], integrator=pc.RATTLE(4))
+
+
+def test_friction_holds_a_bead_at_an_end_of_its_wire() -> None:
+    slope = np.array([2.0, -1.0]) / math.sqrt(5.0)
+    bead = pc.Particles([3.0 * slope])
+    scene = pc.Scene(bead, pc.Wire([0.0 * slope, 3.0 * slope], on=bead, friction=0.9), DOWN)
+    for integrator in (pc.VelocityVerlet(), pc.BackwardEuler(), pc.XPBD()):
+        simulation = pc.Simulation(scene, integrator=integrator, dt=0.001)
+        simulation.step(50)
+        assert simulation.positions == pytest.approx(bead.positions, abs=1e-12)
+        # At rest friction bears the weight along the wire, so that the whole force is upward.
+        assert simulation[scene.constraints[0]].force[0] == pytest.approx([0.0, 9.81], abs=1e-9)
+
+
+@pytest.mark.parametrize("count", [16, 64, 256])
+def test_beads_are_found_on_both_sides_of_the_seam_of_a_closed_wire(count: int) -> None:
+    points = circle(count)
+    curve = pc.Wire(points, closed=True).curve(40)
+    for place in (*curve[:3], *curve[-4:-1]):
+        bead = pc.Particles([place])
+        simulation = pc.Simulation(pc.Scene(bead, pc.Wire(points, on=bead, closed=True)))
+        assert np.abs(simulation.positions - place).max() < 1e-14
+
+
+def test_a_bead_at_a_crossing_keeps_its_branch_when_velocities_are_set() -> None:
+    turn = 2.0 * np.pi * np.arange(64) / 64.0
+    eight = np.column_stack([np.sin(turn), 0.5 * np.sin(2.0 * turn)])
+    bead = pc.Particles(eight[[8]], velocities=[[-1.0, 0.0]])
+    simulation = pc.Simulation(pc.Scene(bead, pc.Wire(eight, on=bead, closed=True)), dt=0.002)
+    for _ in range(800):
+        simulation.step()
+        before = simulation.positions.copy()
+        simulation.set(velocities=simulation.velocities)
+        assert np.array_equal(simulation.positions, before)
+    assert simulation.positions[0, 0] < 0.0
+
+
+def test_a_step_does_not_leap_over_a_loop() -> None:
+    """A straight wire with a loop of radius 0.05 m: a step of more than its length does not take the bead across."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 33)[1:-1]
+    loop = np.column_stack([1.0 + 0.05 * np.sin(turn), 0.05 * (1.0 - np.cos(turn))])
+    points = (
+        [[x, 0.0] for x in np.linspace(0.0, 0.99, 12)] + loop.tolist() + [[x, 0.0] for x in np.linspace(1.01, 2, 12)]
+    )
+    bead = pc.Particles([[0.5, 0.0]], velocities=[[20.0, 0.0]])
+    scene = pc.Scene(bead, pc.Wire(points, on=bead))
+    with pytest.raises(pc.SimulationDiverged, match="passes a bend within a step"):
+        pc.Simulation(scene, dt=0.02).run(0.06)
+    # By default steps are short before the bend, and the way along the loop is travelled at the same speed.
+    simulation = pc.Simulation(scene)
+    simulation.run(0.05)
+    assert np.hypot(*simulation.velocities[0]) == pytest.approx(20.0, rel=1e-3)
+    assert simulation.positions[0, 0] < 1.5 - 0.2
+
+
+def test_strain_limits_and_repeated_points_are_refused() -> None:
+    net = pc.SpringNetwork([[0.0, -1.0], [0.0, -2.0]], [[0, 1]], 10.0, strain_limit=0.1)
+    with pytest.raises(pc.SceneError, match="on which a strain limit acts too"):
+        pc.Simulation(pc.Scene(net, pc.Wire(circle(), on=(net, 0), closed=True)), integrator=pc.VelocityVerlet())
+    turn = np.linspace(0.0, 2.0 * np.pi, 101)
+    with pytest.raises(pc.SceneError, match="returns to its first point by itself"):
+        pc.Wire(np.column_stack([np.cos(turn), np.sin(turn)]), closed=True)
+
+
+def test_the_default_method_in_a_magnetic_field_carries_wires() -> None:
+    bead = pc.Particles([[0.0, -1.0]], velocities=[[1.0, 0.0]], charge=1.0)
+    scene = pc.Scene(bead, pc.Wire(circle(), on=bead, closed=True), pc.ElectromagneticField(magnetic=2.0))
+    simulation = pc.Simulation(scene, dt=0.01)
+    simulation.step(10)
+    assert np.hypot(*simulation.velocities[0]) == pytest.approx(1.0, rel=1e-6)

@@ -27,7 +27,7 @@ class RATTLE(Integrator):
     is bounded. Initial velocities along rods are removed.
 
     A rod must rotate by less than a radian per step, and chains under tension have fast transverse oscillations.
-    dt="auto" and AdaptiveStep() respect both limits. Without rods and wires the method is VelocityVerlet. Fluids are not
+    dt="auto" and AdaptiveStep() respect both limits. Without rods and wires it is VelocityVerlet. Fluids are not
     supported.
 
     Order 2 also supports boundaries without friction. The impulses of contacts and rods are solved together, so that
