@@ -65,6 +65,7 @@ BOUNDED = {
         "is limited by accuracy, and turns velocities at any step",
     ),
     "wires of order 4": "is limited by accuracy, and never leaves its wires",
+    **dict.fromkeys(("wires XPBD", "wires ProjectiveDynamics"), "likewise"),
     "layers": "is limited as if the heaviest fluid pushed all of the net",
 }
 """Who comes through three times the limit."""

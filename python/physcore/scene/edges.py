@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -161,6 +161,10 @@ class Sides(tuple[Condition, ...]):
     __slots__ = ()
     names: ClassVar[tuple[str, ...]] = ("x-", "x+", "y-", "y+", "z-", "z+")
     """Names of the sides."""
+
+    def __getitem__(self, side: Any) -> Any:
+        """The condition of a side by its name, as `edges["x-"]`, or by its place."""
+        return super().__getitem__(self.names.index(side) if isinstance(side, str) else side)
 
 
 def absorbing_layer(given: object, found: Absorbing | None, conditions: Sides, path: str) -> Absorbing:

@@ -38,8 +38,8 @@ const LARGEST_ANGLE: f64 = 0.5;
 /// Least distance of neighboring points, relative to the length of the wire.
 const NEAREST: f64 = 1e-9;
 /// Length of a path on a wire over the drift along the tangent above which it leads around a bend. On a circle the ratio is
-/// π/2 for a quarter turn.
-const LONGEST_WAY: f64 = 2.0;
+/// π/2 = 1.57 for a quarter turn.
+const LONGEST_WAY: f64 = 1.6;
 /// Share of a step limit in which a bead may come to the next bend: limits are looked at again after 16 steps.
 const AHEAD: f64 = 1.0 / 16.0;
 /// Tolerance of positions and velocities, in units of their rounding error.
