@@ -1,6 +1,6 @@
 //! Impulses by projected Gauss–Seidel iteration: the velocities nearest to given ones that satisfy inequalities, the rows.
 //!
-//! A row acts between up to four [`Handle`]s: contacts, limits of lengths, and later of joints. All rows require relative
+//! A row acts between up to four [`Handle`]s: contacts, and limits of lengths. All rows require relative
 //! normal velocities J v ≥ b. With impulses λ ≥ 0,
 //!
 //!     v = v* + M⁻¹ Jᵀ λ   where λ maximizes   D(λ) = −½ λᵀ J M⁻¹ Jᵀ λ − λᵀ (J v* − b).
