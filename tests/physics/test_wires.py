@@ -317,3 +317,14 @@ def test_the_default_method_in_a_magnetic_field_carries_wires() -> None:
     simulation = pc.Simulation(scene, dt=0.01)
     simulation.step(10)
     assert np.hypot(*simulation.velocities[0]) == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+def test_a_bead_at_rest_stays_at_rest_without_a_warning(precision: pc.Precision) -> None:
+    """Held by friction on a slope: rounding is no motion whose energy could be off."""
+    slope = np.array([2.0, -1.0]) / math.sqrt(5.0)
+    bead = pc.Particles([0.0 * slope])
+    scene = pc.Scene(bead, pc.Wire([-slope, slope], on=bead, friction=0.6), DOWN)
+    recording = pc.simulate(scene, 0.5, dt=0.001, precision=precision)
+    assert np.abs(recording.positions[-1]).max() < 1e-9

@@ -75,10 +75,10 @@ fn fields_have_the_names_of_their_items() {
     assert_eq!(names, [("positions", 4), ("velocities", 4), ("tail.positions", 7), ("tail.velocities", 7)]);
     let index = |name: &str| fields.iter().position(|field| field.name == name).unwrap();
     assert_eq!(fields[index("tail.positions")].rate.as_deref(), Some("tail.velocities"));
-    assert_eq!(both.read(index("tail.velocities")), system(7).read(1));
+    assert_eq!(both.read(index("tail.velocities"), 0.0), system(7).read(1, 0.0));
     let stages = both.stages();
     assert_eq!(stages.iter().map(|stages| stages.item.as_str()).collect::<Vec<_>>(), ["", "tail"]);
-    assert!(both.read(fields.len()).is_empty());
+    assert!(both.read(fields.len(), 0.0).is_empty());
 }
 
 #[test]

@@ -365,7 +365,10 @@ impl<V: Space> Constraint<V> for Wires {
         for bead in &self.beads {
             let (index, tangent) = (bead.particle as usize, self.point(bead).tangent());
             let velocity = step.matter.velocity.get(index).widen();
-            let free = tangent.dot(velocity);
+            // Rounding of the velocity across the wire is no motion along it.
+            let free =
+                Some(tangent.dot(velocity)).filter(|speed| speed.abs() > 4.0 * V::Scalar::EPSILON.to_f64() * velocity.length());
+            let free = free.unwrap_or(0.0);
             let friction = self.curves[bead.wire].friction;
             let most = if bead.held && step.drift == DriftVelocity::End {
                 f64::INFINITY
