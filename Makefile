@@ -47,7 +47,7 @@ test-rust: | check
 	$(CARGO_TEST) $(TESTED) --release --test '*'
 
 test-python: $(VENV)/tools.stamp
-	@echo 'The tests of the package, 9000 of them, in some nine minutes on two cores.'
+	@echo 'The tests of the package, 11000 of them, in some nine minutes on two cores.'
 	$(BIN)/python -m pytest -q -m 'not long' --numprocesses auto --durations=10
 
 # Wave functions take their transforms from AVX at this level too.
