@@ -131,7 +131,7 @@ fn a_domain_has_no_ends_along_an_axis_that_is_not_there() {
     assert_eq!((lower, upper), (-upper, DVec3::new(1.0, f64::INFINITY, f64::INFINITY)));
     assert_eq!(corners(&domain, 3).unwrap()[0].z, 0.0);
     assert_eq!(
-        message(corners(&Item { path: "periodic".to_owned(), ..Item::default() }, 2)),
+        message(corners(&Item { path: "periodic".to_owned(), ..Item::from("Periodic") }, 2)),
         "periodic.lower: expected a corner, got nothing"
     );
 }

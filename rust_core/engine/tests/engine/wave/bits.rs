@@ -39,7 +39,7 @@ fn every_integrator_goes_on_from_a_checkpoint() {
     let item = with(item, "displacement", field(&cells, random));
     let source = source(Value::Vector(DVec3::new(0.3, 1.0, 0.0)), 0.1, 2.0);
     let item = with(item, "sources", Value::Records(vec![source]));
-    with_integrator!(each I => {
+    with_integrator!(each I => if !I::GYRATES {
         let mut whole = simulation(&item, I::NAME, "f32", 1).unwrap();
         whole.step(5, 0.01, &|| false).unwrap();
         let checkpoint = whole.capture();

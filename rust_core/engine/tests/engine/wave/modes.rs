@@ -38,7 +38,7 @@ fn a_mode_swings_at_verlets_own_frequency() {
 #[test]
 fn every_integrator_keeps_its_order() {
     let (item, mode, frequency) = membrane();
-    with_integrator!(each I => {
+    with_integrator!(each I => if !I::GYRATES {
         let steps = (16 / u64::from(I::ORDER)).max(6) * 25 / I::NODES.len().min(5) as u64;
         let error = |steps: u64| {
             let [u, v] = fields(&after(&item, I::NAME, steps, 0.5 / steps as f64));

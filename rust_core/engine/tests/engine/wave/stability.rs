@@ -39,7 +39,7 @@ fn the_limit_is_sharp_where_the_speed_is_uniform() {
 fn every_integrator_is_stable_up_to_its_limit() {
     let cells = [8, 9];
     let item = with(wave(&cells, 0.3, &FIXED), "displacement", field(&cells, random));
-    with_integrator!(each I => {
+    with_integrator!(each I => if !I::GYRATES {
         if I::limit(0.0) > 0.0 {
             run(&item, I::NAME, "f64", 0.999, 2_000).unwrap();
             // Between a resonance and the last stable step there may be stable steps.
