@@ -99,6 +99,7 @@ def test_a_frame_between_two_steps_lies_on_the_cubic_through_them(name):
 
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
+@pytest.mark.filterwarnings("ignore:each frame of this film lasts:physcore.SceneWarning")
 @pytest.mark.parametrize("name", SCENES)
 def test_a_film_shows_the_same_run(name, tmp_path):
     """It says in which state it ended: that of a recording with as many frames."""

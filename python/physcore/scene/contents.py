@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias, cast
+from typing import TypeAlias, cast, get_args
 
 import numpy as np
 
@@ -76,8 +76,12 @@ class Contents:
         return tuple(cast("PointSystem", system) for system in self.systems if "points" in system.elements)
 
     def count(self, element: Element) -> int:
-        """The number of elements of a kind; of walls, that of boundaries and bodies."""
-        if element == "walls":
+        """The number of elements of a kind; of walls, that of boundaries and bodies.
+
+        Raises:
+            SceneError: there is no such kind of elements.
+        """
+        if word(element, "count.element", get_args(Element)) == "walls":
             return len(self.boundaries) + len(self.bodies)
         if element == "fluid particles":
             return self.particles  # a row each
