@@ -52,7 +52,7 @@ def measured() -> pc.Tradeoff:
 def start(size: float) -> pc.Simulation:
     """A run that is as exact as double precision, with the nudge of `tradeoff`'s twin at another size [m/s]."""
     run = pc.Simulation(SCENE, pc.BlanesMoan6(), dt=DURATION / 32 / STEPS, threads=1)
-    nudge(run, size, measured().seed)
+    nudge(run, [size], measured().seed)
     return run
 
 
