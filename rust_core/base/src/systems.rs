@@ -289,6 +289,11 @@ pub trait System: History + Any + Send + Sync {
     /// Values of a field at a time, element by element in the caller's order.
     fn read(&self, field: usize, time: f64) -> Vec<f64>;
 
+    /// Writes the values of a field to a slice of their number; small fields of the whole without allocation.
+    fn read_into(&self, field: usize, time: f64, values: &mut [f64]) {
+        values.copy_from_slice(&self.read(field, time));
+    }
+
     /// Replaces fields by name and reinitializes the system. The change of energy counts as work.
     ///
     /// # Errors

@@ -300,13 +300,13 @@ impl Simulation {
 
     /// Updates the largest Mach number by that of the present state.
     fn observe_mach(&mut self) {
-        let time = self.time();
-        let (field, largest) = &mut self.mach;
-        if let Some(&[fast, sound]) = field.map(|field| self.system.read(field, time)).as_deref() {
-            let mach = Some(Mach { fast, sound });
-            if mach > *largest {
-                *largest = mach;
-            }
+        let Some(field) = self.mach.0 else { return };
+        let mut values = [0.0; 2];
+        self.system.read_into(field, self.time(), &mut values);
+        let [fast, sound] = values;
+        let mach = (sound > 0.0).then_some(Mach { fast, sound });
+        if mach > self.mach.1 {
+            self.mach.1 = mach;
         }
     }
 

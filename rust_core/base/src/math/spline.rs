@@ -24,7 +24,7 @@ pub struct CubicSpline {
     points: Vec<DVec3>,
     slopes: Vec<DVec3>,
     closed: bool,
-    /// Parameters, positions and curvatures [1/m] of points that divide the intervals.
+    /// Points that divide the intervals.
     samples: Vec<CurveSample>,
 }
 
@@ -33,7 +33,6 @@ pub struct CubicSpline {
 struct CurveSample {
     place: f64,
     position: DVec3,
-    curvature: f64,
 }
 
 /// Point of a curve, with the derivatives by the parameter.
@@ -73,10 +72,7 @@ impl CubicSpline {
         let mut knots = vec![0.0];
         lengths.iter().for_each(|h| knots.push(knots[knots.len() - 1] + h));
         let mut spline = Self { knots, points, slopes, closed, samples: Vec::new() };
-        let sample = |place: f64| {
-            let point = spline.at(place);
-            CurveSample { place, position: point.position, curvature: point.curvature().length() }
-        };
+        let sample = |place: f64| CurveSample { place, position: spline.at(place).position };
         spline.samples = spline.divided(SAMPLES).into_iter().map(sample).collect();
         spline
     }
@@ -186,11 +182,28 @@ impl CubicSpline {
         self.within(found).unwrap_or(middle)
     }
 
-    /// Least sum of a length and of the distance along the curve from a place times `share` [m]; the length is `turn` over
-    /// the curvature, at each sample.
-    pub fn reach(&self, place: f64, turn: f64, share: f64) -> f64 {
-        let reaches = self.samples.iter().map(|sample| share * self.distance(place, sample.place) + turn / sample.curvature);
-        reaches.fold(f64::INFINITY, f64::min)
+    /// Least sums, at each sample, of `turn` over the curvature somewhere and of `share` times the distance to there [m].
+    pub fn reaches(&self, turn: f64, share: f64) -> Vec<f64> {
+        let mut reaches: Vec<f64> = self.samples.iter().map(|sample| turn / self.at(sample.place).curvature().length()).collect();
+        let last = reaches.len() - 1;
+        let way = |index: usize| share * (self.samples[index].place - self.samples[index - 1].place);
+        // The second time it goes on across the seam of a closed curve.
+        for _ in 0..2 {
+            (1..=last).for_each(|index| reaches[index] = reaches[index].min(reaches[index - 1] + way(index)));
+            (1..=last).rev().for_each(|index| reaches[index - 1] = reaches[index - 1].min(reaches[index] + way(index)));
+            if self.closed {
+                let seam = reaches[0].min(reaches[last]);
+                (reaches[0], reaches[last]) = (seam, seam);
+            }
+        }
+        reaches
+    }
+
+    /// Least such sum at a place, from those at the samples.
+    pub fn reach(&self, reaches: &[f64], place: f64, share: f64) -> f64 {
+        let after = self.samples.partition_point(|sample| sample.place <= place).clamp(1, reaches.len() - 1);
+        let at = |index: usize| reaches[index] + share * (self.samples[index].place - place).abs();
+        at(after - 1).min(at(after))
     }
 
     /// Difference of two parameters, the smaller way around a closed curve.
@@ -335,6 +348,24 @@ mod tests {
         for part in 0..1000 {
             let x = spline.at(spline.end() * f64::from(part) / 1000.0).position;
             assert!((spline.at(spline.nearest(x)).position - x).length() < 1e-12, "{part}");
+        }
+    }
+
+    #[test]
+    fn reaches_are_the_least_over_all_samples_also_across_the_seam() {
+        for closed in [false, true] {
+            let points: Vec<DVec3> = helix(13, 5.0).into_iter().map(|point| point * DVec3::new(2.0, 0.5, 1.0)).collect();
+            let spline = CubicSpline::through(&points, closed);
+            let reaches = spline.reaches(0.5, 0.25);
+            for part in 0..97 {
+                let place = spline.end() * f64::from(part) / 97.0;
+                let of = |sample: &CurveSample| {
+                    0.5 / spline.at(sample.place).curvature().length() + 0.25 * spline.distance(place, sample.place)
+                };
+                let least = spline.samples.iter().map(of).fold(f64::INFINITY, f64::min);
+                // Both sum up at most 200 rounded terms.
+                assert!((spline.reach(&reaches, place, 0.25) - least).abs() <= 200.0 * f64::EPSILON * least);
+            }
         }
     }
 

@@ -224,6 +224,12 @@ impl System for Several {
         self.locate(field).map_or_else(Vec::new, |(part, field)| part.system.read(field, time))
     }
 
+    fn read_into(&self, field: usize, time: f64, values: &mut [f64]) {
+        if let Some((part, field)) = self.locate(field) {
+            part.system.read_into(field, time, values);
+        }
+    }
+
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
         let names: Vec<Vec<String>> =
             self.parts.iter().map(|part| part.system.fields().into_iter().map(|field| field.name).collect()).collect();

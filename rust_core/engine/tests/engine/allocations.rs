@@ -121,8 +121,8 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
     let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
     world.step(200, 5e-4, &|| false).unwrap();
     let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 5e-4, &|| false).unwrap()));
-    // As above, for the audit; and in each batch the two numbers of the Mach number.
-    assert!(allocated.count_total <= 20 && allocated.bytes_total <= 10 * 16 + 5000, "{allocated:?}");
+    // As above, for the audit.
+    assert!(allocated.count_total <= 10, "{allocated:?}");
 }
 
 /// A wave, one step at a time and many in one pass over memory.

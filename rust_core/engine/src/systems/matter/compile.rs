@@ -68,7 +68,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let mut declaration = Declaration { scene, springs: &springs, properties: &properties, walls, method: &about, executor };
     let constraints = constraints::build(&mut declaration)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
-    let held: Vec<ConstraintProperties> = constraints.abouts().collect();
+    let held: Vec<ConstraintProperties> = constraints.abouts().cloned().collect();
     let (stages, mut notes) = sequence(&known, &held, &about, contacts.is_some());
 
     let alone = |force: &About| force.reach == Reach::Pointwise && !force.callback;

@@ -100,11 +100,7 @@ impl<V: Space> MatterSystem<V> {
             "probe_impulses" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressure_integrals().to_vec()),
             "momentum" => self.momenta().0.to_array()[..V::DIMENSION].to_vec(),
             "angular_momentum" => self.momenta().1.to_array()[AXES - Self::turns()..].to_vec(),
-            "mach" => {
-                let fluid = self.dynamics.forces().iter().find_map(|force| force.fluid());
-                let mach = fluid.and_then(|fluid| fluid.mach(state.velocity.view()));
-                mach.map_or_else(Vec::new, |mach| vec![mach.fast, mach.sound])
-            }
+            "mach" => self.mach().to_vec(),
             name => {
                 let nothing = || vec![f64::NAN; properties.count()];
                 let mut fields = Fields { density: nothing(), pressure: nothing() };
@@ -116,6 +112,22 @@ impl<V: Space> MatterSystem<V> {
                 ordered
             }
         }
+    }
+
+    /// Writes the values of a field to a slice; the Mach number, which is read after each batch, without allocation.
+    pub(super) fn write_values(&self, field: usize, time: f64, values: &mut [f64]) {
+        if self.names().nth(field) == Some(MACH) {
+            values.copy_from_slice(&self.mach());
+        } else {
+            values.copy_from_slice(&self.values(field, time));
+        }
+    }
+
+    /// Fraction of fast particles, and speed of sound [m/s]; 0 for a fluid without a speed of sound.
+    fn mach(&self) -> [f64; 2] {
+        let fluid = self.dynamics.forces().iter().find_map(|force| force.fluid());
+        let mach = fluid.and_then(|fluid| fluid.mach(self.state.velocity.view()));
+        mach.map_or([0.0; 2], |mach| [mach.fast, mach.sound])
     }
 
     /// Number of components of an angular momentum.
@@ -206,10 +218,6 @@ impl<V: Space> MatterSystem<V> {
             let fluids = self.dynamics.forces_mut().iter_mut().filter_map(|force| force.fluid_mut());
             fluids.for_each(|fluid| fluid.import(&ordered));
         }
-        let before = self.constraints.breakage();
-        self.constraints.iter_mut().for_each(|constraint| constraint.adopt(name, values));
-        if self.constraints.breakage() != before {
-            self.leave_out_broken();
-        }
+        self.change_constraints(|constraints| constraints.iter_mut().for_each(|constraint| constraint.adopt(name, values)));
     }
 }

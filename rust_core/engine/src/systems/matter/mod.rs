@@ -270,6 +270,15 @@ impl<V: Space> MatterSystem<V> {
         Ok(())
     }
 
+    /// Changes the data of the constraints, and leaves out the springs that are broken then, if they differ.
+    fn change_constraints(&mut self, change: impl FnOnce(&mut Constraints<V>)) {
+        let before = self.constraints.breakage();
+        change(&mut self.constraints);
+        if self.constraints.breakage() != before {
+            self.leave_out_broken();
+        }
+    }
+
     /// Removes broken springs and all that depends on them; returns the energy of forces that depended on them [J].
     fn leave_out_broken(&mut self) -> f64 {
         let Some(breakage) = self.constraints.breakage() else { return 0.0 };
@@ -324,11 +333,7 @@ impl<V: Space> History for MatterSystem<V> {
     fn rollback(&mut self) {
         std::mem::swap(&mut self.saved, &mut self.state);
         self.method.rollback();
-        let before = self.constraints.breakage();
-        self.constraints.rollback();
-        if self.constraints.breakage() != before {
-            self.leave_out_broken();
-        }
+        self.change_constraints(History::rollback);
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.rollback());
     }
 
@@ -365,7 +370,7 @@ impl<V: Space> System for MatterSystem<V> {
         let workspace = self.workspace.as_ref().map_or(0, Workspace::bytes);
         let properties = self.state.count() * (5 * size_of::<f64>() + 2 * size_of::<V::Scalar>());
         let own = self.method.bytes() + self.activity.bytes();
-        let constraints: usize = self.constraints.abouts().map(|constraint| constraint.bytes).sum();
+        let constraints: usize = self.constraints.iter().map(Constraint::bytes).sum();
         self.dynamics.bytes() + constraints + self.state.bytes() + self.saved.bytes() + own + workspace + properties
     }
 
@@ -486,6 +491,10 @@ impl<V: Space> System for MatterSystem<V> {
 
     fn read(&self, field: usize, time: f64) -> Vec<f64> {
         self.values(field, time)
+    }
+
+    fn read_into(&self, field: usize, time: f64, values: &mut [f64]) {
+        self.write_values(field, time, values);
     }
 
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {

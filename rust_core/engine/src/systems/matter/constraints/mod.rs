@@ -136,8 +136,6 @@ pub struct ConstraintProperties {
     pub iterates: bool,
     /// Estimated duration of a step [ns].
     pub cost: f64,
-    /// Memory [bytes].
-    pub bytes: usize,
 }
 
 /// Broken springs.
@@ -153,8 +151,11 @@ pub struct Breakage {
 
 /// Condition on positions or velocities. Its history is the data that persists from step to step.
 pub trait Constraint<V: Space>: History + Send + Sync {
-    /// Properties.
+    /// Properties, which do not change.
     fn about(&self) -> ConstraintProperties;
+
+    /// Memory [bytes].
+    fn bytes(&self) -> usize;
 
     /// Notes for the plan on the state and on the steps so far.
     fn notes(&self) -> Vec<String> {
@@ -232,6 +233,8 @@ pub trait Constraint<V: Space>: History + Send + Sync {
 /// Constraints of a scene, in the order of their actions.
 pub struct Constraints<V: Space> {
     list: Vec<Box<dyn Constraint<V>>>,
+    /// Properties of each.
+    abouts: Vec<ConstraintProperties>,
 }
 
 impl<V: Space> Constraints<V> {
@@ -246,8 +249,8 @@ impl<V: Space> Constraints<V> {
     }
 
     /// Properties of all constraints.
-    pub fn abouts(&self) -> impl Iterator<Item = ConstraintProperties> {
-        self.iter().map(Constraint::about)
+    pub fn abouts(&self) -> impl Iterator<Item = &ConstraintProperties> {
+        self.abouts.iter()
     }
 
     /// Whether some constraints act within a step.
@@ -286,11 +289,13 @@ impl<V: Space> History for Constraints<V> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        self.list.iter().for_each(|each| archive.within(each.about().name, |archive| each.capture(archive)));
+        let named = self.list.iter().zip(&self.abouts);
+        named.for_each(|(each, about)| archive.within(about.name, |archive| each.capture(archive)));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        self.list.iter_mut().try_for_each(|each| archive.within(each.about().name, |archive| each.restore(archive)))
+        let mut named = self.list.iter_mut().zip(&self.abouts);
+        named.try_for_each(|(each, about)| archive.within(about.name, |archive| each.restore(archive)))
     }
 }
 
@@ -364,5 +369,6 @@ pub fn build<V: Space>(declared: &mut Declaration<'_, V>) -> Result<Constraints<
     list.extend(Tearing::declared(declared)?.map(|tearing| Box::new(tearing) as Box<dyn Constraint<V>>));
     list.extend(Wires::declared(declared)?.map(|wires| Box::new(wires) as Box<dyn Constraint<V>>));
     list.extend(SelfContacts::declared(declared)?.map(|meshes| Box::new(meshes) as Box<dyn Constraint<V>>));
-    Ok(Constraints { list })
+    let abouts = list.iter().map(|constraint| constraint.about()).collect();
+    Ok(Constraints { list, abouts })
 }

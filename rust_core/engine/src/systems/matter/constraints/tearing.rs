@@ -84,7 +84,6 @@ impl History for Tearing {
 
 impl<V: Space> Constraint<V> for Tearing {
     fn about(&self) -> ConstraintProperties {
-        let broken = size_of_val(self.now.springs.as_slice()) + size_of_val(self.saved.springs.as_slice());
         ConstraintProperties {
             name: "tearing",
             stages: Vec::new(),
@@ -94,8 +93,12 @@ impl<V: Space> Constraint<V> for Tearing {
             exact: false,
             iterates: false,
             cost: 0.0,
-            bytes: broken + size_of_val(self.whole.as_slice()) + size_of_val(self.limits.as_slice()),
         }
+    }
+
+    fn bytes(&self) -> usize {
+        let broken = size_of_val(self.now.springs.as_slice()) + size_of_val(self.saved.springs.as_slice());
+        broken + size_of_val(self.whole.as_slice()) + size_of_val(self.limits.as_slice())
     }
 
     fn energy(&self, ledger: &mut Ledger) {

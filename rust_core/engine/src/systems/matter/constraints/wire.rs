@@ -55,6 +55,8 @@ struct WireCurve {
     spline: CubicSpline,
     /// Coulomb's coefficient μ.
     friction: f64,
+    /// Distances over which a bead may move in a step, at the samples of the spline [m].
+    reaches: Vec<f64>,
 }
 
 /// Particle on a wire.
@@ -66,7 +68,8 @@ struct Bead {
     /// Parameter u of the position, and a saved copy.
     place: f64,
     saved: f64,
-    /// At the start of the step: the tangent, and the speed along it [m/s].
+    /// At the start of the step: the position [m], the tangent, and the speed along it [m/s].
+    from: DVec3,
     tangent: DVec3,
     speed: f64,
     /// Change of the speed by friction in the drift [m/s].
@@ -127,7 +130,8 @@ impl Wires {
             }
             let points: Vec<DVec3> = points.iter().map(|point| *point - properties.origin).collect();
             let spline = CubicSpline::through(&points, closed);
-            wires.curves.push(WireCurve { path: item.path.clone(), spline, friction });
+            let reaches = spline.reaches(LARGEST_ANGLE, AHEAD);
+            wires.curves.push(WireCurve { path: item.path.clone(), spline, friction, reaches });
             for (caller, _) in scene.members(item).iter().enumerate().filter(|(_, member)| **member) {
                 let particle = engine[caller];
                 if properties.is_fixed(particle as usize) {
@@ -143,8 +147,18 @@ impl Wires {
                     return Err(Error::parameter(&item.path, "one wire for each particle", found));
                 }
                 let wire = wires.curves.len() - 1;
-                let (tangent, place) = (DVec3::ZERO, 0.0);
-                wires.beads.push(Bead { particle, wire, place, saved: place, tangent, speed: 0.0, slowed: 0.0, held: false });
+                let (from, tangent, place) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+                wires.beads.push(Bead {
+                    particle,
+                    wire,
+                    place,
+                    saved: place,
+                    from,
+                    tangent,
+                    speed: 0.0,
+                    slowed: 0.0,
+                    held: false,
+                });
             }
         }
         wires.refuse_others(declared)?;
@@ -263,8 +277,12 @@ impl<V: Space> Constraint<V> for Wires {
             exact: true,
             iterates: false,
             cost: 300.0 * count as f64,
-            bytes: size_of_val(self.beads.as_slice()) + self.curves.iter().map(|curve| curve.spline.bytes()).sum::<usize>(),
         }
+    }
+
+    fn bytes(&self) -> usize {
+        let of = |curve: &WireCurve| curve.spline.bytes() + size_of_val(curve.reaches.as_slice());
+        size_of_val(self.beads.as_slice()) + self.curves.iter().map(of).sum::<usize>()
     }
 
     fn notes(&self) -> Vec<String> {
@@ -316,7 +334,8 @@ impl<V: Space> Constraint<V> for Wires {
 
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
         for bead in &mut self.beads {
-            bead.tangent = self.curves[bead.wire].spline.at(bead.place).tangent();
+            let start = self.curves[bead.wire].spline.at(bead.place);
+            (bead.from, bead.tangent) = (start.position, start.tangent());
             bead.speed = bead.tangent.dot(step.matter.velocity.get(bead.particle as usize).widen());
         }
     }
@@ -331,7 +350,7 @@ impl<V: Space> Constraint<V> for Wires {
                              longer or closed, or take a smaller dt";
                 Error::unsolved(step.properties.caller[index] as usize, cause)
             };
-            let way = x - curve.spline.at(bead.place).position;
+            let way = x - bead.from;
             let along = bead.tangent.dot(way);
             // Friction that holds the bead needs no place ahead of it.
             bead.held = along.abs() <= curve.friction * (way - along * bead.tangent).length();
@@ -398,7 +417,8 @@ impl<V: Space> Constraint<V> for Wires {
             bound.point(index, "wires", state.at.properties.mass[index] * across.length() * curvature, 0.0);
             let speed = state.at.velocity.get(index).widen().length();
             if speed > 0.0 {
-                bound.accuracy("wires", self.curves[bead.wire].spline.reach(bead.place, LARGEST_ANGLE, AHEAD) / speed);
+                let WireCurve { spline, reaches, .. } = &self.curves[bead.wire];
+                bound.accuracy("wires", spline.reach(reaches, bead.place, AHEAD) / speed);
             }
             // Before the bead moves, √(κ |a|) stands for its rate of turning κ |v|.
             let onset = (curvature * accelerations[index].length()).sqrt();

@@ -10,7 +10,6 @@ use crate::parallel::{BlockedSlice, Split};
 use crate::simd::LANES;
 use crate::systems::Interval;
 use crate::systems::matter::activity::Activity;
-use crate::systems::matter::constraints::DriftVelocity;
 use crate::systems::matter::kernels::{self, Evaluation, StageAction, kicked};
 use crate::systems::matter::methods::displacement::displace;
 use crate::systems::matter::methods::stepper::Stepper;
@@ -73,8 +72,7 @@ pub fn take<V: Space>(stepper: &Stepper<V>, step: &mut MatterStep<'_, V>, interv
     let sums = scheme == Some(DensityScheme::Summation) && !method.ends_with_forces;
     let intervenes = step.workspace.before.is_some() || step.constraints.act() || sums;
     let moves_on = !intervenes && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
-    let drift = method.drift_kick.filter(|_| method.drifts_first);
-    let drift = drift.map(|drift_kick| DriftVelocity::Register(drift_kick.velocity));
+    let drift = stepper.drift();
     step.begin(h, drift);
     if index == 0 || !moves_on {
         sweep(stepper, step, h, 0.0, StageAction::StageState)?;
@@ -119,6 +117,22 @@ fn advance_density<V: Space>(step: &mut MatterStep<'_, V>, velocity: Option<usiz
     });
     let shifts = dynamics.scheme == Some(DensityScheme::Continuity { shifts: true });
     if shifts { displace(dynamics, matter, &mut workspace.force, time, executor) } else { Ok(()) }
+}
+
+/// Sets the forces of the workspace to the accelerations at its state, for which forces are prepared. Integrates the powers
+/// there over the first share [s], and those of the last evaluation over the second; `keep` keeps the former.
+pub fn accelerate<V: Space>(step: &mut MatterStep<'_, V>, time: f64, [share, last]: [f64; 2], keep: bool) {
+    let MatterStep { dynamics, matter, workspace, executor, .. } = step;
+    let dynamics = &**dynamics;
+    let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
+    let work = BlocksWithForces::new(matter.blocks(), workspace.force.span());
+    executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
+        let BlocksWithForces { blocks, mut force, .. } = work;
+        let mut power = [[0.0; LANES]; SINKS];
+        dynamics.accumulate(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
+        kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
+        kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), share, last, keep);
+    });
 }
 
 /// One pass over all blocks: evaluates the forces, if the action needs them, and acts on the state.

@@ -10,7 +10,6 @@ use crate::matter::{Columns, Matter};
 use crate::parallel::Executor;
 use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
-use crate::systems::matter::constraints::DriftVelocity;
 
 /// Explicit integrator.
 pub struct Explicit<V: Space> {
@@ -36,7 +35,6 @@ impl<V: Space> History for Explicit<V> {}
 impl<V: Space> Method<V> for Explicit<V> {
     fn about(&self) -> MethodProperties {
         let facts = &self.stepper.facts;
-        let drift = facts.drift_kick.filter(|_| facts.drifts_first);
         MethodProperties {
             name: facts.name,
             orders: [facts.order, facts.order_dissipative],
@@ -51,7 +49,7 @@ impl<V: Space> Method<V> for Explicit<V> {
             angle: self.angle,
             limit: facts.limit,
             springs: Treatment::Forces,
-            drift: drift.map(|drift_kick| DriftVelocity::Register(drift_kick.velocity)),
+            drift: self.stepper.drift(),
             refusals: MethodRefusals { fields: facts.refuses_fields, kinks: None },
         }
     }

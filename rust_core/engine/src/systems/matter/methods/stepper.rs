@@ -7,6 +7,7 @@ use crate::forces::{InverseSquare, StateView};
 use crate::integrators::{Facts, Integrator};
 use crate::math::Vector;
 use crate::matter::Blocks;
+use crate::systems::matter::constraints::DriftVelocity;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Evaluation, StageAction};
 
@@ -31,6 +32,12 @@ pub struct Stepper<V: Space> {
 }
 
 impl<V: Space> Stepper<V> {
+    /// Velocity of the drift that constraints change; None if drifts follow the evaluations.
+    pub fn drift(&self) -> Option<DriftVelocity> {
+        let drift = self.facts.drift_kick.filter(|_| self.facts.drifts_first);
+        drift.map(|drift_kick| DriftVelocity::Register(drift_kick.velocity))
+    }
+
     /// Builds the kernels of an integrator.
     pub fn of<I: Integrator>() -> Self {
         let (mut linear_steps, mut point_force_steps, mut collides) = (None, None, None);

@@ -214,7 +214,6 @@ impl History for Rods {
 
 impl<V: Space> Constraint<V> for Rods {
     fn about(&self) -> ConstraintProperties {
-        let supports = self.supports.as_ref().map_or(0, Supports::bytes);
         ConstraintProperties {
             name: "rods",
             stages: vec![ConstraintStage { name: "rods", note: None, last: true }],
@@ -224,8 +223,12 @@ impl<V: Space> Constraint<V> for Rods {
             exact: true,
             iterates: false,
             cost: self.network.cost(),
-            bytes: self.network.bytes() + supports + size_of_val(self.particles.as_slice()) + size_of_val(self.all.as_slice()),
         }
+    }
+
+    fn bytes(&self) -> usize {
+        let supports = self.supports.as_ref().map_or(0, Supports::bytes);
+        self.network.bytes() + supports + size_of_val(self.particles.as_slice()) + size_of_val(self.all.as_slice())
     }
 
     fn notes(&self) -> Vec<String> {

@@ -18,8 +18,15 @@ impl<V: Space> Constraint<V> for SelfContacts {
             exact: false,
             iterates: true,
             cost: 2000.0 * self.elements() as f64,
-            bytes: self.bytes(),
         }
+    }
+
+    fn bytes(&self) -> usize {
+        self.mesh.bytes()
+            + self.nearby.bytes()
+            + self.loads.bytes()
+            + 2 * size_of_val(self.start.as_slice())
+            + size_of_val(self.inverse_mass.as_slice())
     }
 
     fn notes(&self) -> Vec<String> {

@@ -143,13 +143,4 @@ impl SelfContacts {
         let notes = [(self.merged > 0, merged), (self.excess > NOTED, excess)];
         notes.into_iter().filter(|(holds, _)| *holds).map(|(_, note)| note).collect()
     }
-
-    /// Memory [bytes].
-    fn bytes(&self) -> usize {
-        self.mesh.bytes()
-            + self.nearby.bytes()
-            + self.loads.bytes()
-            + 2 * size_of_val(self.start.as_slice())
-            + size_of_val(self.inverse_mass.as_slice())
-    }
 }

@@ -17,16 +17,14 @@ mod stiffness;
 
 use glam::DVec3;
 
-use super::coupled::BlocksWithForces;
+use super::coupled;
 use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
 use crate::error::{Error, Result};
-use crate::forces::Rates;
 use crate::forces::Space;
 use crate::history::{Archive, History};
-use crate::matter::{Blocks, Matter, Power, SINKS};
+use crate::matter::{Blocks, Matter};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Item;
-use crate::simd::LANES;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::matter::constraints::DriftVelocity;
 use crate::systems::matter::dynamics::Dynamics;
@@ -181,19 +179,10 @@ impl Implicit {
 }
 
 /// Adds the power at the state of the workspace times `share` [s], and the power of the last evaluation times `last` [s].
-fn integrate<V: Space>(step: &mut MatterStep<'_, V>, (time, [share, last]): (f64, [f64; 2])) -> Result<()> {
-    let MatterStep { dynamics, matter, workspace, executor, .. } = step;
+fn integrate<V: Space>(step: &mut MatterStep<'_, V>, (time, shares): (f64, [f64; 2])) -> Result<()> {
+    let MatterStep { dynamics, workspace, executor, .. } = step;
     dynamics.prepare_at([&workspace.position, &workspace.velocity], time, executor)?;
-    let dynamics = &**dynamics;
-    let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
-    let work = BlocksWithForces::new(matter.blocks(), workspace.force.span());
-    executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
-        let BlocksWithForces { blocks, mut force, .. } = work;
-        let mut power: Power = [[0.0; LANES]; SINKS];
-        dynamics.accumulate(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
-        kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
-        kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), share, last, true);
-    });
+    coupled::accelerate(step, time, shares, true);
     Ok(())
 }
 

@@ -28,7 +28,7 @@ use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::matter::constraints::DriftVelocity;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels;
-use crate::systems::matter::methods::coupled::BlocksWithForces;
+use crate::systems::matter::methods::coupled::{self, BlocksWithForces};
 use crate::systems::matter::step::MatterStep;
 
 /// Projector: finds displacements for springs.
@@ -93,19 +93,10 @@ impl<V: Space, P: Projector<V>> ProjectionMethod<V, P> {
 
     /// Sets the displacements to y = h v + h² a, and integrates the power of the forces at the start.
     fn predict(&mut self, step: &mut MatterStep<'_, V>, (time, h): (f64, f64)) {
-        let MatterStep { dynamics, matter, workspace, executor, .. } = step;
-        let dynamics = &**dynamics;
-        workspace.position.copy_from(&matter.position);
-        workspace.velocity.copy_from(&matter.velocity);
-        let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
-        let work = BlocksWithForces::new(matter.blocks(), workspace.force.span());
-        executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
-            let BlocksWithForces { blocks, mut force, .. } = work;
-            let mut power: Power = [[0.0; LANES]; SINKS];
-            dynamics.accumulate(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
-            kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
-            kernels::integrate(&mut blocks.tallies[0], kernels::through_all(&power), h, 0.0, false);
-        });
+        step.workspace.position.copy_from(&step.matter.position);
+        step.workspace.velocity.copy_from(&step.matter.velocity);
+        coupled::accelerate(step, time, [h, 0.0], false);
+        let MatterStep { matter, workspace, .. } = step;
         let (h, square) = (V::Scalar::from_f64(h), V::Scalar::from_f64(h * h));
         let (displacement, velocity, acceleration) = (self.displacement.span(), &matter.velocity, &workspace.force);
         for axis in 0..V::DIMENSION {
