@@ -1,0 +1,9 @@
+//! Rigid bodies, in double precision; the plane is z = 0 in space. In the order of imports:
+//!
+//! - [`pose`]s and points of [`contact`];
+//! - shapes, their mass properties and their contacts.
+
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
+
+pub mod contact;
+pub mod pose;

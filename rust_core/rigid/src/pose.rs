@@ -1,0 +1,40 @@
+//! Place and orientation of a body.
+
+use glam::{DMat3, DVec3};
+
+/// Place and orientation of a body's frame in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Position of the origin [m].
+    pub position: DVec3,
+    /// Rotation from the body's frame to the world's.
+    pub rotation: DMat3,
+}
+
+impl Pose {
+    /// Frame of the world.
+    pub const WORLD: Self = Self { position: DVec3::ZERO, rotation: DMat3::IDENTITY };
+
+    /// Point of the body in the world [m].
+    #[inline(always)]
+    pub fn point(&self, local: DVec3) -> DVec3 {
+        self.position + self.rotation * local
+    }
+
+    /// Point of the world in the body's frame [m].
+    #[inline(always)]
+    pub fn local_point(&self, point: DVec3) -> DVec3 {
+        self.local_vector(point - self.position)
+    }
+
+    /// Direction of the world in the body's frame.
+    #[inline(always)]
+    pub fn local_vector(&self, vector: DVec3) -> DVec3 {
+        DVec3::new(self.rotation.x_axis.dot(vector), self.rotation.y_axis.dot(vector), self.rotation.z_axis.dot(vector))
+    }
+
+    /// Pose of a frame given in this one.
+    pub fn compose(&self, inner: &Self) -> Self {
+        Self { position: self.point(inner.position), rotation: self.rotation * inner.rotation }
+    }
+}
