@@ -7,11 +7,12 @@
 
 use glam::DVec3;
 
+use crate::collision;
 use crate::island::{Contact, Island, Pair};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{ContactImpulse, ContactRow, JointRows, Rows, Velocities};
-use crate::shapes::{self, Shape};
+use crate::shapes::Shape;
 
 /// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
 const HIT: f64 = 1e-10;
@@ -69,7 +70,9 @@ impl Island {
             let reach = |island: &Self, pair: &Pair| {
                 let of = |&body: &usize| {
                     let mover = &island.movers[body];
-                    h * (mover.velocity.length() + mover.angular_velocity().length() * mover.arm + h * mover.acceleration.length())
+                    h * (mover.velocity.length()
+                        + mover.angular_velocity().length() * mover.arm
+                        + h * mover.acceleration.length())
                 };
                 pair.bodies.iter().map(of).sum::<f64>() + CLOSED * pair.size
             };
@@ -164,7 +167,7 @@ impl Island {
             rows.joints.push(JointRows::new(held.bodies, equations.into_iter().map(|(row, _)| row).collect(), &v));
         }
         for ((row, _, _), &target) in struck.iter().zip(targets) {
-            rows.contacts.push(ContactRow { least: target, impulse: ContactImpulse::default(), ..*row });
+            rows.contacts.push(row.anew(target));
         }
         rows.solve(&mut v, self.accuracy.velocities * self.speed(), self.accuracy.iterations);
         let of = |row: &ContactRow, v: &Velocities| (row.velocity(v), row.turning(v));
@@ -180,8 +183,7 @@ impl Island {
 
     /// Time of the first impact on the paths of a piece.
     fn first_impact(&self, shapes: &[Shape], start: &[Mover], length: f64) -> Option<f64> {
-        let paths: Vec<Path<'_>> =
-            start.iter().zip(&self.movers).map(|(start, end)| Path { start, end, length }).collect();
+        let paths: Vec<Path<'_>> = start.iter().zip(&self.movers).map(|(start, end)| Path { start, end, length }).collect();
         let mut first = None;
         let mut known = 0;
         for (index, pair) in self.pairs.iter().enumerate() {
@@ -210,7 +212,7 @@ impl Island {
         let bend = one.bend() - other.bend();
         let mut time = 0.0;
         for _ in 0..MOST_ADVANCES {
-            let (gap, normal) = shapes::separation((first, &one.at(time)), (second, &other.at(time)), dimension);
+            let (gap, normal) = collision::separation((first, &one.at(time)), (second, &other.at(time)), dimension);
             if gap <= HIT * pair.size {
                 return Some(time);
             }
@@ -286,7 +288,7 @@ fn bounce(row: &mut ContactRow, restitution: f64, v: &mut Velocities) -> f64 {
     let before = (row.velocity(v), row.turning(v));
     let approach = -row.normal.dot(before.0);
     for restitution in [restitution, 0.0] {
-        let mut one = ContactRow { least: restitution * approach, impulse: ContactImpulse::default(), ..*row };
+        let mut one = row.anew(restitution * approach);
         one.settle(v, f64::EPSILON * approach, MOST_ITERATIONS);
         let lost = -one.work(before, (one.velocity(v), one.turning(v)));
         if lost >= 0.0 || restitution == 0.0 || one.friction.sliding == 0.0 {

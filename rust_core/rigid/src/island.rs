@@ -11,12 +11,13 @@
 
 use glam::DVec3;
 
+use crate::collision;
 use crate::contact::{ContactPoint, Touch};
 use crate::joints::Joint;
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BoundedRow, ContactImpulse, ContactRow, Friction, JointRows, MOST_ROWS, Row, Rows, Velocities};
-use crate::shapes::{self, Shape};
+use crate::shapes::Shape;
 
 /// Numerical parameters of contacts and joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +34,7 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// Parameters of small groups.
-    pub const FINE: Self = Self { iterations: 2000, velocities: 1e-12, linearizations: 12, positions: 1e-12 };
+    pub const FINE: Self = Self { iterations: 1000, velocities: 1e-10, linearizations: 10, positions: 1e-11 };
 }
 
 /// Surface of a mover.
@@ -185,7 +186,7 @@ impl Island {
             points.clear();
             let dimension = if self.planar { 2 } else { 3 };
             let sides = ((&shapes[first.shape], &poses[one]), (&shapes[second.shape], &poses[other]));
-            shapes::contacts(sides.0, sides.1, reach(self, pair), dimension, &mut points);
+            collision::contacts(sides.0, sides.1, reach(self, pair), dimension, &mut points);
             while known < before.len() && before[known].pair < index {
                 known += 1;
             }

@@ -298,6 +298,12 @@ impl ContactRow {
         Some(Self { bodies, arms, normal, least: 0.0, slip: DVec3::ZERO, friction, impulse, before, masses, moments })
     }
 
+    /// Copy without impulses, for another least normal velocity [m/s].
+    pub fn anew(&self, least: f64) -> Self {
+        let (impulse, before) = (ContactImpulse::default(), ContactImpulse::default());
+        Self { least, impulse, before, ..*self }
+    }
+
     /// Relative velocity of the second body at the point [m/s].
     #[inline(always)]
     pub fn velocity(&self, v: &Velocities) -> DVec3 {
@@ -383,7 +389,11 @@ impl ContactRow {
         let of = |side: usize, sign: f64| {
             let body = self.bodies[side];
             let fixed = v.inverse_mass[body] == 0.0;
-            if fixed { sign * (impulse.dot(v.at(body, self.arms[side])) + self.impulse.turning.dot(v.angular[body])) } else { 0.0 }
+            if fixed {
+                sign * (impulse.dot(v.at(body, self.arms[side])) + self.impulse.turning.dot(v.angular[body]))
+            } else {
+                0.0
+            }
         };
         of(0, 1.0) + of(1, -1.0)
     }

@@ -8,13 +8,14 @@ use glam::DVec3;
 use physcore_base::parallel::{BlockedSlice, Executor};
 
 use crate::broad;
+use crate::collision;
 use crate::island::{Accuracy, ContactKey, HeldJoint, Island, Meters, Pair, Surface};
 use crate::joints::Joint;
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::{ContactImpulse, MOST_ROWS};
-use crate::shapes::{self, Bounds, Shape};
+use crate::shapes::{Bounds, Shape};
 
 /// Constant properties of a rigid body.
 #[derive(Debug, Clone, Copy)]
@@ -181,6 +182,11 @@ pub struct RigidWorld {
 }
 
 impl RigidWorld {
+    /// Empty world, in the plane or in space.
+    pub fn new(planar: bool) -> Self {
+        Self { planar, ..Self::default() }
+    }
+
     /// Rotational energy of all bodies [J].
     pub fn rotational_energy(&self) -> f64 {
         let of = |(body, turn): (&Solid, &Turn)| 0.5 * turn.spin.dot(body.inertia.inverse(&turn.orientation) * turn.spin);
@@ -250,7 +256,7 @@ impl RigidWorld {
         for pair in self.pairs(&movers, &surfaces, count, 0.0) {
             let [one, other] = pair.map(|end| end as usize);
             let sides = [one, other].map(|end| (&self.shapes[surfaces[end].shape], movers[end].pose()));
-            let (gap, _) = shapes::separation((sides[0].0, &sides[0].1), (sides[1].0, &sides[1].1), dimension);
+            let (gap, _) = collision::separation((sides[0].0, &sides[0].1), (sides[1].0, &sides[1].1), dimension);
             if gap < 0.0 {
                 let size = sides[0].0.reach().min(sides[1].0.reach());
                 overlaps.push(Overlap { depth: -gap, size, names: [name(one), name(other)] });
@@ -278,7 +284,14 @@ impl RigidWorld {
 
     /// Moves bodies and particles through a step of `h` seconds, with their contacts and joints; returns which of them these
     /// have moved.
-    pub fn drift(&mut self, h: f64, bodies: &mut [Motion], points: &[Point], motions: &mut [Motion], executor: &Executor) -> Vec<bool> {
+    pub fn drift(
+        &mut self,
+        h: f64,
+        bodies: &mut [Motion],
+        points: &[Point],
+        motions: &mut [Motion],
+        executor: &Executor,
+    ) -> Vec<bool> {
         let count = self.bodies.len();
         let mut movers: Vec<Mover> = bodies.iter().enumerate().map(|(body, motion)| self.mover(body, motion, h)).collect();
         let mut surfaces: Vec<Surface> = self.bodies.iter().map(|solid| solid.surface).collect();
@@ -306,7 +319,8 @@ impl RigidWorld {
                 if island.movers.iter().filter(sized).count() < solver.large {
                     island.advance(shapes, h);
                 } else {
-                    let accuracy = Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
+                    let accuracy =
+                        Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
                     island.sweep(shapes, h, solver.substeps, accuracy);
                 }
             }
@@ -355,10 +369,16 @@ impl RigidWorld {
         let bodies = self.bodies.len();
         let particle = |index: u32| (bodies..free).contains(&(index as usize));
         let wall = |index: u32| index as usize >= free;
-        let mut joined: Vec<[u32; 2]> = self.state.joints.iter().filter(|joint| !joint.broken).map(|joint| {
-            let [one, other] = joint.ends.map(|end| end.min(u32::MAX as usize) as u32);
-            [one.min(other), one.max(other)]
-        }).collect();
+        let mut joined: Vec<[u32; 2]> = self
+            .state
+            .joints
+            .iter()
+            .filter(|joint| !joint.broken)
+            .map(|joint| {
+                let [one, other] = joint.ends.map(|end| end.min(u32::MAX as usize) as u32);
+                [one.min(other), one.max(other)]
+            })
+            .collect();
         joined.sort_unstable();
         // Contacts resolve particles at walls. Bodies that are joined do not touch each other.
         pairs.retain(|pair| {
@@ -435,7 +455,9 @@ impl RigidWorld {
                     reaction: [DVec3::ZERO; 2],
                 });
             } else {
-                let size = ends.map(|end| self.shapes[surfaces[end].shape].reach()).map(|reach| if reach > 0.0 { reach } else { f64::INFINITY });
+                let size = ends
+                    .map(|end| self.shapes[surfaces[end].shape].reach())
+                    .map(|reach| if reach > 0.0 { reach } else { f64::INFINITY });
                 let size = size[0].min(size[1]);
                 island.pairs.push(Pair { bodies: local, key: (name(ends[0]), name(ends[1])), size });
             }

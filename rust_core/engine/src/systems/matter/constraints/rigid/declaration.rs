@@ -37,7 +37,7 @@ impl RigidBodies {
         if let Some(fluid) = scene.bodies.iter().find(|body| body.item.kind == fluids::KIND) {
             return Err(Error::parameter(&fluid.item.path, "no fluid in a scene with rigid bodies", &fluid.item.kind));
         }
-        let mut world = RigidWorld { planar: scene.dimension == 2, ..RigidWorld::default() };
+        let mut world = RigidWorld::new(scene.dimension == 2);
         let engine = properties.engine();
         let mut particles = Vec::new();
         let mut places = vec![None; scene.count()];

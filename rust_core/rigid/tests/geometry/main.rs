@@ -1,0 +1,4 @@
+//! Shapes, their mass properties, contacts and distances.
+
+mod resting;
+mod samples;
