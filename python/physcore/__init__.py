@@ -87,9 +87,12 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.grid import Grid
 from physcore.scene.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.scene.periodic import Periodic
+from physcore.scene.polytopes import Compound, Hull, MeshShape, Polygon
 from physcore.scene.probe import Probe
+from physcore.scene.rigid import RigidBodies, RigidBody
 from physcore.scene.scene import Scene
 from physcore.scene.shapes import ball, block, cylinder
+from physcore.scene.solids import Ball, Cuboid, Disc, Rectangle
 from physcore.simulation.energy import Amount, AmountSeries, Energy, EnergySeries
 from physcore.simulation.event import Event
 from physcore.simulation.loading import load
@@ -146,6 +149,7 @@ __all__ = [
     "AmountSeries",
     "AutoStep",
     "BackwardEuler",
+    "Ball",
     "BlanesMoan4",
     "BlanesMoan6",
     "Body",
@@ -156,16 +160,19 @@ __all__ = [
     "Brusselator",
     "Capsule",
     "CentralForce",
+    "Compound",
     "ConvexHull",
     "Corotating",
     "Coulomb",
     "CrankNicolson",
     "CubicSpline",
+    "Cuboid",
     "CurrentLoop",
     "CustomForce",
     "Diagnosis",
     "Dihedral",
     "Dirichlet",
+    "Disc",
     "DormandPrince5",
     "Drag",
     "ElectromagneticField",
@@ -191,6 +198,7 @@ __all__ = [
     "Grid",
     "Halvorsen",
     "HeightField",
+    "Hull",
     "ImplicitMidpoint",
     "Integrator",
     "InternalError",
@@ -204,6 +212,7 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "MeshShape",
     "Neumann",
     "Occurrences",
     "Orbit",
@@ -215,14 +224,18 @@ __all__ = [
     "Plan",
     "Plane",
     "PointVortices",
+    "Polygon",
     "Probe",
     "ProjectiveDynamics",
     "QuadrupoleTrap",
     "Reaction",
     "ReactionDiffusion",
     "Recording",
+    "Rectangle",
     "Renderer",
     "Ricker",
+    "RigidBodies",
+    "RigidBody",
     "Rossler",
     "RungeKutta4",
     "RungeKuttaChebyshev",

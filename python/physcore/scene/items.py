@@ -146,6 +146,8 @@ class ActingItem(SceneItem):
     acts: ClassVar[bool] = True
     spares_fluids: ClassVar[bool] = False
     """Whether the item acts on a fluid only if the fluid is named."""
+    spares_rigid_bodies: ClassVar[bool] = False
+    """Whether the item never acts on rigid bodies."""
     naming: ClassVar[tuple[str, ...]] = ("on",)
     selects: ClassVar[bool] = False
     """Whether the item can act on some particles of a body."""
@@ -319,6 +321,11 @@ class System(SceneItem):
 
     name: str | None = field(default=None, kw_only=True)
     """Name of the system, also a key into results."""
+
+    @property
+    def defaults(self) -> dict[str, Default]:
+        """Arguments with a dimension that were left at their defaults, by name."""
+        return {name: value for name, value in vars(self).items() if isinstance(value, Default)}
 
     def named(self) -> Mapping[str, tuple[Body | Selection | System, ...] | None]:
         """The systems that fields name, by field."""

@@ -22,7 +22,7 @@ from physcore.scene.probe import Probe
 from physcore.scene.records import Named, Record, pack
 from physcore.scene.selection import Selection
 from physcore.storage.archive import Tree, digest
-from physcore.units.systems import SI, Default, UnitSystem
+from physcore.units.systems import SI, UnitSystem
 
 Item: TypeAlias = Body | Force | Boundary | Constraint | System | Probe | Periodic
 SECTIONS = ("bodies", "forces", "boundaries", "constraints", "systems", "probes")
@@ -161,15 +161,15 @@ class Scene(Contents):
                 for place, item in enumerate(getattr(self, section))
             )
             object.__setattr__(self, section, tuple(items))
-        for section, kept in (("bodies", self.bodies), ("systems", self.systems)):
+        left: dict[str, tuple[Body | System, ...]] = {"bodies": self.bodies, "systems": self.systems}
+        for section, kept in left.items():
             for place, item in enumerate(kept):
-                for name, value in vars(item).items():
-                    if isinstance(value, Default):
-                        path = f"{self.path(place) if section == 'bodies' else f'systems[{place}]'}.{name}"
-                        own, unit = value.converted(self.units, path), self.units.suffix(value.unit)
-                        raise SceneError(
-                            f"{path}: must be given in the units of this scene; the default is {name}={own:.6g}{unit}"
-                        )
+                for name, value in item.defaults.items():
+                    path = f"{self.path(place) if section == 'bodies' else f'systems[{place}]'}.{name}"
+                    own, unit = value.converted(self.units, path), self.units.suffix(value.unit)
+                    raise SceneError(
+                        f"{path}: must be given in the units of this scene; the default is {name}={own:.6g}{unit}"
+                    )
 
     def _check_bodies(self) -> None:
         """Check that there is at least one body or system, that each occurs once, and that dimensions and names are
@@ -278,8 +278,23 @@ class Scene(Contents):
         acting = cast("ActingItem", item)
         targets = self.targets(acting)
         if not targets and acting.on is None and self.bodies:
-            raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")
+            kind, fluids = type(item).__name__, acting.spares_fluids and self.fluids
+            rule = (
+                "acts on fluids only where they are named: on=fluid"
+                if fluids
+                else "acts on particles, not on rigid bodies"
+            )
+            raise SceneError(f"{path}.on: {kind} {rule}")
+        if acting.spares_rigid_bodies:
+            self._refuse_rigid_bodies(acting, path)
         acting.check(targets, path)
+
+    def _refuse_rigid_bodies(self, item: ActingItem, path: str) -> None:
+        """Check that an item that acts on particles alone names no rigid bodies."""
+        for field in item.naming:
+            rigid = next((body for body in item.bodies(field) or () if body.is_rigid), None)
+            if rigid is not None:
+                raise SceneError(f"{path}.{field}: {type(item).__name__} acts on particles, not on {rigid!r}")
 
 
 def indices(scene: Scene, item: SceneItem) -> Named:

@@ -20,8 +20,10 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
 from physcore.scene.kernels import KERNELS
 from physcore.scene.periodic import Periodic
+from physcore.scene.polytopes import SHAPES
 from physcore.scene.probe import Probe
 from physcore.scene.records import kind_of, pack, parameters
+from physcore.scene.rigid import RigidBodies
 from physcore.scene.scene import Scene
 from physcore.scene.selection import Selection
 from physcore.storage.archive import Tree
@@ -29,18 +31,17 @@ from physcore.storage.schema import Rule, anything, either, maybe, of, real, rec
 from physcore.systems import SYSTEMS
 from physcore.units.systems import Unit, UnitSystem
 
-_BODIES = (Particles, SpringNetwork, Fluid)
+_BODIES = (Particles, SpringNetwork, Fluid, RigidBodies)
 _RULES = (*INTEGRATORS, *FLUID_METHODS, AutoStep, AdaptiveStep)
 _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {
     "forces": FORCES,
     "boundaries": BOUNDARIES,
     "constraints": CONSTRAINTS,
 }
-_PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
+_PARTS = (*KERNELS, *SHAPES, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
 """Classes of objects within items."""
-_KINDS: dict[str, type[Any]] = {
-    kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, Probe, *_RULES)
-}
+_ITEMS: dict[str, type[SceneItem]] = {kind_of(kind): kind for kind in (*chain(*_SECTIONS.values()), *SYSTEMS)}
+"""Classes that may name others, by their names in files."""
 
 _UNIT = of(Unit, value=maybe(real()))
 _SCENE = record(
@@ -112,7 +113,8 @@ def _unpack_choice(tree: Tree, path: str, kinds: tuple[type[Any], ...] | None) -
 def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     """An object of one of some classes, from the result of `pack`."""
     thing = _THING(tree, path)
-    kind = _KINDS[word(*map(kind_of, kinds))(thing["kind"], f"{path}.kind")]
+    named = {kind_of(kind): kind for kind in kinds}
+    kind = named[word(*named)(thing["kind"], f"{path}.kind")]
     fields_of = record(**dict.fromkeys(parameters(kind), anything))(thing["fields"], f"{path}.fields")
     values = {name: _unpack_value(value, f"{path}.{name}", _PARTS) for name, value in fields_of.items()}
     with _named(path):
@@ -154,7 +156,7 @@ def _with_named(tree: Tree, path: str, found: dict[int, Any]) -> Tree | None:
     """The tree of a system with the named systems in place of their indices; None if one of them does not exist yet."""
     thing = _THING(tree, path)
     values = table(anything)(thing["fields"], f"{path}.fields")
-    for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
+    for field in getattr(_ITEMS.get(thing["kind"]), "naming", ()):
         if isinstance(values.get(field), list):
             (index,) = several(whole(), lengths=(1,))(values[field], f"{path}.{field}")
             if index not in found:
@@ -169,7 +171,7 @@ def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: li
     named: dict[str, list[Body | Selection]] = {}
     index = whole(most=len(bodies) - 1)
     rule = maybe(several(either(list, several(anything, lengths=(2,)), index)))
-    for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
+    for field in getattr(_ITEMS.get(thing["kind"]), "naming", ()):
         own = f"{path}.{field}"
         targets = rule(values.get(field), own)
         named |= {} if targets is None else {field: [_target(each, own, bodies, index) for each in targets]}
