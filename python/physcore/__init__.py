@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from physcore import units
 from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, HeightField, Plane, Sphere
-from physcore.constraints import SelfContact, Wire
+from physcore.constraints import BallJoint, Hinge, Motor, Prismatic, Rod, SelfContact, SpringJoint, Weld, Wire
 from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
@@ -150,6 +150,7 @@ __all__ = [
     "AutoStep",
     "BackwardEuler",
     "Ball",
+    "BallJoint",
     "BlanesMoan4",
     "BlanesMoan6",
     "Body",
@@ -198,6 +199,7 @@ __all__ = [
     "Grid",
     "Halvorsen",
     "HeightField",
+    "Hinge",
     "Hull",
     "ImplicitMidpoint",
     "Integrator",
@@ -213,6 +215,7 @@ __all__ = [
     "McLachlan2",
     "MeasuredLimit",
     "MeshShape",
+    "Motor",
     "Neumann",
     "Occurrences",
     "Orbit",
@@ -225,6 +228,7 @@ __all__ = [
     "Plane",
     "PointVortices",
     "Polygon",
+    "Prismatic",
     "Probe",
     "ProjectiveDynamics",
     "QuadrupoleTrap",
@@ -236,6 +240,7 @@ __all__ = [
     "Ricker",
     "RigidBodies",
     "RigidBody",
+    "Rod",
     "Rossler",
     "RungeKutta4",
     "RungeKuttaChebyshev",
@@ -253,6 +258,7 @@ __all__ = [
     "Source",
     "Sphere",
     "SplitStep",
+    "SpringJoint",
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
@@ -265,6 +271,7 @@ __all__ = [
     "VelocityVerlet",
     "Wave",
     "WeaklyCompressible",
+    "Weld",
     "WendlandC2",
     "WendlandC4",
     "Wind",

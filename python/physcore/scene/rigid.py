@@ -81,6 +81,8 @@ class RigidBodies(Body):
     """Unit quaternions (w, x, y, z) in 3D, shape (B, 4); None in 2D."""
     angular_velocities: FloatArray
     """Angular velocities [rad/s], shape (B,) in 2D and (B, 3) in 3D."""
+    density: FloatArray
+    """Mass density of each body [kg/m³], shape (B,)."""
     friction: FloatArray
     """Coulomb's coefficient of friction of each body, shape (B,)."""
     restitution: FloatArray
@@ -113,12 +115,6 @@ class RigidBodies(Body):
         self._set_mass(density, mass)
         self._set_turns(angles, orientations, angular_velocities)
         self._set_contact(friction, restitution, rolling_friction, torsional_friction)
-
-    @property
-    def density(self) -> FloatArray:
-        """Mass density of each body [kg/m³], shape (B,)."""
-        density: FloatArray = self.mass / self.shape.properties(self.dimension).size
-        return density
 
     @property
     def motion(self) -> FloatArray:
@@ -160,11 +156,15 @@ class RigidBodies(Body):
         number, size = (len(self),), self.shape.properties(self.dimension).size
         densities = broadcast(density, number, self._path("density"))
         require(densities > 0.0, densities, self._path("density"), "> 0")
-        masses = densities * size if mass is None else broadcast(mass, number, self._path("mass"))
-        rule = "> 0 (to hold a body in place use fixed=)"
-        require((masses > 0.0) & np.isfinite(masses), masses, self._path("density" if mass is None else "mass"), rule)
+        path = self._path("density" if mass is None else "mass")
+        with np.errstate(over="ignore", under="ignore"):  # Overflow gives infinity, which is refused below.
+            masses = densities * size if mass is None else broadcast(mass, number, path)
+            require(masses > 0.0, masses, path, "> 0 (to hold a body in place use fixed=)")
+            densities = masses / size
+        right = np.isfinite(masses) & np.isfinite(densities) & (densities > 0.0)
+        require(right, masses if mass is not None else densities, path, "such that mass and density are finite numbers")
         by_default = isinstance(density, Default) and mass is None
-        self._set(mass=masses, _defaults={"density": density} if by_default else {})
+        self._set(mass=masses, density=densities, _defaults={"density": density} if by_default else {})
 
     def _set_turns(self, angles: ArrayLike | None, orientations: ArrayLike | None, rates: ArrayLike) -> None:
         """Check and set the angles or orientations, and the angular velocities."""

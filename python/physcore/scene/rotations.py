@@ -27,7 +27,8 @@ def unit_quaternions(value: ArrayLike, number: int, path: str) -> FloatArray:
         place = "" if np.ndim(value) == 1 else f"[{int(np.argmax(scale == 0.0))}]"
         raise SceneError(f"{path}{place}: must not be zero; (1, 0, 0, 0) is no rotation")
     near = given / scale
-    size = scale[:, 0] * lengths(near)
+    with np.errstate(over="ignore"):  # infinity is no unit length
+        size = scale[:, 0] * lengths(near)
     unit: FloatArray = np.where(
         (np.abs(size - 1.0) <= ROUNDING)[:, np.newaxis], given, near / lengths(near)[:, np.newaxis]
     )

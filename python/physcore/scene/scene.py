@@ -78,6 +78,9 @@ class Scene(Contents):
         for field in ("forces", "boundaries", "constraints"):
             known = (item.among(self.bodies, f"{field}[{place}]") for place, item in enumerate(getattr(self, field)))
             object.__setattr__(self, field, tuple(known))
+        own, given_constraints = self.constraints, [item for item in given if item.section == "constraints"]
+        linked = (each.following(cast("list[Constraint]", given_constraints), own) for each in own)
+        object.__setattr__(self, "constraints", tuple(linked))
         self._set_domain([cast("Periodic", item) for item in given if item.section == "domains"])
         if not self.units.is_si:
             self._convert_defaults()
@@ -271,7 +274,7 @@ class Scene(Contents):
             )
         for field, others in item.named().items():
             for other in others or ():
-                if not any(whole(other) is each for each in (*self.bodies, *self.systems)):
+                if not any(whole(other) is each for each in (*self.bodies, *self.systems, *self.constraints)):
                     raise SceneError(f"{path}.{field}: {whole(other)!r} is not in the scene; add it as an item too")
         if not item.acts:
             return
@@ -298,7 +301,7 @@ class Scene(Contents):
 
 
 def indices(scene: Scene, item: SceneItem) -> Named:
-    """The indices of the bodies that a force or a boundary names, and of the systems that a system names, by field.
+    """The indices of the bodies, and of other items of its section, that an item names, by field.
 
     A selection of particles is the index of its body and the indices of the particles.
     """
@@ -308,8 +311,8 @@ def indices(scene: Scene, item: SceneItem) -> Named:
     }
 
 
-def _place(scene: Scene, named: Body | Selection | System) -> int | list[Any]:
-    """The index of a body or a system; with the indices of the selected particles of a body, if not of all."""
+def _place(scene: Scene, named: Body | Selection | SceneItem) -> int | list[Any]:
+    """The index of a body or another item; with the indices of the selected particles of a body, if not of all."""
     item = whole(named)
     index = next(place for place, each in enumerate(getattr(scene, item.section)) if each is item)
     return [index, named.index] if isinstance(named, Selection) else index

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -252,4 +252,7 @@ def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
     targets = scene.targets(item)
     bodies["on"] = None if targets == scene.bodies else targets
     named = {field: None if own is None else [scene.index(body) for body in own] for field, own in bodies.items()}
-    return record.described(named, {field: scene.rows(item, field) for field in item.partial})
+    other = item.references(scene)
+    masks = {field: scene.rows(item, field) for field in item.partial if field not in other}
+    described = record.described(named | dict.fromkeys(other), masks)
+    return {**described, "values": {**cast("dict[str, object]", described["values"]), **other}}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
+from functools import partial
 from itertools import chain
 from typing import Any, cast
 
@@ -65,12 +66,11 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
     """
     content = _SCENE(tree, path)
     bodies = [_unpack(entry, f"{path}.bodies[{index}]", _BODIES) for index, entry in enumerate(content["bodies"])]
-    acting = [
-        _unpack_item(entry, f"{path}.{name}[{index}]", kinds, bodies)
-        for name, kinds in _SECTIONS.items()
-        for index, entry in enumerate(content[name])
-    ]
-    systems = _unpack_systems(content["systems"], f"{path}.systems")
+    acting: list[Any] = []
+    for name, kinds in _SECTIONS.items():
+        unpacked = partial(_unpack_item, kinds=kinds, bodies=bodies)
+        acting += _unpack_linked(content[name], f"{path}.{name}", unpacked)
+    systems = _unpack_linked(content["systems"], f"{path}.systems", partial(_unpack, kinds=SYSTEMS))
     probes = [_unpack(entry, f"{path}.probes[{index}]", (Probe,)) for index, entry in enumerate(content["probes"])]
     domain = content["periodic"]
     items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
@@ -138,25 +138,25 @@ def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     return _unpack(tree, path, kinds) if isinstance(tree, dict) and kinds else tree
 
 
-def _unpack_systems(trees: Sequence[Tree], path: str) -> list[Any]:
-    """Systems; a system that names another, by its index, is created after that."""
+def _unpack_linked(trees: Sequence[Tree], path: str, unpacked: Callable[[Tree, str], Any]) -> list[Any]:
+    """Items of one section; an item that names another, by its index, is created after that."""
     found: dict[int, Any] = {}
     waiting = dict(enumerate(trees))
     while waiting:
         ready = {index: _with_named(tree, f"{path}[{index}]", found) for index, tree in waiting.items()}
         done = {index: tree for index, tree in ready.items() if tree is not None}
         if not done:
-            raise FileError(f"{path}: must name systems of the scene, and not each other in turn")
-        found |= {index: _unpack(tree, f"{path}[{index}]", SYSTEMS) for index, tree in done.items()}
+            raise FileError(f"{path}: must name items of the scene, and not each other in turn")
+        found |= {index: unpacked(tree, f"{path}[{index}]") for index, tree in done.items()}
         waiting = {index: tree for index, tree in waiting.items() if index not in done}
     return [found[index] for index in range(len(trees))]
 
 
 def _with_named(tree: Tree, path: str, found: dict[int, Any]) -> Tree | None:
-    """The tree of a system with the named systems in place of their indices; None if one of them does not exist yet."""
+    """The tree of an item with the named items in place of their indices; None if one of them does not exist yet."""
     thing = _THING(tree, path)
     values = table(anything)(thing["fields"], f"{path}.fields")
-    for field in getattr(_ITEMS.get(thing["kind"]), "naming", ()):
+    for field in getattr(_ITEMS.get(thing["kind"]), "linking", ()):
         if isinstance(values.get(field), list):
             (index,) = several(whole(), lengths=(1,))(values[field], f"{path}.{field}")
             if index not in found:
