@@ -15,14 +15,18 @@ use crate::rows::{ContactImpulse, ContactRow, JointRows, Rows, Velocities};
 use crate::shapes::Shape;
 
 /// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
-const HIT: f64 = 1e-10;
-pub const CLOSED: f64 = 1e-8;
+const HIT: f64 = 1e-9;
+const CLOSED: f64 = 1e-6;
 /// Velocity that is no motion, over the largest speed.
 const REST: f64 = 1e-10;
+/// Velocity of a contact at rest, over that which forces give in a step.
+const RESTING: f64 = 1e-4;
 /// Largest numbers of steps towards a time of impact, of passes over all pairs, and of iterations for one of them.
 const MOST_ADVANCES: usize = 100;
 const MOST_PASSES: usize = 2000;
 const MOST_ITERATIONS: usize = 200;
+/// Length of a piece that is not taken, over the step.
+const SHORTEST: f64 = 1e-9;
 /// Number of pieces of a step: these, and so many for each body.
 const PIECES: usize = 16;
 const PIECES_PER_BODY: usize = 8;
@@ -81,14 +85,14 @@ impl Island {
             self.hold_resting(h);
             let start = self.movers.clone();
             let remaining = h - time;
-            self.begin_piece(remaining);
+            self.begin_piece(remaining, h);
             let impact = if piece < most { self.first_impact(shapes, &start, remaining) } else { None };
             let Some(after) = impact.filter(|&after| after < remaining) else { return };
             self.movers.copy_from_slice(&start);
             self.renew_touches();
             // An impact at the very start takes a piece of no length.
-            if after > 0.0 {
-                self.begin_piece(after);
+            if after > SHORTEST * h {
+                self.begin_piece(after, h);
                 self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * after));
                 self.end_piece();
                 time += after;
@@ -115,7 +119,8 @@ impl Island {
 
     /// Resolves the impacts at contacts that are closed.
     fn strike(&mut self, h: f64) {
-        let still = REST * self.speed();
+        let pushed = self.movers.iter().map(|mover| mover.acceleration.length()).fold(0.0, f64::max);
+        let still = REST * self.speed() + RESTING * h * pushed;
         let mut v = Velocities::of(&self.movers);
         let mut rows = Vec::new();
         for contact in &self.contacts {
@@ -161,7 +166,7 @@ impl Island {
     fn strike_together(&mut self, struck: &[(ContactRow, f64, f64)], targets: &[f64]) -> bool {
         let start = Velocities::of(&self.movers);
         let mut v = Velocities::of(&self.movers);
-        let mut rows = Rows::default();
+        let mut rows = Rows { planar: self.planar, ..Rows::default() };
         for held in &self.joints {
             let equations = held.joint.equations(held.bodies.map(|body| &self.movers[body]));
             rows.joints.push(JointRows::new(held.bodies, equations.into_iter().map(|(row, _)| row).collect(), &v));

@@ -34,7 +34,7 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// Parameters of small groups.
-    pub const FINE: Self = Self { iterations: 1000, velocities: 1e-10, linearizations: 10, positions: 1e-11 };
+    pub const FINE: Self = Self { iterations: 400, velocities: 1e-11, linearizations: 10, positions: 1e-11 };
 }
 
 /// Surface of a mover.
@@ -112,6 +112,9 @@ struct FirstHalf {
     /// Contact of each row; joint of each bounded row.
     contacts: Vec<usize>,
     bounded: Vec<(usize, usize)>,
+    /// Gap of each contact, and error of each joint, that are left at the end of the piece.
+    remainders: Vec<f64>,
+    errors: Vec<arrayvec::ArrayVec<f64, MOST_ROWS>>,
     /// Velocity and angular velocity of each contact after the drift.
     middle: Vec<(DVec3, DVec3)>,
     /// Energies dissipated by contacts, and supplied [J].
@@ -252,19 +255,22 @@ impl Island {
         self.accuracy.velocities * self.speed().max(h * pushed)
     }
 
-    /// Takes the first half of a piece, and its drift.
-    pub fn begin_piece(&mut self, length: f64) {
+    /// Takes the first half of a piece of a step of `h` seconds, and its drift. Gaps and errors of joints that are there at the
+    /// start are closed within a step, however short the piece is.
+    pub fn begin_piece(&mut self, length: f64, h: f64) {
         let start = Velocities::of(&self.movers);
         let tolerance = self.tolerance(length);
         self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * length));
         let mut v = Velocities::of(&self.movers);
         let mut first = FirstHalf::default();
-        self.hold_joints(length, &v, &mut first);
+        first.rows.planar = self.planar;
+        self.hold_joints((length, h), &v, &mut first);
         let mut before = Vec::new();
         let mut anchors = Vec::new();
         for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.held) {
             let Some(mut row) = self.row(contact, &v) else { continue };
-            row.least = -contact.touch.gap / length;
+            row.least = -contact.touch.gap / h;
+            first.remainders.push(contact.touch.gap * (1.0 - length / h));
             row.impulse = contact.load.scaled(0.5 * length);
             row.impulse.tangential = row.impulse.tangential.reject_from_normalized(row.normal);
             before.push((row.velocity(&start), row.turning(&start)));
@@ -305,10 +311,12 @@ impl Island {
     }
 
     /// Adds the rows of the joints at the start of a piece.
-    fn hold_joints(&self, length: f64, v: &Velocities, first: &mut FirstHalf) {
+    fn hold_joints(&self, (length, h): (f64, f64), v: &Velocities, first: &mut FirstHalf) {
         for (index, held) in self.joints.iter().enumerate() {
-            let rows = self.equations(held).into_iter().zip(held.loads).map(|((row, error), load)| Row {
-                target: -error / length,
+            let equations = self.equations(held);
+            first.errors.push(equations.iter().map(|(_, error)| error * (1.0 - length / h)).collect());
+            let rows = equations.into_iter().zip(held.loads).map(|((row, error), load)| Row {
+                target: -error / h,
                 impulse: 0.5 * length * load,
                 ..row
             });
@@ -349,10 +357,11 @@ impl Island {
     ) -> bool {
         let mut worst = 0.0_f64;
         let mut size = f64::INFINITY;
-        for ((row, &index), anchors) in first.rows.contacts.iter_mut().zip(&first.contacts).zip(anchors) {
+        let rows = first.rows.contacts.iter_mut().zip(&first.contacts).zip(&first.remainders).zip(anchors);
+        for (((row, &index), remainder), anchors) in rows {
             let contact = &self.contacts[index];
             size = size.min(self.pairs[contact.pair].size);
-            let gap = self.touch(contact).gap;
+            let gap = self.touch(contact).gap - remainder;
             let relative = row.velocity(v);
             row.least = row.normal.dot(relative) - gap / length;
             if row.impulse.normal > 0.0 || gap < 0.0 {
@@ -364,10 +373,11 @@ impl Island {
                 row.slip = relative.reject_from_normalized(row.normal) - slip;
             }
         }
-        for (rows, held) in first.rows.joints.iter_mut().zip(&self.joints) {
+        for ((rows, held), errors) in first.rows.joints.iter_mut().zip(&self.joints).zip(&first.errors) {
             let bodies = rows.bodies;
             size = size.min(held.bodies.iter().map(|&body| self.movers[body].arm).filter(|&arm| arm > 0.0).fold(1.0, f64::min));
-            for (row, (_, error)) in rows.rows.iter_mut().zip(self.equations(held)) {
+            for ((row, (_, error)), left) in rows.rows.iter_mut().zip(self.equations(held)).zip(errors) {
+                let error = error - left;
                 row.target = row.velocity(bodies, v) - error / length;
                 worst = worst.max(error.abs());
             }
@@ -391,7 +401,7 @@ impl Island {
         let first = std::mem::take(&mut self.first);
         let length = self.open;
         let start = Velocities::of(&self.movers);
-        let mut rows = Rows::default();
+        let mut rows = Rows { planar: self.planar, ..Rows::default() };
         for (held, past) in self.joints.iter().zip(&first.rows.joints) {
             let equations = self.equations(held).into_iter().zip(&past.rows);
             let equations = equations.map(|((row, _), past)| Row { impulse: past.impulse, ..row });

@@ -14,6 +14,7 @@ pub mod broad;
 pub mod collision;
 pub mod contact;
 mod couple;
+mod direct;
 pub mod impacts;
 pub mod island;
 pub mod joints;

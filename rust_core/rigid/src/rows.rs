@@ -10,6 +10,8 @@ use glam::{DMat3, DVec3};
 
 use crate::mover::{Mover, perpendicular};
 
+/// Iterations between Newton steps.
+const SWEEPS: usize = 4;
 /// Largest number of rows of a joint.
 pub const MOST_ROWS: usize = 6;
 
@@ -40,6 +42,12 @@ impl Velocities {
     #[inline(always)]
     pub fn at(&self, body: usize, arm: DVec3) -> DVec3 {
         self.linear[body] + self.angular[body].cross(arm)
+    }
+
+    /// Response of one row of a body to the impulse of another one, each given with its side.
+    pub fn coupling(&self, body: usize, (row, side): (&Row, usize), (other, across): (&Row, usize)) -> f64 {
+        self.inverse_mass[body] * row.linear.dot(other.linear)
+            + row.angular[side].dot(self.inverse_inertia[body] * other.angular[across])
     }
 
     #[inline(always)]
@@ -87,7 +95,8 @@ impl Row {
             + self.angular[1].dot(v.inverse_inertia[other] * row.angular[1])
     }
 
-    fn push(&self, impulse: f64, [one, other]: [usize; 2], v: &mut Velocities) {
+    /// Adds an impulse to the velocities.
+    pub fn push(&self, impulse: f64, [one, other]: [usize; 2], v: &mut Velocities) {
         v.linear[one] -= v.inverse_mass[one] * impulse * self.linear;
         v.linear[other] += v.inverse_mass[other] * impulse * self.linear;
         v.angular[one] -= v.inverse_inertia[one] * (impulse * self.angular[0]);
@@ -420,6 +429,8 @@ impl ContactRow {
 /// Rows of all joints and contacts of a group of bodies.
 #[derive(Debug, Default)]
 pub struct Rows {
+    /// Whether the bodies move in the plane.
+    pub planar: bool,
     pub joints: Vec<JointRows>,
     pub bounds: Vec<BoundedRow>,
     pub contacts: Vec<ContactRow>,
@@ -455,6 +466,9 @@ impl Rows {
             }
             if change <= tolerance {
                 return true;
+            }
+            if iteration % SWEEPS == SWEEPS - 1 {
+                self.solve_held(v);
             }
         }
         false

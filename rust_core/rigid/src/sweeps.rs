@@ -32,7 +32,7 @@ impl Island {
                 contact.strikes = approach > least;
                 contact.rebound = if contact.restitution * approach > least { contact.restitution * approach } else { 0.0 };
             }
-            self.begin_piece(length);
+            self.begin_piece(length, length);
             if piece + 1 < pieces {
                 self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * length));
                 self.end_piece();
