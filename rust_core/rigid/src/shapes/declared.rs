@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 use physcore_base::error::{Error, Result};
 use physcore_base::scene::{Item, Value, unknown};
 
-use super::{MassProperties, Part, Planar};
+use super::{MassProperties, Part, Planar, hull};
 use crate::pose::Pose;
 
 /// Convex parts and mass properties of a shape, in the given coordinates.
@@ -21,8 +21,7 @@ pub(super) fn parts(item: &Item, dimension: usize) -> Result<(Vec<Part>, MassPro
         }
         ("Rectangle", 2) => {
             let half = 0.5 * DVec3::new(positive(item, "width")?, positive(item, "height")?, 0.0);
-            let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| half * DVec3::new(x, y, 0.0));
-            one(Part::polygon(corners.to_vec(), 0.0), MassProperties::cuboid(2.0 * half))
+            one(Part::rectangle(half), MassProperties::cuboid(2.0 * half))
         }
         ("Cuboid", 3) => {
             let edges = DVec3::new(positive(item, "a")?, positive(item, "b")?, positive(item, "c")?);
@@ -33,6 +32,11 @@ pub(super) fn parts(item: &Item, dimension: usize) -> Result<(Vec<Part>, MassPro
             let [length, radius] = [positive(item, "length")?, positive(item, "radius")?];
             let end = DVec3::AXES[2 * (dimension - 2)] * (0.5 * length);
             one(Part::capsule([-end, end], radius, dimension), MassProperties::capsule(length, radius, dimension))
+        }
+        ("Hull", 3) => {
+            let part = hull(item, &finite_rows(item, "points", 3)?)?;
+            let mass = MassProperties::polyhedron(part.triangles());
+            one(part, mass)
         }
         ("Compound", _) => compound(item, dimension),
         _ => {
@@ -52,6 +56,26 @@ pub(super) fn positive(item: &Item, name: &str) -> Result<f64> {
         number if number > 0.0 => Ok(number),
         number => Err(item.wrong(name, "a number > 0", Some(&Value::Number(number)))),
     }
+}
+
+/// Reads rows of finite numbers, at least one.
+pub(super) fn finite_rows(item: &Item, name: &str, dimension: usize) -> Result<Vec<DVec3>> {
+    let rows = item.vectors(name, None, dimension)?;
+    match rows.iter().find(|row| !row.is_finite()) {
+        Some(row) => Err(Error::parameter(item.path_of(name), "finite numbers", row)),
+        None if rows.is_empty() => Err(Error::parameter(item.path_of(name), "points", "none")),
+        None => Ok(rows),
+    }
+}
+
+/// Hull of the item's `points` in space.
+pub(super) fn hull(item: &Item, points: &[DVec3]) -> Result<Part> {
+    hull::polyhedron(points).ok_or_else(|| Error::parameter(item.path_of("points"), "points that span a volume", "flat ones"))
+}
+
+/// Hull of the item's `points` in the plane.
+pub(super) fn planar_hull(item: &Item, points: &[DVec3]) -> Result<Part> {
+    hull::polygon(points).ok_or_else(|| Error::parameter(item.path_of("points"), "points that span an area", "flat ones"))
 }
 
 /// Union of the item's `shapes`, each turned by its angle or orientation and moved to its position.
@@ -110,12 +134,9 @@ fn orientations(item: &Item, count: usize) -> Result<Vec<DQuat>> {
 
 /// Convex polygon of the item's `vertices`, in either order.
 fn polygon(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
-    let mut vertices = item.vectors("vertices", None, 2)?;
+    let mut vertices = finite_rows(item, "vertices", 2)?;
     if vertices.len() < 3 {
         return Err(Error::parameter(item.path_of("vertices"), "at least 3 vertices", vertices.len()));
-    }
-    if let Some(vertex) = vertices.iter().find(|vertex| !vertex.is_finite()) {
-        return Err(Error::parameter(item.path_of("vertices"), "finite vertices", vertex));
     }
     let mut mass = MassProperties::polygon(&vertices);
     if mass.size < 0.0 {

@@ -8,14 +8,17 @@ use crate::pose::Pose;
 
 mod bounds;
 mod declared;
+mod hull;
 mod mass;
 mod part;
 mod plane;
+mod walls;
 
 pub use bounds::Bounds;
 pub use mass::MassProperties;
 pub(crate) use part::Part;
 use plane::Planar;
+pub use walls::{Wall, walls};
 
 /// Shape of a body in its frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +36,8 @@ pub(crate) enum Form {
     Parts(Vec<Part>),
     /// All points below the plane through the origin with this unit normal.
     HalfSpace(DVec3),
+    /// All points beyond a sphere of this radius about the origin [m].
+    Hollow(f64),
 }
 
 impl Shape {
@@ -61,10 +66,16 @@ impl Shape {
         Self { form: Form::HalfSpace(normal), features: 1, reach: f64::INFINITY }
     }
 
+    /// Outside of a sphere about the origin. Only for fixed bodies.
+    pub fn hollow(radius: f64) -> Self {
+        Self { form: Form::Hollow(radius), features: 1, reach: f64::INFINITY }
+    }
+
     /// Union of convex parts.
-    pub(crate) fn of(parts: impl Iterator<Item = Part>) -> Self {
+    pub(crate) fn of(parts: impl IntoIterator<Item = Part>) -> Self {
         let mut features = 0;
         let parts: Vec<Part> = parts
+            .into_iter()
             .map(|mut part| {
                 part.first = features;
                 features += part.features();
@@ -91,6 +102,7 @@ impl Shape {
         match &self.form {
             Form::Parts(parts) => parts.iter().map(|part| part_bounds(part, pose)).fold(Bounds::NOWHERE, Bounds::union),
             Form::HalfSpace(normal) => half_space_bounds(pose.rotation * *normal, pose.position),
+            Form::Hollow(_) => Bounds::EVERYWHERE,
         }
     }
 }

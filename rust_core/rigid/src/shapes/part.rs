@@ -79,6 +79,17 @@ impl Part {
         Self::new(vec![center], Vec::new(), Net::default(), radius)
     }
 
+    /// Rectangle with these half edges.
+    pub fn rectangle(half: DVec3) -> Self {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| half * DVec3::new(x, y, 0.0));
+        Self::polygon(corners.to_vec(), 0.0)
+    }
+
+    /// Capsule about a segment; about a point, a disc or a ball.
+    pub fn bar(ends: [DVec3; 2], radius: f64, dimension: usize) -> Self {
+        if ends[0] == ends[1] { Self::round(ends[0], radius) } else { Self::capsule(ends, radius, dimension) }
+    }
+
     /// Capsule about the segment between two points. In 2D both its sides are faces.
     pub fn capsule(ends: [DVec3; 2], radius: f64, dimension: usize) -> Self {
         if dimension == 2 {
@@ -100,6 +111,16 @@ impl Part {
         let net = Net::new(faces)?;
         let normals = faces.iter().map(|corners| normal(&vertices, corners)).collect::<Option<_>>()?;
         Some(Self::new(vertices, normals, net, 0.0))
+    }
+
+    /// Convex polyhedron of those points that are corners of its faces.
+    pub fn compact(points: &[DVec3], faces: &[Vec<u32>]) -> Option<Self> {
+        let mut corners: Vec<u32> = faces.iter().flatten().copied().collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let place = |corner: &u32| corners.binary_search(corner).map_or(0, |place| place as u32);
+        let faces: Vec<Vec<u32>> = faces.iter().map(|face| face.iter().map(place).collect()).collect();
+        Self::polyhedron(corners.iter().map(|&corner| points[corner as usize]).collect(), &faces)
     }
 
     /// Box with these half edges.
@@ -133,6 +154,13 @@ impl Part {
         self.normals.iter_mut().for_each(|normal| *normal = pose.rotation * *normal);
         self.surround();
         self
+    }
+
+    /// Triangles of the faces of a polyhedron.
+    pub fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> + Clone {
+        let faces = (0..self.normals.len()).map(|face| self.net.face(face));
+        let fans = faces.flat_map(|corners| corners.windows(2).skip(1).map(|side| [corners[0], side[0], side[1]]));
+        fans.map(|corners| corners.map(|corner| self.vertices[corner as usize]))
     }
 
     /// Number of features.

@@ -114,7 +114,6 @@ pub(super) fn add_face(couple: &Couple, FaceGap { owner, face, vertex, .. }: Fac
 
 /// Adds the contacts along the normal of two edges: of the faces beside them if these are nearly parallel, else of the edges.
 pub(super) fn add_edges(couple: &Couple, gap: EdgeGap, contacts: &mut Vec<ContactPoint>) {
-    let [one, other] = couple.parts;
     let directions = [-gap.normal, couple.other_in[0].local_vector(gap.normal)];
     let faces = [0, 1].map(|body| {
         let part = couple.parts[body];
@@ -125,12 +124,16 @@ pub(super) fn add_edges(couple: &Couple, gap: EdgeGap, contacts: &mut Vec<Contac
     let ways = [0, 1].map(|body| couple.parts[body].edge(gap.edges[body]));
     let normal = super::of_edges(ways.map(|[from, to]| to - from), couple, couple.poses[0].rotation * gap.normal);
     if let [Some(face), Some(facing)] = faces
-        && add(couple, &Reference { owner: 0, part: one, face, normal: gap.normal }, Some(facing), normal, contacts)
+        && add(couple, &Reference { owner: 0, part: couple.parts[0], face, normal: gap.normal }, Some(facing), normal, contacts)
     {
         return;
     }
-    let _ = other;
-    nearest::add_pair(couple, &nearest::of_edges(couple, gap.edges), contacts);
+    let pair = nearest::of_edges(couple, gap.edges);
+    if gap.gap > couple.closed() {
+        nearest::add_pair(couple, &pair, contacts);
+    } else {
+        couple.push(0, pair.points(couple), normal, pair.features(couple), contacts);
+    }
 }
 
 /// Face that looks most against a direction, of those that a condition on their vertices selects.

@@ -4,6 +4,7 @@
 //! polyhedra", GDC 2013). Their faces along this normal are clipped against each other. Where the nearest points are on an edge
 //! or a vertex, these are the contact.
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use crate::contact::{ContactPoint, Normal};
@@ -110,12 +111,12 @@ impl Axis {
     }
 }
 
-/// Vertices of the face on which a part rests on a plane below it, at most four; `up` is the plane's normal in its frame.
-pub(crate) fn resting(part: &Part, up: DVec3) -> arrayvec::ArrayVec<u32, 4> {
-    let lowest = part.support(-up).0 as u32;
+/// Vertices of the face on which a part rests on its lowest vertex, at most four; `up` is the ground's normal in its frame.
+pub(crate) fn resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4> {
     if part.net.starts.is_empty() {
-        return flat_resting(part, lowest as usize, up);
+        return flat_resting(part, lowest, up);
     }
+    let lowest = lowest as u32;
     let faces = (0..part.normals.len()).filter(|&face| part.net.face(face).contains(&lowest));
     let Some(face) = faces.reduce(|one, other| if part.normals[other].dot(up) < part.normals[one].dot(up) { other } else { one })
     else {
@@ -128,7 +129,7 @@ pub(crate) fn resting(part: &Part, up: DVec3) -> arrayvec::ArrayVec<u32, 4> {
 }
 
 /// Vertices of the edge on which a polygon or a segment rests.
-fn flat_resting(part: &Part, lowest: usize, up: DVec3) -> arrayvec::ArrayVec<u32, 4> {
+fn flat_resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4> {
     let count = part.vertices.len();
     let beside = [(lowest + count - 1) % count, (lowest + 1) % count];
     let [before, after] = beside.map(|vertex| part.vertices[vertex].dot(up));

@@ -30,7 +30,7 @@ impl Part {
 
 impl Pair {
     /// Points in the frames of their bodies [m].
-    fn points(&self, couple: &Couple) -> [DVec3; 2] {
+    pub fn points(&self, couple: &Couple) -> [DVec3; 2] {
         [0, 1].map(|body| {
             let [from, to] = couple.parts[body].edge(self.edges[body]);
             match self.along[body] {
@@ -44,6 +44,19 @@ impl Pair {
     pub fn normal(&self, couple: &Couple) -> DVec3 {
         let [one, other] = self.points(couple);
         (couple.poses[1].point(other) - couple.poses[0].point(one)).try_normalize().unwrap_or(DVec3::X)
+    }
+
+    /// Features of the points: vertices or edges.
+    pub fn features(&self, couple: &Couple) -> [u32; 2] {
+        [0, 1].map(|body| {
+            let part = couple.parts[body];
+            match (part.net.edges.get(self.edges[body]), self.along[body]) {
+                (None, _) => 0,
+                (Some(edge), 0.0) => edge.ends[0],
+                (Some(edge), 1.0) => edge.ends[1],
+                _ => part.edge_feature(self.edges[body]),
+            }
+        })
     }
 
     /// Adds a contact of the points, if they are within reach.
@@ -62,16 +75,7 @@ impl Pair {
             [None, Some(way)] => Normal::SecondLine(way.normalize()),
             [Some(one), Some(other)] => super::of_edges([one, other], couple, self.normal(couple)),
         };
-        let features = [0, 1].map(|body| {
-            let part = couple.parts[body];
-            match (part.net.edges.get(self.edges[body]), self.along[body]) {
-                (None, _) => 0,
-                (Some(edge), 0.0) => edge.ends[0],
-                (Some(edge), 1.0) => edge.ends[1],
-                _ => part.edge_feature(self.edges[body]),
-            }
-        });
-        couple.push(0, self.points(couple), normal, features, contacts);
+        couple.push(0, self.points(couple), normal, self.features(couple), contacts);
     }
 }
 
