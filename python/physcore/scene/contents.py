@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias, cast, get_args
+from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physcore.checks import BoolArray, FloatArray, shown, word
 from physcore.errors import SceneError
@@ -54,6 +55,11 @@ class Contents:
     def particle_bodies(self) -> tuple[Body, ...]:
         """The bodies that consist of particles: all but rigid bodies."""
         return tuple(body for body in self.bodies if not body.is_rigid)
+
+    def gather(self, name: str) -> NDArray[Any]:
+        """A quantity of all particles, such as "mass", in the order of results, shape (N,) or (N, D)."""
+        parts = [getattr(body, name) for body in self.particle_bodies]
+        return np.concatenate(parts) if parts else getattr(self.bodies[0], name)[:0] if self.bodies else np.empty(0)
 
     @property
     def has_rigid_bodies(self) -> bool:

@@ -1,11 +1,11 @@
-"""Rotations: unit quaternions."""
+"""Unit quaternions, which are orientations of rigid bodies."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.arithmetic import lengths
+from physcore.arithmetic import dots, lengths
 from physcore.checks import FloatArray, broadcast
 from physcore.errors import SceneError
 
@@ -33,3 +33,12 @@ def unit_quaternions(value: ArrayLike, number: int, path: str) -> FloatArray:
         (np.abs(size - 1.0) <= ROUNDING)[:, np.newaxis], given, near / lengths(near)[:, np.newaxis]
     )
     return unit
+
+
+def quaternion_rates(quaternions: FloatArray, angular_velocities: FloatArray) -> FloatArray:
+    """Rates of change dq/dt = ½ (0, ω) q of unit quaternions (B, 4), for angular velocities ω along the axes of the
+    world (B, 3).
+    """
+    w, axis = quaternions[:, :1], quaternions[:, 1:]
+    turned = w * angular_velocities + np.cross(angular_velocities, axis)
+    return 0.5 * np.column_stack([-dots(angular_velocities, axis), turned])

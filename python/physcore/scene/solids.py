@@ -178,6 +178,8 @@ class Rectangle(PlanarShape):
 class Capsule(Shape):
     """Capsule about its center, the shape of a rigid body: all points within `radius` of a segment.
 
+        pc.Capsule(0.4, 0.1).area, pc.Capsule(0.4, 0.1).volume
+
     The segment is along x in 2D and along z in 3D. The center and the moment are in `properties(2)` and
     `properties(3)`.
 
