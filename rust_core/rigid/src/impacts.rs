@@ -11,7 +11,7 @@ use crate::collision;
 use crate::island::{Contact, Island, Pair};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{ContactImpulse, ContactRow, JointRows, Rows, Velocities};
+use crate::rows::{ContactRow, JointRows, Rows, Velocities};
 use crate::shapes::Shape;
 
 /// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.

@@ -1,7 +1,7 @@
 //! Joints between two bodies: equations between their poses, limits and motors.
 
 use arrayvec::ArrayVec;
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 
 use crate::mover::{Mover, perpendicular};
 use crate::rows::{MOST_ROWS, Row};
@@ -168,6 +168,8 @@ impl Joint {
 
 #[cfg(test)]
 mod tests {
+    use glam::DMat3;
+
     use super::*;
     use crate::pose::Pose;
     use crate::rotation::{Inertia, Orientation, rotation_by};

@@ -421,7 +421,7 @@ impl RigidWorld {
         };
         let mut places: Vec<(u32, u32)> = vec![(u32::MAX, 0); movers.len()];
         let mut order: Vec<(u32, usize, bool)> = Vec::new();
-        let mut of = |link: [usize; 2], roots: &mut Vec<u32>| {
+        let of = |link: [usize; 2], roots: &mut Vec<u32>| {
             let end = if free(link[0]) { link[0] } else { link[1] };
             number[root(roots, end as u32) as usize]
         };

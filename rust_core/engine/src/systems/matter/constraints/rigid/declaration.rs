@@ -138,8 +138,9 @@ fn quaternions(item: &Item, count: usize) -> Result<Vec<DQuat>> {
 fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
     let rigid: Vec<usize> =
         (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == RIGID_BODIES).collect();
-    for item in scene.boundaries.iter().filter(|item| rigid.iter().any(|&body| item.acts_on(body))) {
-        for wall in shapes::walls(item, scene.dimension)? {
+    let boundaries = scene.boundaries.iter().enumerate();
+    for (index, item) in boundaries.filter(|(_, item)| rigid.iter().any(|&body| item.acts_on(body))) {
+        for wall in shapes::walls(item, index, scene.dimension)? {
             world.shapes.push(wall.shape);
             let friction = Friction { sliding: wall.friction, ..Friction::default() };
             let surface = Surface { shape: world.shapes.len() - 1, friction: Some(friction), restitution: wall.restitution };

@@ -151,9 +151,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
         }
         self.motions.clear();
         self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize, DVec3::ZERO)));
-        let (mut most, mut worst) = (0.0, None);
+        let (mut most, mut worst): (f64, Option<(f64, [String; 2])>) = (0.0, None);
         for overlap in self.world.overlaps(&self.motions) {
-            if overlap.depth > REFUSED * overlap.size && worst.is_none_or(|(depth, _)| overlap.depth > depth) {
+            if overlap.depth > REFUSED * overlap.size && worst.as_ref().is_none_or(|(depth, _)| overlap.depth > *depth) {
                 worst = Some((overlap.depth, overlap.names));
             }
             most = if overlap.depth > MENTIONED * overlap.size { overlap.depth.max(most) } else { most };
