@@ -12,7 +12,7 @@ import numpy as np
 from physcore._core import convex_hull
 from physcore.checks import FloatArray, IntArray
 from physcore.film.looks.base import corners
-from physcore.film.shapes.creases import around, corner_normals, face_normals
+from physcore.film.shapes.creases import around, corner_normals, face_normals, units
 from physcore.film.shapes.parts import parts_of
 from physcore.scene.polytopes import Hull, MeshShape
 from physcore.scene.solids import Ball, Capsule, Cuboid, Shape
@@ -21,17 +21,21 @@ SAGITTA = 0.25
 """Largest deviation of the outline of a ball from a circle [pixels]."""
 FINEST = 12
 """Largest number of segments of a quarter of that circle."""
-PIECE = 14.0
+PIECE = 18.0
 """Longest side of a triangle [pixels]. Each triangle is sorted by its own depth."""
 MOST_PIECES = 24
-"""Largest number of pieces along a side of a triangle."""
-BEVEL = 0.09
+"""Largest number of pieces along a capsule."""
+MOST_HALVINGS = 12
+"""Largest number of halvings of a triangle."""
+BEVEL = 0.12
 """Width of the rounded edge of a polytope, relative to the inner radius of its smallest face."""
-WIDEST = 4.0
+WIDEST = 2.4
 """Largest width of a rounded edge [pixels]."""
 EDGE = 1.08
 """Tone of the rounded edges of a polytope."""
-TONES = (1.0, 0.78)
+BAND = (0.66, 0.84)
+"""Ends of the band along the longest side of a polytope, as fractions of its length."""
+TONES = (1.0, 0.72)
 """Tones of the parts of a mark, relative to the color of the body."""
 
 
@@ -127,29 +131,47 @@ def ball(radius: float, length: float, scale: float, tones: tuple[float, float])
 
 
 def polytope(points: FloatArray, scale: float, tones: tuple[float, float]) -> Mesh:
-    """The convex hull of points (K, 3) with rounded edges. Opposite faces of different axes differ in tone."""
+    """The convex hull of points (K, 3) with rounded edges, and with a painted band nearer to one end."""
     facets = [points[facet] for facet in convex_hull(points)]
-    normals = np.array([_normal(facet) for facet in facets])
-    inner = min(_inradius(facet) for facet in facets)
-    bevel = min(BEVEL * inner, WIDEST / scale)
+    normals = [_normal(facet) for facet in facets]
+    bevel = min(BEVEL * min(_inradius(facet) for facet in facets), WIDEST / scale)
+    axis = np.eye(3)[int(np.argmax(np.ptp(points, axis=0)))]
+    low, high = float((points @ axis).min()), float((points @ axis).max())
+    planes = [low + share * (high - low) for share in (0.0, *BAND, 1.0)]
     meshes = []
     for facet, normal in zip(facets, normals, strict=True):
-        share = max(0.0, 1.0 - bevel / max(_inradius(facet), bevel))
-        middle = facet.mean(axis=0)
-        panel = middle + share * (facet - middle)
-        tone = tones[0] + (tones[1] - tones[0]) * _tone(normal)
-        fan = np.array([[panel[0], panel[k], panel[k + 1]] for k in range(1, len(panel) - 1)])
-        meshes.append(_flat(fan, np.broadcast_to(normal, fan.shape), tone, scale))
-        sides = [_across(facets, normals, facet, normal, k) for k in range(len(facet))]
-        strip, tilt = [], []
-        for k, other in enumerate(sides):
+        panel, level = _inset(facet, normal, bevel), np.tile(normal, (len(facet), 1))
+        pieces = [(panel, level, 1.0)]
+        for k in range(len(facet)):
             after = (k + 1) % len(facet)
-            edge = normal + other
+            edge = normal + _across(facets, normals, facet, k)
             edge = edge / np.linalg.norm(edge)
-            strip += [[facet[k], facet[after], panel[after]], [facet[k], panel[after], panel[k]]]
-            tilt += [[edge, edge, normal], [edge, normal, normal]]
-        meshes.append(_flat(np.array(strip), np.array(tilt), EDGE, scale))
+            strip = np.array([facet[k], facet[after], panel[after], panel[k]])
+            pieces.append((strip, np.array([edge, edge, normal, normal]), EDGE))
+        for corner, tilt, tone in pieces:
+            for index in range(3):
+                part = sliced(np.hstack([corner, tilt]), axis, planes[index], planes[index + 1])
+                if len(part) > 2:
+                    fan = np.array([[part[0], part[k], part[k + 1]] for k in range(1, len(part) - 1)])
+                    meshes.append(_flat(fan[..., :3], fan[..., 3:], tone * tones[index % 2], scale))
     return joined(meshes)
+
+
+def sliced(polygon: FloatArray, axis: FloatArray, low: float, high: float) -> FloatArray:
+    """The part of a convex polygon between two planes across an axis; corners (K, 3 + M) with values to interpolate."""
+    for sign, bound in ((1.0, low), (-1.0, -high)):
+        heights = sign * (polygon[:, :3] @ axis) - bound
+        corner = []
+        for k, height in enumerate(heights.tolist()):
+            after = (k + 1) % len(polygon)
+            if height >= 0.0:
+                corner.append(polygon[k])
+            if (height > 0.0 > heights[after]) or (height < 0.0 < heights[after]):
+                corner.append(polygon[k] + height / (height - heights[after]) * (polygon[after] - polygon[k]))
+        if len(corner) < 3:
+            return polygon[:0]
+        polygon = np.array(corner)
+    return polygon
 
 
 def closed_mesh(points: FloatArray, faces: IntArray, scale: float) -> Mesh:
@@ -184,31 +206,41 @@ def _cuboid(shape: Cuboid) -> FloatArray:
 
 def _flat(triangles: FloatArray, normals: FloatArray, tone: float, scale: float) -> Mesh:
     """Triangles (T, 3, 3) in pieces, with normals at their corners (T, 3, 3)."""
-    points, tilts = [], []
-    for corner, normal in zip(triangles, normals, strict=True):
-        longest = math.sqrt(float(((np.roll(corner, -1, axis=0) - corner) ** 2).sum(axis=1).max()))
-        weights = _pieces(min(max(1, math.ceil(longest * scale / PIECE)), MOST_PIECES))
-        points.append((weights @ corner).reshape(-1, 3))
-        tilts.append((weights @ normal).reshape(-1, 3))
-    every, tilted = np.concatenate(points), np.concatenate(tilts)
-    tilted = tilted / np.sqrt((tilted**2).sum(axis=1))[:, np.newaxis]
-    return Mesh(every, tilted, np.full(len(every), tone), np.arange(len(every)).reshape(-1, 3))
+    pieces = _halved(np.concatenate([triangles, normals], axis=2), PIECE / scale).reshape(-1, 6)
+    tilted = units(pieces[:, 3:])
+    return Mesh(pieces[:, :3], tilted, np.full(len(pieces), tone), np.arange(len(pieces)).reshape(-1, 3))
 
 
-def _pieces(parts: int) -> FloatArray:
-    """Weights of the corners of a triangle at those of its pieces (T, 3, 3), with so many parts along each side."""
-    steps = np.array([(i, j) for i in range(parts) for j in range(parts - i)], dtype=float)
-    upward = steps[:, np.newaxis] + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    inner = steps[steps.sum(axis=1) < parts - 1]
-    downward = inner[:, np.newaxis] + np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    places = np.concatenate([upward, downward]) / parts
-    return np.concatenate([1.0 - places.sum(axis=2, keepdims=True), places], axis=2)
+def _halved(triangles: FloatArray, longest: float) -> FloatArray:
+    """Triangles (T, 3, 3 + M) halved along their longest sides until none is longer, at most MOST_HALVINGS times."""
+    for _ in range(MOST_HALVINGS):
+        sides = np.roll(triangles, -1, axis=1) - triangles
+        squares = (sides[..., :3] ** 2).sum(axis=2)
+        long = squares.max(axis=1) > longest**2
+        if not long.any():
+            break
+        whole, first = triangles[long], squares[long].argmax(axis=1)
+        rows = np.arange(len(whole))
+        one, other, apex = (whole[rows, (first + step) % 3] for step in range(3))
+        middle = 0.5 * (one + other)
+        halves = [np.stack([one, middle, apex], axis=1), np.stack([middle, other, apex], axis=1)]
+        triangles = np.concatenate([triangles[~long], *halves])
+    return triangles
 
 
 def _normal(facet: FloatArray) -> FloatArray:
     """The unit normal of a polygon (K, 3), by Newell's sum."""
     normal = np.cross(facet, np.roll(facet, -1, axis=0)).sum(axis=0)
     result: FloatArray = normal / np.linalg.norm(normal)
+    return result
+
+
+def _inset(facet: FloatArray, normal: FloatArray, width: float) -> FloatArray:
+    """The corners of a convex polygon (K, 3) whose sides are moved inward by a width [m]."""
+    ways = np.roll(facet, -1, axis=0) - facet
+    inward = np.cross(normal, ways / np.sqrt((ways**2).sum(axis=1))[:, np.newaxis])
+    before = np.roll(inward, 1, axis=0)
+    result: FloatArray = facet + width * (before + inward) / (1.0 + (before * inward).sum(axis=1))[:, np.newaxis]
     return result
 
 
@@ -220,17 +252,10 @@ def _inradius(facet: FloatArray) -> float:
     return float(np.linalg.norm(np.cross(offsets, ways), axis=1).min())
 
 
-def _tone(normal: FloatArray) -> float:
-    """The share of the darker tone of a face: 0 along x, 1/2 along y, 1 along z."""
-    return float(normal[1] ** 2 * 0.5 + normal[2] ** 2)
-
-
-def _across(
-    facets: list[FloatArray], normals: FloatArray, facet: FloatArray, normal: FloatArray, side: int
-) -> FloatArray:
+def _across(facets: list[FloatArray], normals: list[FloatArray], facet: FloatArray, side: int) -> FloatArray:
     """The normal of the facet on the other side of an edge."""
     one, other = facet[side], facet[(side + 1) % len(facet)]
     for candidate, across in zip(facets, normals, strict=True):
         if candidate is not facet and (candidate == one).all(axis=1).any() and (candidate == other).all(axis=1).any():
             return across
-    return normal
+    raise AssertionError("hulls are closed")
