@@ -107,6 +107,8 @@ VALUES: dict[str, Any] = {
 
 SHEET = pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))
 POINTS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+DISCS = pc.RigidBodies(pc.Disc(0.1), POINTS)
+CORNERS = np.vstack([np.zeros(3), np.eye(3)])
 ONE = pc.Particles(POINTS, radius=0.1)
 SCENE = pc.Scene(ONE, pc.Gravity((0.0, -1.0)))
 RECORDING = pc.simulate(SCENE, 0.1)
@@ -142,6 +144,31 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Wind": (pc.Wind, {"velocity": (1.0, 0.0, 0.0)}),
     "SelfContact": (pc.SelfContact, {"body": SHEET, "thickness": 0.1}),
     "Wire": (pc.Wire, {"points": [[0.0, 0.0], [1.0, 1.0]]}),
+    "RigidBodies": (pc.RigidBodies, {"shape": pc.Disc(0.1), "positions": POINTS}),
+    "RigidBodies in 3D": (
+        pc.RigidBodies,
+        {"shape": pc.Ball(0.1), "positions": CORNERS, "orientations": (0.0, 1.0, 0.0, 0.0)},
+    ),
+    "RigidBody": (pc.RigidBody, {"shape": pc.Disc(0.1), "position": (0.0, 1.0)}),
+    "Disc": (pc.Disc, {"radius": 0.1}),
+    "Rectangle": (pc.Rectangle, {"width": 0.1, "height": 0.2}),
+    "Polygon": (pc.Polygon, {"vertices": POINTS}),
+    "Ball": (pc.Ball, {"radius": 0.1}),
+    "Cuboid": (pc.Cuboid, {"a": 0.1, "b": 0.2, "c": 0.3}),
+    "Hull": (pc.Hull, {"points": CORNERS}),
+    "MeshShape": (pc.MeshShape, {"vertices": CORNERS, "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]}),
+    "Compound": (pc.Compound, {"shapes": [(pc.Disc(0.1), (0.0, 0.0)), (pc.Disc(0.1), (1.0, 0.0), 0.5)]}),
+    "Compound of arrays": (
+        pc.Compound,
+        {"shapes": [pc.Disc(0.1)], "positions": [(0.0, 0.0)], "angles": [0.5], "orientations": None},
+    ),
+    "Hinge": (pc.Hinge, {"one": (DISCS, 0), "other": (DISCS, 1), "anchor": (0.5, 0.0)}),
+    "BallJoint": (pc.BallJoint, {"one": (DISCS, 0), "other": (ONE, 1), "anchor": (1.0, 0.0)}),
+    "Weld": (pc.Weld, {"one": (DISCS, 0), "other": None}),
+    "Prismatic": (pc.Prismatic, {"one": (DISCS, 0), "other": None, "axis": (1.0, 0.0)}),
+    "Rod": (pc.Rod, {"one": (DISCS, 0), "other": (DISCS, 1)}),
+    "SpringJoint": (pc.SpringJoint, {"one": (DISCS, 0), "other": (DISCS, 1), "anchors": None, "stiffness": 1.0}),
+    "Motor": (pc.Motor, {"joint": pc.Hinge((DISCS, 0), None, (0.0, 0.0)), "speed": 1.0, "torque": 1.0}),
     "SoftSpheres": (pc.SoftSpheres, {"stiffness": 1.0}),
     "Gravitation": (pc.Gravitation, {"constant": 1.0}),
     "Coulomb": (pc.Coulomb, {"constant": 1.0}),

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from physcore import units
 from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, HeightField, Plane, Sphere
-from physcore.constraints import SelfContact, Wire
+from physcore.constraints import BallJoint, Hinge, Motor, Prismatic, Rod, SelfContact, SpringJoint, Weld, Wire
 from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
@@ -87,9 +87,12 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.grid import Grid
 from physcore.scene.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.scene.periodic import Periodic
+from physcore.scene.polytopes import Compound, Hull, MeshShape, Polygon
 from physcore.scene.probe import Probe
+from physcore.scene.rigid import RigidBodies, RigidBody
 from physcore.scene.scene import Scene
 from physcore.scene.shapes import ball, block, cylinder
+from physcore.scene.solids import Ball, Cuboid, Disc, Rectangle
 from physcore.simulation.energy import Amount, AmountSeries, Energy, EnergySeries
 from physcore.simulation.event import Event
 from physcore.simulation.loading import load
@@ -146,6 +149,8 @@ __all__ = [
     "AmountSeries",
     "AutoStep",
     "BackwardEuler",
+    "Ball",
+    "BallJoint",
     "BlanesMoan4",
     "BlanesMoan6",
     "Body",
@@ -156,16 +161,19 @@ __all__ = [
     "Brusselator",
     "Capsule",
     "CentralForce",
+    "Compound",
     "ConvexHull",
     "Corotating",
     "Coulomb",
     "CrankNicolson",
     "CubicSpline",
+    "Cuboid",
     "CurrentLoop",
     "CustomForce",
     "Diagnosis",
     "Dihedral",
     "Dirichlet",
+    "Disc",
     "DormandPrince5",
     "Drag",
     "ElectromagneticField",
@@ -191,6 +199,8 @@ __all__ = [
     "Grid",
     "Halvorsen",
     "HeightField",
+    "Hinge",
+    "Hull",
     "ImplicitMidpoint",
     "Integrator",
     "InternalError",
@@ -204,6 +214,8 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "MeshShape",
+    "Motor",
     "Neumann",
     "Occurrences",
     "Orbit",
@@ -215,14 +227,20 @@ __all__ = [
     "Plan",
     "Plane",
     "PointVortices",
+    "Polygon",
+    "Prismatic",
     "Probe",
     "ProjectiveDynamics",
     "QuadrupoleTrap",
     "Reaction",
     "ReactionDiffusion",
     "Recording",
+    "Rectangle",
     "Renderer",
     "Ricker",
+    "RigidBodies",
+    "RigidBody",
+    "Rod",
     "Rossler",
     "RungeKutta4",
     "RungeKuttaChebyshev",
@@ -240,6 +258,7 @@ __all__ = [
     "Source",
     "Sphere",
     "SplitStep",
+    "SpringJoint",
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
@@ -252,6 +271,7 @@ __all__ = [
     "VelocityVerlet",
     "Wave",
     "WeaklyCompressible",
+    "Weld",
     "WendlandC2",
     "WendlandC4",
     "Wind",

@@ -16,7 +16,9 @@ from physcore.forces import FORCES
 from physcore.numerics.choices import check
 from physcore.scene.items import System
 from physcore.scene.kernels import KERNELS
+from physcore.scene.polytopes import SHAPES
 from physcore.scene.records import Record, kind_of, parameters
+from physcore.scene.solids import Capsule
 from physcore.simulation import engine
 from physcore.systems import SYSTEMS
 
@@ -24,6 +26,10 @@ DUST = pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=0.1, name="dust")
 NET = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [[0, 1]], 2.0, faces=[[0, 1, 2]])
 WATER = pc.Fluid(pc.block((2.0, 0.0), (2.4, 0.4), 0.1), 0.1)
 SHEET = pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))
+BOXES = pc.RigidBodies(pc.Rectangle(0.2, 0.1), [[0.0, 0.0], [1.0, 0.0]], name="boxes")
+WHEEL = pc.RigidBody(pc.Disc(0.1), (0.0, 1.0))
+HINGE = pc.Hinge(WHEEL, (BOXES, 0), (0.0, 0.5))
+CORNERS = np.vstack([np.zeros(3), np.eye(3)])
 GRID = pc.Grid((4, 3), 0.1)
 ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Gravity": ((0.0, -1.0),),
@@ -54,6 +60,21 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Wind": ((1.0, 2.0, 3.0), 1.2, 1.1, 0.02),
     "SelfContact": (SHEET, 0.1, 0.2, 0.5),
     "Wire": ([[-9.0, -9.0], [-8.0, -8.0], [-7.0, -9.0]],),
+    "Hinge": (WHEEL, None, (0.0, 1.0)),
+    "BallJoint": ((BOXES, 1), (NET, 2), (0.0, 1.0)),
+    "Weld": (WHEEL, (BOXES, 0)),
+    "Prismatic": (None, WHEEL, (0.0, 2.0)),
+    "Rod": (WHEEL, (BOXES, 0)),
+    "SpringJoint": (WHEEL, None, ((0.0, 1.0), (0.0, 2.0)), 3.0),
+    "Motor": (HINGE, 3.0, 1.0),
+    "Disc": (0.1,),
+    "Rectangle": (0.2, 0.1),
+    "Polygon": ([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],),
+    "Ball": (0.1,),
+    "Cuboid": (0.1, 0.2, 0.3),
+    "Hull": (CORNERS,),
+    "MeshShape": (CORNERS, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]),
+    "Compound": ([(pc.Disc(0.1), (0.0, 0.0)), (pc.Rectangle(0.2, 0.1), (0.1, 0.0), 0.5)],),
     "SoftSpheres": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),
@@ -67,8 +88,11 @@ ITEMS = [
     DUST,
     NET,
     WATER,
+    BOXES,
     pc.Periodic((-5.0, -5.0), (5.0, 5.0)),
     *(kind(*ARGUMENTS.get(kind_of(kind), ())) for kind in (*FORCES, *BOUNDARIES, *CONSTRAINTS, *SYSTEMS, *KERNELS)),
+    *(kind(*ARGUMENTS[kind_of(kind)]) for kind in SHAPES if kind is not Capsule),
+    Capsule(0.3, 0.1),
 ]
 
 

@@ -62,6 +62,7 @@ class Wire(ByValue, Constraint):
 
     selects: ClassVar[bool] = True
     spares_fluids: ClassVar[bool] = True
+    spares_rigid_bodies: ClassVar[bool] = True
     element: ClassVar[Element | None] = "beads"
 
     points: FloatArray

@@ -84,7 +84,7 @@ def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]
 
 def _items(source: Source) -> Iterator[Body | System]:
     """The bodies and systems of a source."""
-    yield from source.scene.bodies
+    yield from source.scene.particle_bodies
     yield from source.scene.systems
 
 

@@ -80,7 +80,7 @@ class FollowedPath:
 
     def __init__(self, follow: Follow, scene: Scene, axes: FloatArray, count: int) -> None:
         self._chosen, self._domain = follow.particles(scene), scene.periodic
-        self._mass = np.concatenate([body.mass for body in scene.bodies])[self._chosen]
+        self._mass = scene.gather("mass")[self._chosen]
         self._last: FloatArray | None = None
         self.centers = np.zeros((count, scene.dimension))
         """The center of mass at each frame [m], continuous across faces of the periodic domain."""

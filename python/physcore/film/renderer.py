@@ -253,7 +253,7 @@ class Renderer(Composition):
         target = look_at(now)
         if follow is not None:
             scene, chosen = panel.source.scene, follow.particles(panel.source.scene)
-            mass = np.concatenate([body.mass for body in scene.bodies])[chosen]
+            mass = scene.gather("mass")[chosen]
             target = middle(frame.positions[chosen], mass, scene.periodic)
         if target is None:
             target = extent.stills[0].axes.T @ extent.centers[0]

@@ -44,6 +44,7 @@ class LennardJones(Force):
     cutoff: float | None = None
 
     spares_fluids: ClassVar[bool] = True
+    spares_rigid_bodies: ClassVar[bool] = True
     is_shown: ClassVar[bool] = False
     has_kink: ClassVar[bool] = True
     binds: ClassVar[bool] = True

@@ -68,6 +68,7 @@ class SoftSpheres(Force):
     restitution: float | None = None
 
     spares_fluids: ClassVar[bool] = True
+    spares_rigid_bodies: ClassVar[bool] = True
     is_shown: ClassVar[bool] = False
     has_kink: ClassVar[bool] = True
     is_contact: ClassVar[bool] = True

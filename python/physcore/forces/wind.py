@@ -58,6 +58,7 @@ class Wind(Force):
     """Whether the velocity is a function of time and positions."""
 
     spares_fluids: ClassVar[bool] = True
+    spares_rigid_bodies: ClassVar[bool] = True
     timed: ClassVar[tuple[str, ...]] = ("velocity",)
 
     @property

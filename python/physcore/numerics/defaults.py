@@ -41,8 +41,8 @@ def default_integrator(scene: Scene, automatic: bool) -> Integrator:
 
 
 def is_small(scene: Scene) -> bool:
-    """Whether accuracy costs little: bodies of few particles, without fluids and contacts of meshes, and no other
-    systems.
+    """Whether accuracy costs little: bodies of few particles, without fluids, rigid bodies and contacts of meshes, and
+    no other systems.
 
     Atoms are left out, because their limit of accuracy resolves their bonds.
     """
@@ -51,7 +51,7 @@ def is_small(scene: Scene) -> bool:
     atoms = any(force.binds for force in scene.forces)
     few = 0 < count <= SMALL and pairs <= SMALL
     meets = not all(constraint.is_smooth for constraint in scene.constraints)
-    return few and not (atoms or scene.systems or scene.fluids or meets)
+    return few and not (atoms or scene.systems or scene.fluids or scene.has_rigid_bodies or meets)
 
 
 def is_magnetic(scene: Scene) -> bool:

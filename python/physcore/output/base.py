@@ -119,7 +119,8 @@ class ExportJob:
     @cached_property
     def body(self) -> IntArray:
         """The index of the body of each particle, shape (N,)."""
-        return np.repeat(np.arange(len(self._bodies)), [len(body) for body in self._bodies])
+        indices = [self._source.scene.index(body) for body in self._bodies]
+        return np.repeat(indices, [len(body) for body in self._bodies]).astype(np.int64)
 
     @cached_property
     def springs(self) -> Springs:
@@ -145,10 +146,10 @@ class ExportJob:
 
     @property
     def _bodies(self) -> tuple[Body, ...]:
-        return self._source.scene.bodies
+        return self._source.scene.particle_bodies
 
     def _gather(self, name: str) -> FloatArray:
-        return np.concatenate([getattr(body, name) for body in self._bodies])
+        return self._source.scene.gather(name)
 
 
 class TrajectoryWriter(Format, ABC):

@@ -25,6 +25,7 @@ from physcore.checks import (
 )
 from physcore.errors import SceneError
 from physcore.scene.fields import Element
+from physcore.units.systems import Default
 
 ROUNDED = 1e-4
 """Tolerance of a rod's length, relative, as for coordinates in f32; its ends are moved to fit."""
@@ -39,7 +40,7 @@ class Body:
         isinstance(cloth, pc.Body)  # True
         len(cloth), cloth.positions, cloth.mass
 
-    Particles, SpringNetwork and Fluid are bodies.
+    Particles, SpringNetwork, Fluid and RigidBodies are bodies.
     """
 
     positions: FloatArray
@@ -62,6 +63,8 @@ class Body:
     """Whether the body is a fluid."""
     is_loose: ClassVar[bool] = True
     """Whether the particles of the body do not act on each other of themselves."""
+    is_rigid: ClassVar[bool] = False
+    """Whether the body consists of rigid bodies, which are no particles."""
 
     @property
     def dimension(self) -> int:
@@ -79,9 +82,19 @@ class Body:
         return ()
 
     @property
+    def motion(self) -> FloatArray:
+        """The velocities at the start, followed by the angular velocities if there are any, shape (N, K)."""
+        return self.velocities
+
+    @property
     def network(self) -> SpringNetwork | None:
         """The body as a spring network, if it is one."""
         return None
+
+    @property
+    def defaults(self) -> dict[str, Default]:
+        """Arguments with a dimension that were left at their defaults, by name."""
+        return {name: value for name, value in vars(self).items() if isinstance(value, Default)}
 
     def __len__(self) -> int:
         return len(self.positions)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias, cast, get_args
+from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physcore.checks import BoolArray, FloatArray, shown, word
 from physcore.errors import SceneError
@@ -47,8 +48,28 @@ class Contents:
 
     @property
     def particles(self) -> int:
-        """The total number of particles."""
-        return sum(len(body) for body in self.bodies)
+        """The total number of particles. Rigid bodies are no particles."""
+        return sum(map(len, self.particle_bodies))
+
+    @property
+    def particle_bodies(self) -> tuple[Body, ...]:
+        """The bodies that consist of particles: all but rigid bodies."""
+        return tuple(body for body in self.bodies if not body.is_rigid)
+
+    def gather(self, name: str) -> NDArray[Any]:
+        """A quantity of all particles, such as "mass", in the order of results, shape (N,) or (N, D)."""
+        parts = [getattr(body, name) for body in self.particle_bodies]
+        return np.concatenate(parts) if parts else getattr(self.bodies[0], name)[:0] if self.bodies else np.empty(0)
+
+    @property
+    def has_rigid_bodies(self) -> bool:
+        """Whether there are rigid bodies."""
+        return any(body.is_rigid for body in self.bodies)
+
+    @property
+    def are_particles(self) -> BoolArray:
+        """Whether each row of the engine's fields of particles is a particle, not a rigid body."""
+        return np.repeat([not body.is_rigid for body in self.bodies], [len(body) for body in self.bodies]).astype(bool)
 
     @property
     def fluids(self) -> tuple[Fluid, ...]:
@@ -87,6 +108,8 @@ class Contents:
             return self.particles  # a row each
         if element == "beads":
             return self._held(self.constraints, element)
+        if element == "joints":
+            return sum(each.element == element for each in self.constraints)
         items: tuple[Body | System | Probe, ...] = (*self.bodies, *self.systems, *self.probes)
         return sum(item.elements.get(element, 0) for item in items)
 
@@ -100,14 +123,18 @@ class Contents:
 
     def _has(self, field: Field) -> bool:
         """Whether a field of matter exists in the scene."""
+        if self.dimension not in field.dimensions:
+            return False
         match field.element:
             case "particles":
                 return True
+            case "rigid bodies":
+                return self.has_rigid_bodies
             case "fluid particles":
                 return bool(self.fluids)
             case "walls":
                 return self._presses
-            case "probes" | "beads":
+            case "probes" | "beads" | "joints":
                 return self.count(field.element) > 0
             case _:
                 return any(field.name in body.quantities for body in self.bodies)
@@ -130,12 +157,14 @@ class Contents:
         named = item.among(self.bodies, "targets.item").bodies()
         if named is not None:
             return named
-        return tuple(body for body in self.bodies if not (item.spares_fluids and body.is_fluid))
+        return tuple(body for body in self.bodies if not _is_spared(item, body))
 
     def members(self, item: ActingItem, field: str = "on") -> BoolArray:
         """Whether a force, a boundary or a constraint of this scene acts on each particle, shape (N,).
 
             scene.members(scene.forces[0])
+
+        Rigid bodies are no particles: `targets` has those that an item acts on.
 
         Args:
             item: the force, the boundary or the constraint.
@@ -144,16 +173,22 @@ class Contents:
         Raises:
             SceneError: the item is neither, or has no such field.
         """
-        targets = self.targets(item)  # raises the error
-        named = item.among(self.bodies, "members.item").targets(word(field, "members.field", item.naming))
+        self.targets(item)  # raises the error
+        return self.rows(item, word(field, "members.field", tuple(dict.fromkeys(("on", *item.naming)))))[
+            self.are_particles
+        ]
+
+    def rows(self, item: ActingItem, field: str) -> BoolArray:
+        """Whether an item acts on each row of the engine's fields of particles, which have rigid bodies too."""
+        named = item.among(self.bodies, "members.item").targets(field)
         if named is None:
-            named = targets if field == "on" else self.bodies
-        result = np.zeros(self.particles, dtype=np.bool_)
+            named = self.targets(item) if field == "on" else self.bodies
+        result = np.zeros(sum(map(len, self.bodies)), dtype=np.bool_)
         for each in named:
             if isinstance(each, Selection):
-                result[self.slice(each.body)] |= each.mask
+                result[self.place(cast("Body", each.body))] |= each.mask
             else:
-                result[self.slice(each)] = True
+                result[self.place(each)] = True
         return result
 
     def index(self, key: BodyKey) -> int:
@@ -181,15 +216,25 @@ class Contents:
         name = self.bodies[index].name
         return f"bodies[{index if name is None else repr(name)}]"
 
-    def slice(self, key: BodyKey) -> slice:
-        """The slice of a body's particles in results."""
+    def place(self, key: BodyKey) -> slice:
+        """The slice of a body in the engine's fields of particles, which have a row for each rigid body too."""
         index = self.index(key)
-        start = sum(len(body) for body in self.bodies[:index])
+        start = sum(map(len, self.bodies[:index]))
         return slice(start, start + len(self.bodies[index]))
+
+    def slice(self, key: BodyKey) -> slice:
+        """The slice of a body's particles in results; an empty one for rigid bodies, which are no particles."""
+        index = self.index(key)
+        start = self._before(index, "particles")
+        return slice(start, start + self.bodies[index].elements.get("particles", 0))
+
+    def _before(self, index: int, element: Element) -> int:
+        """The number of elements of the bodies before one."""
+        return sum(body.elements.get(element, 0) for body in self.bodies[:index])
 
     def first_spring(self, key: BodyKey) -> int:
         """The index of a body's first spring among those of the scene."""
-        return sum(body.elements.get("springs", 0) for body in self.bodies[: self.index(key)])
+        return self._before(self.index(key), "springs")
 
     @property
     def systems_by_path(self) -> dict[str, System]:
@@ -242,28 +287,33 @@ class Contents:
         return sum(int(self.members(each).sum()) for each in constraints if each.element == element)
 
     def _beads(self, key: object) -> dict[Element, Rows] | None:
-        """The rows of a constraint with values for its particles; None for other keys."""
+        """The rows of a constraint with values for its particles, or the row of a joint; None for other keys."""
         element = getattr(key, "element", None)
         if getattr(key, "section", None) != "constraints" or element is None:
             return None
         constraint = cast("Constraint", key).among(self.bodies, "constraint")
         for index, other in enumerate(self.constraints):
             if constraint == other:
+                if element == "joints":
+                    return {element: sum(each.element == element for each in self.constraints[:index])}
                 first = self._held(self.constraints[:index], element)
                 return {element: slice(first, first + self._held([other], element))}
         raise SceneError(f"{key!r}: is no constraint of this scene")
 
     def _rows(self, index: int) -> dict[Element, Rows]:
         """The rows of a body in the fields of each kind of element that it has."""
-        body, first = self.bodies[index], self.first_spring(index)
-        rows: dict[Element, Rows] = {
-            **dict.fromkeys(("particles", "fluid particles"), self.slice(index)),
-            "springs": slice(first, first + body.elements.get("springs", 0)),
-            "walls": len(self.boundaries) + index,
-        }
-        return {element: rows[element] for element in body.elements}
+        counts = self.bodies[index].elements
+        starts: dict[Element, int] = {element: self._before(index, element) for element in counts}
+        starts["fluid particles"] = starts.get("particles", 0)  # a row for every particle
+        rows: dict[Element, Rows] = {each: slice(starts[each], starts[each] + count) for each, count in counts.items()}
+        return rows | {"walls": len(self.boundaries) + index} if "walls" in rows else rows
 
     def results(self, key: object, values: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """Fields of an item in the form of results, from the form of the engine; with or without a time axis."""
         path = self.system(key)
         return values if path is None else self.systems_by_path[path].shown(values)
+
+
+def _is_spared(item: ActingItem, body: Body) -> bool:
+    """Whether an item does not act on a body that is not named."""
+    return (item.spares_fluids and body.is_fluid) or (item.spares_rigid_bodies and body.is_rigid)

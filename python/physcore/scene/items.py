@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, ClassVar, Self, TypeAlias, TypeVar, cast
+from typing import Any, ClassVar, Protocol, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,11 +85,13 @@ class SceneItem:
     acts: ClassVar[bool] = False
     """Whether the item acts on bodies."""
     naming: ClassVar[tuple[str, ...]] = ()
-    """The fields that name other items of the scene."""
+    """The fields that name bodies."""
+    linking: ClassVar[tuple[str, ...]] = ()
+    """The fields that name another item of the same section."""
     parts: ClassVar[tuple[type, ...]] = ()
     """Classes of the objects in its fields, which files can contain too."""
 
-    def named(self) -> Mapping[str, tuple[Body | Selection | System, ...] | None]:
+    def named(self) -> Mapping[str, tuple[Body | Selection | SceneItem, ...] | None]:
         """The other items of the scene that fields name, by field; None: all."""
         return {}
 
@@ -136,6 +138,17 @@ def _is_vector(value: tuple[object, ...]) -> bool:
     return bool(value) and all(isinstance(each, (int, float)) for each in value)
 
 
+class Places(Protocol):
+    """The places of bodies and constraints in the arrays of the engine."""
+
+    @property
+    def constraints(self) -> Sequence[Constraint]:
+        """All constraints of the scene."""
+
+    def place(self, key: Body) -> slice:
+        """The slice of a body in the engine's fields of particles."""
+
+
 @dataclass(frozen=True)
 class ActingItem(SceneItem):
     """Base class of items that act on bodies."""
@@ -146,6 +159,8 @@ class ActingItem(SceneItem):
     acts: ClassVar[bool] = True
     spares_fluids: ClassVar[bool] = False
     """Whether the item acts on a fluid only if the fluid is named."""
+    spares_rigid_bodies: ClassVar[bool] = False
+    """Whether the item never acts on rigid bodies."""
     naming: ClassVar[tuple[str, ...]] = ("on",)
     selects: ClassVar[bool] = False
     """Whether the item can act on some particles of a body."""
@@ -189,7 +204,7 @@ class ActingItem(SceneItem):
         """The bodies that a field names, and the selections from bodies; None: all. For an item of a scene."""
         return cast("tuple[Body | Selection, ...] | None", getattr(self, field))  # converted by `among`
 
-    def named(self) -> Mapping[str, tuple[Body | Selection | System, ...] | None]:
+    def named(self) -> Mapping[str, tuple[Body | Selection | SceneItem, ...] | None]:
         """The bodies and selections that fields name, by field; None: all. For an item of a scene."""
         return {name: self.targets(name) for name in self.naming}
 
@@ -197,6 +212,11 @@ class ActingItem(SceneItem):
     def partial(self) -> tuple[str, ...]:
         """The fields that name some particles of a body."""
         return tuple(name for name, keys in self._keys().items() if any(isinstance(key, Selection) for key in keys))
+
+    def references(self, scene: Places) -> Mapping[str, object]:
+        """Values in the form of the engine that depend on the scene, such as indices of other items."""
+        del scene
+        return {}
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Check the bodies that the item acts on, after names are replaced; `path` is the item's path in the scene.
@@ -206,8 +226,8 @@ class ActingItem(SceneItem):
         """
 
 
-def whole(target: Target | System) -> Any:
-    """The body of a target, or its name; a system as it is."""
+def whole(target: Target | SceneItem) -> Any:
+    """The body of a target, or its name; another item as it is."""
     return target.body if isinstance(target, Selection) else target
 
 
@@ -320,9 +340,14 @@ class System(SceneItem):
     name: str | None = field(default=None, kw_only=True)
     """Name of the system, also a key into results."""
 
-    def named(self) -> Mapping[str, tuple[Body | Selection | System, ...] | None]:
+    @property
+    def defaults(self) -> dict[str, Default]:
+        """Arguments with a dimension that were left at their defaults, by name."""
+        return {name: value for name, value in vars(self).items() if isinstance(value, Default)}
+
+    def named(self) -> Mapping[str, tuple[Body | Selection | SceneItem, ...] | None]:
         """The systems that fields name, by field."""
-        named = {name: getattr(self, name) for name in self.naming}
+        named = {name: getattr(self, name) for name in self.linking}
         return {name: (value,) for name, value in named.items() if getattr(value, "section", None) == self.section}
 
     @property
@@ -402,7 +427,9 @@ class Constraint(ActingItem):
 
     section: ClassVar[str] = "constraints"
     element: ClassVar[Element | None] = None
-    """Kind of the elements that have values, one for each particle that it acts on; None: there are none."""
+    """Kind of the elements that have values: beads, one for each particle that it acts on, or joints, one for each
+    constraint; None: there are none.
+    """
 
     @property
     def is_smooth(self) -> bool:
@@ -413,6 +440,11 @@ class Constraint(ActingItem):
         """The thickness that the constraint gives to a body [m]."""
         del body
         return 0.0
+
+    def following(self, given: Sequence[Constraint], known: Sequence[Constraint]) -> Self:
+        """A copy that names the constraints of a scene, `known`, in place of those that the user has given."""
+        del given, known
+        return self
 
 
 # To add a boundary: a module in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.

@@ -39,7 +39,7 @@ def _warn_of_shared_places(bodies: Sequence[Body], path: Callable[[Body], str]) 
     """Warn if a fluid with obstacles fills places that the particles of another body fill."""
     fluids = [fluid for fluid in (cast("Fluid", body) for body in bodies if body.is_fluid) if fluid.obstacles]
     for body in bodies:
-        for fluid in fluids if not body.is_fluid else ():
+        for fluid in fluids if not (body.is_fluid or body.is_rigid) else ():
             filled = [first[first < len(fluid)] for first, second in _shared(fluid, body.positions)]
             count = len(np.unique(np.concatenate(filled))) if filled else 0
             if count > 0:

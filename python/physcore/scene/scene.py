@@ -22,7 +22,7 @@ from physcore.scene.probe import Probe
 from physcore.scene.records import Named, Record, pack
 from physcore.scene.selection import Selection
 from physcore.storage.archive import Tree, digest
-from physcore.units.systems import SI, Default, UnitSystem
+from physcore.units.systems import SI, UnitSystem
 
 Item: TypeAlias = Body | Force | Boundary | Constraint | System | Probe | Periodic
 SECTIONS = ("bodies", "forces", "boundaries", "constraints", "systems", "probes")
@@ -78,6 +78,9 @@ class Scene(Contents):
         for field in ("forces", "boundaries", "constraints"):
             known = (item.among(self.bodies, f"{field}[{place}]") for place, item in enumerate(getattr(self, field)))
             object.__setattr__(self, field, tuple(known))
+        own, given_constraints = self.constraints, [item for item in given if item.section == "constraints"]
+        linked = (each.following(cast("list[Constraint]", given_constraints), own) for each in own)
+        object.__setattr__(self, "constraints", tuple(linked))
         self._set_domain([cast("Periodic", item) for item in given if item.section == "domains"])
         if not self.units.is_si:
             self._convert_defaults()
@@ -161,15 +164,15 @@ class Scene(Contents):
                 for place, item in enumerate(getattr(self, section))
             )
             object.__setattr__(self, section, tuple(items))
-        for section, kept in (("bodies", self.bodies), ("systems", self.systems)):
+        left: dict[str, tuple[Body | System, ...]] = {"bodies": self.bodies, "systems": self.systems}
+        for section, kept in left.items():
             for place, item in enumerate(kept):
-                for name, value in vars(item).items():
-                    if isinstance(value, Default):
-                        path = f"{self.path(place) if section == 'bodies' else f'systems[{place}]'}.{name}"
-                        own, unit = value.converted(self.units, path), self.units.suffix(value.unit)
-                        raise SceneError(
-                            f"{path}: must be given in the units of this scene; the default is {name}={own:.6g}{unit}"
-                        )
+                for name, value in item.defaults.items():
+                    path = f"{self.path(place) if section == 'bodies' else f'systems[{place}]'}.{name}"
+                    own, unit = value.converted(self.units, path), self.units.suffix(value.unit)
+                    raise SceneError(
+                        f"{path}: must be given in the units of this scene; the default is {name}={own:.6g}{unit}"
+                    )
 
     def _check_bodies(self) -> None:
         """Check that there is at least one body or system, that each occurs once, and that dimensions and names are
@@ -271,19 +274,34 @@ class Scene(Contents):
             )
         for field, others in item.named().items():
             for other in others or ():
-                if not any(whole(other) is each for each in (*self.bodies, *self.systems)):
+                if not any(whole(other) is each for each in (*self.bodies, *self.systems, *self.constraints)):
                     raise SceneError(f"{path}.{field}: {whole(other)!r} is not in the scene; add it as an item too")
         if not item.acts:
             return
         acting = cast("ActingItem", item)
         targets = self.targets(acting)
         if not targets and acting.on is None and self.bodies:
-            raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")
+            kind, fluids = type(item).__name__, acting.spares_fluids and self.fluids
+            rule = (
+                "acts on fluids only where they are named: on=fluid"
+                if fluids
+                else "acts on particles, not on rigid bodies"
+            )
+            raise SceneError(f"{path}.on: {kind} {rule}")
+        if acting.spares_rigid_bodies:
+            self._refuse_rigid_bodies(acting, path)
         acting.check(targets, path)
+
+    def _refuse_rigid_bodies(self, item: ActingItem, path: str) -> None:
+        """Check that an item that acts on particles alone names no rigid bodies."""
+        for field in item.naming:
+            rigid = next((body for body in item.bodies(field) or () if body.is_rigid), None)
+            if rigid is not None:
+                raise SceneError(f"{path}.{field}: {type(item).__name__} acts on particles, not on {rigid!r}")
 
 
 def indices(scene: Scene, item: SceneItem) -> Named:
-    """The indices of the bodies that a force or a boundary names, and of the systems that a system names, by field.
+    """The indices of the bodies, and of other items of its section, that an item names, by field.
 
     A selection of particles is the index of its body and the indices of the particles.
     """
@@ -293,8 +311,8 @@ def indices(scene: Scene, item: SceneItem) -> Named:
     }
 
 
-def _place(scene: Scene, named: Body | Selection | System) -> int | list[Any]:
-    """The index of a body or a system; with the indices of the selected particles of a body, if not of all."""
+def _place(scene: Scene, named: Body | Selection | SceneItem) -> int | list[Any]:
+    """The index of a body or another item; with the indices of the selected particles of a body, if not of all."""
     item = whole(named)
     index = next(place for place, each in enumerate(getattr(scene, item.section)) if each is item)
     return [index, named.index] if isinstance(named, Selection) else index

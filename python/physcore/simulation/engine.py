@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
 from physcore._core import World
-from physcore.checks import FloatArray
+from physcore.checks import BoolArray, FloatArray
 from physcore.errors import SceneError
 from physcore.numerics.choices import Limit, Numerics
 from physcore.numerics.fluids import FluidMethod
 from physcore.scene.bodies import Body
+from physcore.scene.fields import FIELDS, Field
 from physcore.scene.items import ActingItem, SceneItem
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene, indices
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from physcore._core import StagesRecord
 
 S = TypeVar("S", bound=Snapshot)
+PLACES = ("positions", "rigid_positions")
+"""Fields of positions in the periodic domain."""
 
 
 def build(scene: Scene, numerics: Numerics) -> World:
@@ -80,24 +83,73 @@ def is_same(one: object, other: object) -> bool:
 
 
 def fields(world: World, scene: Scene) -> list[FieldInfo]:
-    """The fields of the elements of a world. Without bodies there are positions and velocities of no particles."""
+    """The fields of the elements of a world. Without bodies there are positions and velocities of no particles.
+
+    The engine has a row for each rigid body in the fields of particles. Here rigid bodies have fields of their own.
+    """
     none = (
         []
         if scene.bodies
         else [_nothing("positions", "m", "velocities", scene), _nothing("velocities", "m/s", None, scene)]
     )
-    return none + [
+    known = none + [
         FieldInfo(name, scene.units.symbol(unit), tuple(shape), rate, state)
         for name, unit, location, shape, rate, state in world.fields()
         if location != "whole"
     ]
+    return [own for info in known for own in _split(info, scene)] if scene.has_rigid_bodies else known
+
+
+def _split(info: FieldInfo, scene: Scene) -> list[FieldInfo]:
+    """A field of the engine as the fields of particles and of rigid bodies that it consists of."""
+    own = {name: field for name, field in scene.fields.items() if field.source == info.name}
+    rates = {field.source: name for name, field in scene.fields.items() if field.element == "rigid bodies"}
+    return [
+        replace(
+            info,
+            name=name,
+            shape=field.shape,
+            rate=rates.get(info.rate or "", info.rate) if field.element == "rigid bodies" else info.rate,
+        )
+        for name, field in own.items()
+    ] or [info]
 
 
 def read(world: World, scene: Scene, name: str) -> FloatArray:
     """The values of a field. Positions are where particles have gone: `show` puts them into the domain."""
-    return (
-        world.read(name) if scene.bodies or name not in ("positions", "velocities") else np.empty((0, scene.dimension))
-    )
+    if not scene.bodies and name in ("positions", "velocities"):
+        return np.empty((0, scene.dimension))
+    if not scene.has_rigid_bodies or name not in FIELDS:
+        return world.read(name)
+    field = FIELDS[name]
+    values, rows = world.read(field.source), _rows(field, scene)
+    return values if rows is None else values[rows]
+
+
+def write(world: World, scene: Scene, fields: dict[str, FloatArray]) -> None:
+    """Replace fields.
+
+    Raises:
+        SceneError: a value is not possible.
+    """
+    if scene.has_rigid_bodies:
+        merged: dict[str, FloatArray] = {}
+        for name, values in fields.items():
+            source = FIELDS[name].source if name in FIELDS else name
+            rows = _rows(FIELDS[name], scene) if name in FIELDS else None
+            if rows is None:
+                merged[source] = values
+            else:
+                merged.setdefault(source, world.read(source))[rows] = values
+        fields = merged
+    world.write(fields)
+
+
+def _rows(field: Field, scene: Scene) -> BoolArray | None:
+    """The rows of a field in the engine's field of particles; None for other fields."""
+    if field.element in ("particles", "fluid particles"):
+        return scene.are_particles
+    return ~scene.are_particles if field.source != field.name else None
 
 
 def snapshot(world: World, scene: Scene) -> Snapshot:
@@ -108,7 +160,8 @@ def snapshot(world: World, scene: Scene) -> Snapshot:
 
 def shown(state: S, scene: Scene) -> S:
     """A snapshot as the user sees it."""
-    return replace(state, fields={**state.fields, "positions": show(state.positions, scene)})
+    places = {name: show(state.fields[name], scene) for name in PLACES if name in state.fields}
+    return replace(state, fields={**state.fields, **places})
 
 
 def show(positions: FloatArray, scene: Scene) -> FloatArray:
@@ -199,4 +252,7 @@ def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
     targets = scene.targets(item)
     bodies["on"] = None if targets == scene.bodies else targets
     named = {field: None if own is None else [scene.index(body) for body in own] for field, own in bodies.items()}
-    return record.described(named, {field: scene.members(item, field) for field in item.partial})
+    other = item.references(scene)
+    masks = {field: scene.rows(item, field) for field in item.partial if field not in other}
+    described = record.described(named | dict.fromkeys(other), masks)
+    return {**described, "values": {**cast("dict[str, object]", described["values"]), **other}}

@@ -366,7 +366,7 @@ def _numbers(scene: Scene, body: Owner) -> IntArray:
         last -= points
     if getattr(body, "section", None) == "systems":
         raise KeyError(f"{body!r} is no system of this scene")
-    own = scene.slice(cast("BodyKey", body))
+    own = scene.place(cast("BodyKey", body))
     return np.arange(own.start, own.stop)
 
 

@@ -51,8 +51,8 @@ def _untouched(recording: Recording) -> Iterator[str]:
         return
     for place, boundary in enumerate(scene.boundaries):
         plane = cast("Boundary", boundary.resolved(scene.dimension)).flat
-        if plane is None:
-            continue
+        if plane is None or any(body.is_rigid for body in scene.targets(boundary)):
+            continue  # The surfaces of rigid bodies were not recorded.
         nearest = np.inf
         for body in scene.targets(boundary):
             part = scene.slice(scene.index(body))

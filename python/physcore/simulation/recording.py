@@ -14,12 +14,12 @@ from physcore import memory
 from physcore.checks import FloatArray, is_word, word, words
 from physcore.errors import FileError, SceneError
 from physcore.scene.contents import ItemKey
-from physcore.scene.fields import FLOW, MOTION
+from physcore.scene.fields import FIELDS, FLOW, MOTION, RIGID
 from physcore.scene.scene import Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.energy import Amount, AmountSeries, EnergySeries
 from physcore.simulation.occurrences import Events
-from physcore.simulation.periods import period_of
+from physcore.simulation.periods import marked, period_of
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance
 from physcore.simulation.serial import unpack_scene
@@ -38,13 +38,14 @@ AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 PARTS = ("removed_by", "supplied_by")
 """Parts of other budgets that have one number for each cause."""
 TOTALS = {"momentum": "kg·m/s", "angular_momentum": "kg·m²/s"}
-"""Sums over all particles, with their units."""
+"""Sums over all particles and rigid bodies, with their units."""
 TERMS = 8
 """Approximate number of forces and causes of dissipation, each with an energy of its own."""
 
 
 def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
-    """The fields of a scene to record; None: all except those of fluids.
+    """The fields of a scene to record; None: all except those of fluids. "positions" and "velocities" include those of
+    rigid bodies.
 
     Raises:
         SceneError: a field is not one of the scene's.
@@ -52,6 +53,10 @@ def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
     known = tuple(scene.fields)
     if channels is None:
         return tuple(name for name in known if name not in FLOW)
+    if isinstance(channels, (tuple, list)) and scene.has_rigid_bodies:
+        # Positions and velocities are those of rigid bodies too.
+        more = [name for name in RIGID if any(is_word(each, FIELDS[name].source) for each in channels)]
+        channels = [*channels, *more]
     hint = ""
     if isinstance(channels, str):
         hint = f'; write ("{channels}",)' if channels in known else ""
@@ -98,7 +103,8 @@ class Recording(Trajectory):
 
     def to_dataframe(self) -> DataFrame:
         """Convert to a pandas data frame, as in `Trajectory`; at each time, the bodies follow one another."""
-        names = [(index if body.name is None else body.name, len(body)) for index, body in enumerate(self.scene.bodies)]
+        bodies = self.scene.particle_bodies
+        names = [(self.scene.index(body) if body.name is None else body.name, len(body)) for body in bodies]
         own = {name: values for name, values in self.channels.items() if name in (*MOTION, *FLOW)}
         return data_frame(self.times, own if names else {}, names)
 
@@ -155,14 +161,16 @@ class Recording(Trajectory):
 
     @property
     def period(self) -> float | None:
-        """Period of the motion [s], after which all particles return to their positions; None without a period.
+        """Period of the motion [s], after which all particles return to their positions, and rigid bodies to their
+        positions and orientations; None without a period.
 
             swing = pc.simulate(scene, duration=recording.period or 1.0)
 
         The tolerance is 2 % of the extent of the motion. Periods up to half of the recording are found. A film of one
         period loops without a jump.
         """
-        return None if "positions" not in self.channels else period_of(self.times, self.positions, self.scene.periodic)
+        places = marked(self.scene, self.channels)
+        return None if places is None else period_of(self.times, places, self.scene.periodic)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save the recording as a NumPy archive, which `physcore.load` and `numpy.load` read.
@@ -309,8 +317,13 @@ def refuse_if_too_large(frames: int, scene: Scene, needed: int, hint: str) -> No
 
 
 def contents(scene: Scene) -> str:
-    """The numbers of particles, tracers and cells of a scene, as text."""
-    counts = {"particles": scene.particles, "tracers": scene.count("points"), "cells": scene.count("cells")}
+    """The numbers of particles, rigid bodies, tracers and cells of a scene, as text."""
+    counts = {
+        "particles": scene.particles,
+        "rigid bodies": scene.count("rigid bodies"),
+        "tracers": scene.count("points"),
+        "cells": scene.count("cells"),
+    }
     return " and ".join(f"{count} {name}" for name, count in counts.items() if count) or "0 particles"
 
 

@@ -12,6 +12,7 @@ from physcore.checks import BoolArray, FloatArray
 from physcore.errors import SceneError
 from physcore.numerics.choices import BODIES, Numerics, Options, check
 from physcore.scene.bodies import Body
+from physcore.scene.fields import FIELDS
 from physcore.scene.items import System
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
@@ -34,7 +35,7 @@ def require_alike(scene: Scene, before: Scene) -> None:
         raise SceneError("replace.scene: must have the units of the scene before; build it with the same units=")
     for body, known in _bodies(scene, before):
         path = _path(scene, body)
-        if body.is_fluid != known.is_fluid:
+        if (body.is_fluid, body.is_rigid) != (known.is_fluid, known.is_rigid):
             raise SceneError(f"{path}: is a {type(body).__name__}, and was a {type(known).__name__}; {_RENAME}")
         if len(body) != len(known):
             raise SceneError(f"{path}.positions: must be {len(known)} as before, got {len(body)}; {_RENAME}")
@@ -92,7 +93,7 @@ def carry(world: World, scene: Scene, old: World, before: Scene) -> None:
     for item, known in every:
         _carry_item(fields, (scene, item), (before, known), old)
     try:
-        world.write({name: values for name, values in fields.items() if values.size})
+        engine.write(world, scene, {name: values for name, values in fields.items() if values.size})
     except SceneError as error:
         raise SceneError(f"replace.{engine.named(str(error), scene)}") from None
 
@@ -111,7 +112,7 @@ def _carry_item(
         if name not in fields:
             continue
         values = engine.read(world, before, old_name)[old_rows]
-        if part == "velocities" and name == part:
+        if part in ("velocities", "angular_velocities") and name in FIELDS:
             held = _newly_held(cast("Body", item), cast("Body", known))
             values[held] = fields[name][rows][held]
         if part != "broken" or values.any():
@@ -134,8 +135,9 @@ def _require_springs(path: str, body: Body, known: Body, broken: FloatArray) -> 
 
 
 def _newly_held(body: Body, known: Body) -> BoolArray:
-    """Mask (N,) of the particles that are held, and were not held at the same velocity."""
-    held: BoolArray = body.fixed & ~(known.fixed & (known.velocities == body.velocities).all(axis=1))
+    """Mask (N,) of the particles or rigid bodies that are held, and were not held at the same velocities."""
+    kept = known.fixed & (known.motion == body.motion).all(axis=1)
+    held: BoolArray = body.fixed & ~kept
     return held
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
+from functools import partial
 from itertools import chain
 from typing import Any, cast
 
@@ -20,8 +21,10 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
 from physcore.scene.kernels import KERNELS
 from physcore.scene.periodic import Periodic
+from physcore.scene.polytopes import SHAPES
 from physcore.scene.probe import Probe
 from physcore.scene.records import kind_of, pack, parameters
+from physcore.scene.rigid import RigidBodies
 from physcore.scene.scene import Scene
 from physcore.scene.selection import Selection
 from physcore.storage.archive import Tree
@@ -29,18 +32,17 @@ from physcore.storage.schema import Rule, anything, either, maybe, of, real, rec
 from physcore.systems import SYSTEMS
 from physcore.units.systems import Unit, UnitSystem
 
-_BODIES = (Particles, SpringNetwork, Fluid)
+_BODIES = (Particles, SpringNetwork, Fluid, RigidBodies)
 _RULES = (*INTEGRATORS, *FLUID_METHODS, AutoStep, AdaptiveStep)
 _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {
     "forces": FORCES,
     "boundaries": BOUNDARIES,
     "constraints": CONSTRAINTS,
 }
-_PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
+_PARTS = (*KERNELS, *SHAPES, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
 """Classes of objects within items."""
-_KINDS: dict[str, type[Any]] = {
-    kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, Probe, *_RULES)
-}
+_ITEMS: dict[str, type[SceneItem]] = {kind_of(kind): kind for kind in (*chain(*_SECTIONS.values()), *SYSTEMS)}
+"""Classes that may name others, by their names in files."""
 
 _UNIT = of(Unit, value=maybe(real()))
 _SCENE = record(
@@ -64,12 +66,11 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
     """
     content = _SCENE(tree, path)
     bodies = [_unpack(entry, f"{path}.bodies[{index}]", _BODIES) for index, entry in enumerate(content["bodies"])]
-    acting = [
-        _unpack_item(entry, f"{path}.{name}[{index}]", kinds, bodies)
-        for name, kinds in _SECTIONS.items()
-        for index, entry in enumerate(content[name])
-    ]
-    systems = _unpack_systems(content["systems"], f"{path}.systems")
+    acting: list[Any] = []
+    for name, kinds in _SECTIONS.items():
+        unpacked = partial(_unpack_item, kinds=kinds, bodies=bodies)
+        acting += _unpack_linked(content[name], f"{path}.{name}", unpacked)
+    systems = _unpack_linked(content["systems"], f"{path}.systems", partial(_unpack, kinds=SYSTEMS))
     probes = [_unpack(entry, f"{path}.probes[{index}]", (Probe,)) for index, entry in enumerate(content["probes"])]
     domain = content["periodic"]
     items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
@@ -112,7 +113,8 @@ def _unpack_choice(tree: Tree, path: str, kinds: tuple[type[Any], ...] | None) -
 def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     """An object of one of some classes, from the result of `pack`."""
     thing = _THING(tree, path)
-    kind = _KINDS[word(*map(kind_of, kinds))(thing["kind"], f"{path}.kind")]
+    named = {kind_of(kind): kind for kind in kinds}
+    kind = named[word(*named)(thing["kind"], f"{path}.kind")]
     fields_of = record(**dict.fromkeys(parameters(kind), anything))(thing["fields"], f"{path}.fields")
     values = {name: _unpack_value(value, f"{path}.{name}", _PARTS) for name, value in fields_of.items()}
     with _named(path):
@@ -136,25 +138,25 @@ def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     return _unpack(tree, path, kinds) if isinstance(tree, dict) and kinds else tree
 
 
-def _unpack_systems(trees: Sequence[Tree], path: str) -> list[Any]:
-    """Systems; a system that names another, by its index, is created after that."""
+def _unpack_linked(trees: Sequence[Tree], path: str, unpacked: Callable[[Tree, str], Any]) -> list[Any]:
+    """Items of one section; an item that names another, by its index, is created after that."""
     found: dict[int, Any] = {}
     waiting = dict(enumerate(trees))
     while waiting:
         ready = {index: _with_named(tree, f"{path}[{index}]", found) for index, tree in waiting.items()}
         done = {index: tree for index, tree in ready.items() if tree is not None}
         if not done:
-            raise FileError(f"{path}: must name systems of the scene, and not each other in turn")
-        found |= {index: _unpack(tree, f"{path}[{index}]", SYSTEMS) for index, tree in done.items()}
+            raise FileError(f"{path}: must name items of the scene, and not each other in turn")
+        found |= {index: unpacked(tree, f"{path}[{index}]") for index, tree in done.items()}
         waiting = {index: tree for index, tree in waiting.items() if index not in done}
     return [found[index] for index in range(len(trees))]
 
 
 def _with_named(tree: Tree, path: str, found: dict[int, Any]) -> Tree | None:
-    """The tree of a system with the named systems in place of their indices; None if one of them does not exist yet."""
+    """The tree of an item with the named items in place of their indices; None if one of them does not exist yet."""
     thing = _THING(tree, path)
     values = table(anything)(thing["fields"], f"{path}.fields")
-    for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
+    for field in getattr(_ITEMS.get(thing["kind"]), "linking", ()):
         if isinstance(values.get(field), list):
             (index,) = several(whole(), lengths=(1,))(values[field], f"{path}.{field}")
             if index not in found:
@@ -169,7 +171,7 @@ def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: li
     named: dict[str, list[Body | Selection]] = {}
     index = whole(most=len(bodies) - 1)
     rule = maybe(several(either(list, several(anything, lengths=(2,)), index)))
-    for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
+    for field in getattr(_ITEMS.get(thing["kind"]), "naming", ()):
         own = f"{path}.{field}"
         targets = rule(values.get(field), own)
         named |= {} if targets is None else {field: [_target(each, own, bodies, index) for each in targets]}

@@ -6,12 +6,12 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal, cast
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import FloatArray, broadcast, flag, shown, span
+from physcore.checks import FloatArray, flag, shown, span
 from physcore.errors import SceneError
 from physcore.numerics.choices import (
     FRAMES_PER_SECOND,
@@ -32,6 +32,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.alternation import alternating
+from physcore.simulation.changes import Changes
 from physcore.simulation.checkpoint import Checkpoint
 from physcore.simulation.earlier import Earlier
 from physcore.simulation.event import Event, checked
@@ -162,8 +163,10 @@ class Simulation(Measured):
 
     @property
     def positions(self) -> FloatArray:
-        """Positions of all particles, body by body [m], shape (N, D), within the periodic domain; a copy."""
-        return engine.show(engine.read(self._world, self._scene, "positions"), self._scene)
+        """Positions of all particles, body by body [m], shape (N, D), within the periodic domain; a copy. Rigid bodies
+        are no particles.
+        """
+        return self._field("positions")
 
     @property
     def velocities(self) -> FloatArray:
@@ -199,8 +202,9 @@ class Simulation(Measured):
         return Part(self.time, self._scene.results(item, fields), lambda values: self._set_part(item, values))
 
     def _field(self, name: str) -> FloatArray:
-        """The values of a field, with positions of particles within the periodic domain."""
-        return self.positions if name == "positions" else self._world.read(name)
+        """The values of a field, with positions within the periodic domain."""
+        values = engine.read(self._world, self._scene, name)
+        return engine.show(values, self._scene) if name in engine.PLACES else values
 
     def __repr__(self) -> str:
         return f"Simulation({self._scene!r}, {self.integrator!r}, time={self.time:g}, steps={self.steps})"
@@ -363,16 +367,21 @@ class Simulation(Measured):
         """Replace the state between two steps; the change of energy counts as work.
 
         Args:
-            positions: [m], an array that broadcasts to (N, D), or a mapping from bodies to arrays. They may lie outside
-                of the periodic domain; springs are stretched from one to the other as they are given.
+            positions: [m], an array that broadcasts to (N, D), for all particles, or a mapping from bodies to arrays;
+                rigid bodies are set by a mapping. They may lie outside of the periodic domain; springs are stretched
+                from one to the other as they are given.
             velocities: [m/s], likewise.
 
         Raises:
             SceneError: a shape does not fit, or a value is not finite.
         """
         given = {"positions": positions, "velocities": velocities}
+        changes = Changes(self._world, self._scene)
         with self._scene.units.worded():
-            self._write({name: self._whole(values, name) for name, values in given.items() if values is not None})
+            for name, values in given.items():
+                if values is not None:
+                    changes.put(name, values)
+            self._write(changes.fields)
 
     def _set_part(self, item: ItemKey, values: Mapping[str, ArrayLike]) -> None:
         """Replace fields of an item."""
@@ -386,8 +395,11 @@ class Simulation(Measured):
                 raise SceneError(f"set.{name}: follows from the state of the fluid")
             if name not in known:
                 raise SceneError(f"set.{name}: must be one of {', '.join(known)}")
-        body = cast("BodyKey", item)
-        self.set(**{name: {body: given} for name, given in values.items()})
+        changes = Changes(self._world, self._scene)
+        with self._scene.units.worded():
+            for name, given in values.items():
+                changes.put_part(item, name, given, item)
+            self._write(changes.fields)
 
     def _set_fields(self, path: str, values: Mapping[str, object]) -> None:
         """Replace fields of a further system."""
@@ -404,7 +416,7 @@ class Simulation(Measured):
 
     def _write(self, fields: dict[str, FloatArray]) -> None:
         """Replace fields of the world."""
-        self._world.write(fields)
+        engine.write(self._world, self._scene, fields)
         if self._watch is not None:
             self._watch.restart()
 
@@ -465,20 +477,6 @@ class Simulation(Measured):
     def _end(self) -> tuple[Plan, Provenance]:
         """The plan and the provenance of a recording."""
         return self.plan, self.provenance
-
-    def _whole(self, given: State, field: str) -> FloatArray:
-        """The values of a field (N, D) for all particles."""
-        path, shape = f"set.{field}", (self._scene.particles, self._scene.dimension)
-        if not isinstance(given, Mapping):
-            return broadcast(given, shape, path)
-        values: FloatArray = engine.read(self._world, self._scene, field)
-        for key, part in given.items():
-            try:
-                where = self._scene.slice(key)
-            except KeyError as error:
-                raise SceneError(f"{path}: {error.args[0]}") from None
-            values[where] = broadcast(part, values[where].shape, f"{path}[{shown(key)}]")
-        return values
 
 
 def require_scene(scene: object) -> None:

@@ -67,13 +67,30 @@ class Snapshot:
 
     @property
     def positions(self) -> FloatArray:
-        """Positions [m], shape (N, D); within the periodic domain."""
+        """Positions [m], shape (N, D); within the periodic domain. Of a whole scene: of all particles, without rigid
+        bodies.
+        """
         return self._field("positions")
 
     @property
     def velocities(self) -> FloatArray:
         """Velocities [m/s], shape (N, D)."""
         return self._field("velocities")
+
+    @property
+    def angles(self) -> FloatArray:
+        """Angles of rigid bodies in 2D [rad], shape (B,)."""
+        return self._field("angles")
+
+    @property
+    def orientations(self) -> FloatArray:
+        """Orientations of rigid bodies in 3D, unit quaternions (w, x, y, z), shape (B, 4)."""
+        return self._field("orientations")
+
+    @property
+    def angular_velocities(self) -> FloatArray:
+        """Angular velocities of rigid bodies [rad/s], shape (B,) in 2D and (B, 3) in 3D."""
+        return self._field("angular_velocities")
 
     @property
     def densities(self) -> FloatArray:

@@ -54,6 +54,7 @@ def data_frame(
         if values.ndim == 2:
             columns[name] = values.ravel()
             continue
-        for axis, component in zip(AXES, np.moveaxis(values, 2, 0), strict=False):
+        axes = AXES if values.shape[2] <= len(AXES) else f"w{AXES}"  # quaternions are (w, x, y, z)
+        for axis, component in zip(axes, np.moveaxis(values, 2, 0), strict=False):
             columns[COLUMNS.get(name, name + "_{axis}").format(axis=axis)] = component.ravel()
     return pandas.DataFrame(columns)

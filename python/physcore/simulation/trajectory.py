@@ -10,7 +10,7 @@ import numpy as np
 from physcore.checks import BoolArray, FloatArray, word
 from physcore.errors import SceneError
 from physcore.scene.contents import ItemKey
-from physcore.scene.fields import FIELDS, MATTER, MOTION
+from physcore.scene.fields import FIELDS, MATTER, MOTION, RIGID
 from physcore.scene.scene import Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.tables import data_frame
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 UNITS = {field.part: field.unit for field in MATTER if field.unit != "1"}
 """Units of channels, as they are called in the results of an item."""
+COMPONENTS = dict.fromkeys((*MOTION, *RIGID), "xyz") | {"orientations": "wxyz"}
+"""Names of the components of a value, by channel."""
 
 
 def channel_rules(scene: Scene, sizes: Sizes, over: str) -> dict[str, Rule]:
@@ -50,13 +52,30 @@ class Trajectory:
 
     @property
     def positions(self) -> FloatArray:
-        """Positions [m], shape (F, N, D); within the periodic domain."""
+        """Positions [m], shape (F, N, D); within the periodic domain. Of a whole recording: of all particles, without
+        rigid bodies.
+        """
         return self._channel("positions")
 
     @property
     def velocities(self) -> FloatArray:
         """Velocities [m/s], shape (F, N, D)."""
         return self._channel("velocities")
+
+    @property
+    def angles(self) -> FloatArray:
+        """Angles of rigid bodies in 2D [rad], shape (F, B)."""
+        return self._channel("angles")
+
+    @property
+    def orientations(self) -> FloatArray:
+        """Orientations of rigid bodies in 3D, unit quaternions (w, x, y, z), shape (F, B, 4)."""
+        return self._channel("orientations")
+
+    @property
+    def angular_velocities(self) -> FloatArray:
+        """Angular velocities of rigid bodies [rad/s], shape (F, B) in 2D and (F, B, 3) in 3D."""
+        return self._channel("angular_velocities")
 
     @property
     def densities(self) -> FloatArray:
@@ -113,9 +132,10 @@ class Trajectory:
         """
         name = word(channel, "plot.channel", self.channels)
         values = self.channels[name]
-        flat = values if values.ndim == 3 and name in MOTION else values.reshape(len(values), -1, 1)
+        flat = values if values.ndim == 3 and name in COMPONENTS else values.reshape(len(values), -1, 1)
         label = self.units.label(name, UNITS[name]) if name in UNITS else name
-        return over_time(self.times, flat, "xyz"[: flat.shape[2]], label, axes, self.units)
+        components = COMPONENTS.get(name, "x")[: flat.shape[2]]
+        return over_time(self.times, flat, components, label, axes, self.units)
 
     def __len__(self) -> int:
         return len(self.times)

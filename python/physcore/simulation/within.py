@@ -7,9 +7,14 @@ from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, TypeVar
 
+import numpy as np
+
 from physcore._core import World
+from physcore.arithmetic import dots, lengths
+from physcore.checks import FloatArray
 from physcore.errors import SimulationDiverged
 from physcore.numerics.choices import Numerics
+from physcore.scene.rotations import quaternion_rates
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.state import Snapshot
@@ -27,6 +32,7 @@ def between(before: S, after: Snapshot, fraction: float, dt: float, rates: Mappi
     A field whose rate of change is also a field is a cubic Hermite interpolation, and its rate is the derivative of
     this cubic. All other fields are interpolated linearly. The formulas use differences, so that constant values keep
     their bits. The error is of order dt⁴ for fields such as positions, dt³ for their rates, and dt² for the others.
+    Orientations are normalized.
 
     Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
     """
@@ -38,7 +44,23 @@ def between(before: S, after: Snapshot, fraction: float, dt: float, rates: Mappi
             v0, v1 = before.fields[rate], after.fields[rate]
             fields[name] = before.fields[name] + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * v0 - s * v1)
             fields[rate] = 6.0 * s * r * (shift / dt) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
+    if "orientations" in fields:
+        fields["orientations"] = _turned(before, after, s, dt)
     return replace(before, fields=fields)
+
+
+def _turned(before: Snapshot, after: Snapshot, s: float, dt: float) -> FloatArray:
+    """Unit quaternions at a fraction of a step, by a cubic Hermite interpolation that is normalized; the error is of
+    order dt⁴.
+    """
+    q0, q1 = before.orientations, after.orientations
+    q1 = np.where(dots(q0, q1)[:, np.newaxis] < 0.0, -q1, q1)  # q and −q are the same orientation
+    r0, r1 = quaternion_rates(q0, before.angular_velocities), quaternion_rates(q1, after.angular_velocities)
+    r = 1.0 - s
+    turned = q0 + s * s * (3.0 - 2.0 * s) * (q1 - q0) + dt * s * r * (r * r0 - s * r1)
+    # A quaternion that does not change keeps its bits.
+    unit: FloatArray = np.where((turned == q0).all(axis=1, keepdims=True), q0, turned / lengths(turned)[:, np.newaxis])
+    return unit
 
 
 class Step(NamedTuple):

@@ -41,7 +41,7 @@ class Tracers(PointSystem):
     """
 
     parts: ClassVar[tuple[type, ...]] = FLOWS
-    naming: ClassVar[tuple[str, ...]] = ("flow",)
+    linking: ClassVar[tuple[str, ...]] = ("flow",)
 
     positions: FloatArray
     """Initial positions [m], shape (N, D)."""

@@ -134,6 +134,8 @@ def _weights(scene: Scene, member: Member, path: str) -> FloatArray:
         where, body = scene.slice(key), scene.bodies[scene.index(key)]
     except KeyError as error:
         raise SceneError(f"{path}: {error.args[0]}") from None
+    if body.is_rigid:
+        raise SceneError(f"{path}: must be a body of particles, got {body!r}")
     weights = np.zeros(scene.particles)
     if index is None:
         weights[where] = body.mass

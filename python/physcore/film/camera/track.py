@@ -131,6 +131,8 @@ class Follow:
                 where, body = scene.slice(key), scene.bodies[scene.index(key)]
             except (KeyError, IndexError) as error:
                 raise SceneError(f"Follow.bodies: {error.args[0]}") from None
+            if body.is_rigid:
+                raise SceneError(f"Follow.bodies: must be bodies of particles, got {body!r}")
             chosen[where], free[where] = True, ~body.fixed
         return free if free.any() else chosen
 

@@ -46,6 +46,18 @@ def mixed(theme: Theme, strength: float) -> FloatArray:
     return color
 
 
+def places_of(body: Body, scene: Scene, frame: SourceFrame) -> FloatArray:
+    """The positions of the particles or rigid bodies of a body in a frame [m].
+
+    Raises:
+        SceneError: they were not recorded.
+    """
+    name, rows = scene.parts(body)["positions"]
+    if name not in frame.fields:
+        raise SceneError(f"channels: {name} were not recorded, and charges of {body!r} have fields")
+    return frame.fields[name][rows]
+
+
 @dataclass(frozen=True, eq=False)
 class Fields:
     """The fields of a scene, with its charges at the positions of a frame."""
@@ -55,7 +67,7 @@ class Fields:
 
     @cached_property
     def _simulation(self) -> Simulation:
-        places = (self.frame.positions[self.scene.slice(body)] for body in self.scene.bodies)
+        places = (places_of(body, self.scene, self.frame) for body in self.scene.bodies)
         held = [
             Particles(at, charge=body.charge, fixed=True) for body, at in zip(self.scene.bodies, places, strict=True)
         ]

@@ -13,7 +13,7 @@ from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.arrows import heads
 from physcore.film.styles.base import BodyStyle, Painter, Part, inks
-from physcore.film.styles.charges import Fields, Kind, mixed, require
+from physcore.film.styles.charges import Fields, Kind, mixed, places_of, require
 from physcore.simulation.sources import Source, SourceFrame
 
 STEPS = 360
@@ -148,7 +148,8 @@ class FieldLinesPainter(Painter):
 
     def _found(self, frame: SourceFrame, view: View) -> FloatArray:
         """The lines (L, K, D); those of the previous frame if nothing has changed."""
-        charged = frame.positions[self._charge != 0.0]
+        places = [places_of(body, self._scene, frame) for body in self._scene.bodies]
+        charged = np.concatenate(places or [frame.positions])[self._charge != 0.0]
         still = self._known is not None and np.array_equal(self._known[0], charged) and self._known[1] is view
         changes = any(force.changes for force in self._scene.forces)
         if changes or not still:

@@ -144,7 +144,7 @@ class SurfacePainter(Painter):
             given = style.thickness
             self._thickness[part.where] = thickness_of(part.body, source.scene) if given is None else given
         self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
-        start = np.concatenate([body.positions for body in source.scene.bodies])
+        start = source.scene.gather("positions")
         self._around = None if start.shape[1] < 3 else _around(start, self._faces)
         sheets = [cast("SpringNetwork", part.body).faces for part in parts]
         self._closed = np.concatenate([np.full(len(sheet), _closed(sheet)) for sheet in sheets])

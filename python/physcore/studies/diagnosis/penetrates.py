@@ -79,16 +79,21 @@ def _of_particles(scene: Scene, worst: Overlap) -> Finding:
 
 def _owner(scene: Scene, particle: int) -> int:
     """The index of a particle's body."""
-    ends = np.cumsum([len(body) for body in scene.bodies])
+    ends = np.cumsum(_counts(scene))
     return int(np.searchsorted(ends, particle, side="right"))
+
+
+def _counts(scene: Scene) -> list[int]:
+    """The number of particles of each body."""
+    return [body.elements.get("particles", 0) for body in scene.bodies]
 
 
 def _largest_overlap(scene: Scene, frames: FloatArray, start: FloatArray) -> Overlap | None:
     """The deepest overlap of all pairs that were not placed so intentionally and are free to separate."""
-    radius = np.concatenate([body.radius for body in scene.bodies])
+    radius = scene.gather("radius")
     if (radius > 0.0).sum() < 2:
         return None
-    owner = np.repeat(np.arange(len(scene.bodies)), [len(body) for body in scene.bodies])
+    owner = np.repeat(np.arange(len(scene.bodies)), _counts(scene))
     excused = _Excused(scene, radius, owner, start)
     worst: Overlap | None = None
     for positions in frames:
@@ -128,7 +133,7 @@ class _Excused:
 
     def __init__(self, scene: Scene, radius: FloatArray, owner: IntArray, start: FloatArray) -> None:
         self._radius, self._owner, self._start = radius, owner, start
-        self._fixed = np.concatenate([body.fixed for body in scene.bodies])
+        self._fixed = scene.gather("fixed")
         pairs = [np.sort(network.pairs + scene.slice(network).start, axis=1) for network in scene.networks]
         self._count = len(radius)
         keys = [row[:, 0] * self._count + row[:, 1] for row in pairs]

@@ -154,6 +154,7 @@ def _refuse_further_state(scene: Scene) -> None:
     networks = scene.networks
     reasons = {
         "a Fluid, which has densities": bool(scene.fluids),
+        "rigid bodies, which have orientations": scene.has_rigid_bodies,
         "springs that can break": any(body.can_tear for body in networks),
         "a field with absorbing edges, which have values of their own": any(grid.is_open for grid in scene.grids),
         "springs in a periodic domain, which may reach across its faces": bool(networks) and bool(scene.periodic),

@@ -81,7 +81,7 @@ def shares(scene: Scene) -> list[Share]:
     """The state of all items."""
     found = []
     if scene.bodies:
-        free = ~np.concatenate([body.fixed for body in scene.bodies])
+        free = ~scene.gather("fixed")
         found.append(Share(scene, None, ("positions", "velocities"), free))
     for path, system in scene.systems_by_path.items():
         names = tuple(name for name in system.shapes() if name not in system.derived)

@@ -56,6 +56,11 @@ impl Shape {
         Ok((Self::of(parts.into_iter().map(|part| if is_centered { part } else { part.moved(&shift) })), mass))
     }
 
+    /// Disc or ball about the origin; a particle for a radius of 0 [m].
+    pub fn round(radius: f64) -> Self {
+        Self::of(std::iter::once(Part::round(DVec3::ZERO, radius)))
+    }
+
     /// Half-space below the plane through the origin with this unit normal. Only for fixed bodies.
     pub fn half_space(normal: DVec3) -> Self {
         Self { form: Form::HalfSpace(normal), features: 1, reach: f64::INFINITY }

@@ -1,0 +1,44 @@
+"""Unit quaternions, which are orientations of rigid bodies."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore.arithmetic import dots, lengths
+from physcore.checks import FloatArray, broadcast
+from physcore.errors import SceneError
+
+ROUNDING = 4.0 * float(np.finfo(float).eps)
+"""Deviation of the length of a unit quaternion, by the rounding of its components and of its length."""
+
+
+def unit_quaternions(value: ArrayLike, number: int, path: str) -> FloatArray:
+    """Unit quaternions (w, x, y, z) in the directions of those given, of shape (number, 4).
+
+    Quaternions of unit length, up to rounding, keep their bits.
+
+    Raises:
+        SceneError: the shape does not fit, a value is not finite, or a quaternion is zero.
+    """
+    given = broadcast(value, (number, 4), path)
+    scale = np.abs(given).max(axis=1, initial=0.0, keepdims=True)
+    if (scale == 0.0).any():
+        place = "" if np.ndim(value) == 1 else f"[{int(np.argmax(scale == 0.0))}]"
+        raise SceneError(f"{path}{place}: must not be zero; (1, 0, 0, 0) is no rotation")
+    near = given / scale
+    with np.errstate(over="ignore"):  # infinity is no unit length
+        size = scale[:, 0] * lengths(near)
+    unit: FloatArray = np.where(
+        (np.abs(size - 1.0) <= ROUNDING)[:, np.newaxis], given, near / lengths(near)[:, np.newaxis]
+    )
+    return unit
+
+
+def quaternion_rates(quaternions: FloatArray, angular_velocities: FloatArray) -> FloatArray:
+    """Rates of change dq/dt = ½ (0, ω) q of unit quaternions (B, 4), for angular velocities ω along the axes of the
+    world (B, 3).
+    """
+    w, axis = quaternions[:, :1], quaternions[:, 1:]
+    turned = w * angular_velocities + np.cross(angular_velocities, axis)
+    return 0.5 * np.column_stack([-dots(angular_velocities, axis), turned])
