@@ -8,7 +8,7 @@ mod body;
 mod callback;
 mod item;
 
-pub use body::{Body, PARTICLES};
+pub use body::{Body, PARTICLES, RIGID_BODIES};
 pub use callback::{Argument, Callback, Failure};
 pub use item::{Array, Item, Value};
 

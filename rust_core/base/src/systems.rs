@@ -95,6 +95,10 @@ pub enum Location {
     Walls,
     /// Probes.
     Probes,
+    /// Rigid bodies.
+    Bodies,
+    /// Joints.
+    Joints,
     /// The system as a whole.
     Whole,
 }
@@ -108,6 +112,8 @@ impl Location {
             Self::Springs => "springs",
             Self::Walls => "walls",
             Self::Probes => "probes",
+            Self::Bodies => "bodies",
+            Self::Joints => "joints",
             Self::Whole => "whole",
         }
     }

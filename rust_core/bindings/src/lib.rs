@@ -13,6 +13,7 @@ mod hull;
 mod methods;
 mod record;
 mod scene;
+mod shape;
 mod view;
 mod world;
 
@@ -48,6 +49,8 @@ mod _core {
     use super::hull::convex_hull;
     #[pymodule_export]
     use super::methods::advances;
+    #[pymodule_export]
+    use super::shape::shape_properties;
     #[pymodule_export]
     use super::view::{PyProjection, norms, tint};
     #[pymodule_export]

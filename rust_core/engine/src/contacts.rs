@@ -14,7 +14,7 @@ use crate::boundaries::{self, Boundary, Path, Piece, TerrainPart, Wall};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, Columns, EnergySink, Properties, Span};
-use crate::scene::{Item, Scene, Value};
+use crate::scene::{Item, RIGID_BODIES, Scene, Value};
 use crate::simd::{dispatch, padded};
 
 mod clearance;
@@ -141,7 +141,9 @@ impl<V: Vector> Contacts<V> {
     /// # Errors
     /// If a boundary's parameter is invalid, or a particle does not fit into it.
     pub fn build(scene: &Scene, properties: &Properties<V>) -> Result<Option<Self>> {
-        if scene.boundaries.is_empty() {
+        // Rigid bodies touch boundaries with their surfaces, not as particles.
+        let touches = |body: usize| scene.bodies[body].item.kind != RIGID_BODIES;
+        if scene.boundaries.is_empty() || !(scene.bodies.is_empty() || (0..scene.bodies.len()).any(touches)) {
             return Ok(None);
         }
         let starts = scene.bodies.iter().scan(0, |next, body| Some(std::mem::replace(next, *next + body.positions.len())));
@@ -156,7 +158,7 @@ impl<V: Vector> Contacts<V> {
         let mut sets: Vec<Vec<bool>> = Vec::new();
         for item in &scene.boundaries {
             let boundary = boundaries::build(item, scene.dimension, properties.origin)?;
-            let bodies: Vec<bool> = (0..scene.bodies.len()).map(|body| item.acts_on(body)).collect();
+            let bodies: Vec<bool> = (0..scene.bodies.len()).map(|body| item.acts_on(body) && touches(body)).collect();
             let set = sets.iter().position(|other| *other == bodies).unwrap_or(sets.len());
             if set == sets.len() {
                 contacts.reach.push(reach(properties, &bodies));

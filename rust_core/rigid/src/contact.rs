@@ -13,6 +13,13 @@ pub enum Normal {
     Second(DVec3),
     /// From the point of the first body to the point of the second.
     Points,
+    /// From the point of the second body to the point of the first, where one of the bodies is hollow: the outside of a sphere,
+    /// whose radius counts as negative.
+    Hollow,
+    /// From a line through the point of the first body, in its frame, to the point of the second.
+    FirstLine(DVec3),
+    /// From the point of the first body to a line through the point of the second, in its frame.
+    SecondLine(DVec3),
     /// Cross product of two edges, in the frames of their bodies; oriented from the first body to the second.
     Edges(DVec3, DVec3),
 }
@@ -24,6 +31,7 @@ pub struct ContactPoint {
     pub points: [DVec3; 2],
     /// Rounding radii of the two bodies [m].
     pub radii: [f64; 2],
+    /// Direction of the normal.
     pub normal: Normal,
     /// Identity of the features that touch, the same from step to step; unique in a pair of bodies.
     pub feature: u32,
@@ -50,6 +58,9 @@ impl ContactPoint {
             Normal::First(normal) => first.rotation * normal,
             Normal::Second(normal) => second.rotation * normal,
             Normal::Points => way.try_normalize().unwrap_or(fallback),
+            Normal::Hollow => (-way).try_normalize().unwrap_or(fallback),
+            Normal::FirstLine(line) => (way.reject_from_normalized(first.rotation * line)).try_normalize().unwrap_or(fallback),
+            Normal::SecondLine(line) => (way.reject_from_normalized(second.rotation * line)).try_normalize().unwrap_or(fallback),
             Normal::Edges(a, b) => {
                 let across = (first.rotation * a).cross(second.rotation * b).try_normalize().unwrap_or(fallback);
                 // Edges that turn past each other keep the side of the last normal.
@@ -60,8 +71,8 @@ impl ContactPoint {
         let gap = way.dot(normal) - r1 - r2;
         // Halfway between the surfaces: from the point of a sharp body, or of the smaller rounding, which is exact.
         let point = match self.normal {
-            Normal::First(_) => other - (r2 + 0.5 * gap) * normal,
-            Normal::Second(_) => one + (r1 + 0.5 * gap) * normal,
+            Normal::First(_) | Normal::FirstLine(_) => other - (r2 + 0.5 * gap) * normal,
+            Normal::Second(_) | Normal::SecondLine(_) => one + (r1 + 0.5 * gap) * normal,
             _ => 0.5 * ((one + r1 * normal) + (other - r2 * normal)),
         };
         Touch { gap, normal, point }

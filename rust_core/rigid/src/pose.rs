@@ -37,4 +37,11 @@ impl Pose {
     pub fn compose(&self, inner: &Self) -> Self {
         Self { position: self.point(inner.position), rotation: self.rotation * inner.rotation }
     }
+
+    /// Another pose, given in this frame.
+    #[inline]
+    pub fn relative(&self, other: &Self) -> Self {
+        let columns = [other.rotation.x_axis, other.rotation.y_axis, other.rotation.z_axis].map(|axis| self.local_vector(axis));
+        Self { position: self.local_point(other.position), rotation: DMat3::from_cols(columns[0], columns[1], columns[2]) }
+    }
 }

@@ -26,6 +26,8 @@ pub struct Body {
 
 /// Kind of a body without further structure.
 pub const PARTICLES: &str = "Particles";
+/// Kind of a body whose particles are the centers of mass of rigid bodies.
+pub const RIGID_BODIES: &str = "RigidBodies";
 
 impl Default for Body {
     fn default() -> Self {

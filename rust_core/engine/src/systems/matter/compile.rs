@@ -20,7 +20,7 @@ use crate::memory;
 use crate::neighbors;
 use crate::parallel::Executor;
 use crate::plan::Stages;
-use crate::scene::{self, Item, PARTICLES, Scene};
+use crate::scene::{self, Item, PARTICLES, RIGID_BODIES, Scene};
 
 mod precision;
 
@@ -32,9 +32,9 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let about = method.about();
     let [projects, solves] = [Treatment::Projections, Treatment::Solved].map(|treatment| about.springs == treatment);
     let count = scene.count();
-    let known = |kind: &str| [PARTICLES, springs::KIND, fluids::KIND].contains(&kind);
+    let known = |kind: &str| [PARTICLES, springs::KIND, fluids::KIND, RIGID_BODIES].contains(&kind);
     if let Some(body) = scene.bodies.iter().find(|body| !known(&body.item.kind)) {
-        return Err(scene::unknown(&body.item, "a body: Particles, SpringNetwork or Fluid"));
+        return Err(scene::unknown(&body.item, "a body: Particles, SpringNetwork, Fluid or RigidBodies"));
     }
     memory::check("scene", footprint::<V>(scene, &about)?, 0, || {
         format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", about.name)

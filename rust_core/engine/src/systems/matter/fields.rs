@@ -136,7 +136,8 @@ impl<V: Space> MatterSystem<V> {
     }
 
     fn momenta(&self) -> (DVec3, DVec3) {
-        budget::momenta(&self.dynamics, &self.state)
+        let (momentum, turning) = budget::momenta(&self.dynamics, &self.state);
+        (momentum, turning + self.constraints.iter().map(Constraint::spin).sum::<DVec3>())
     }
 
     fn vectors(&self, of: impl Fn(usize) -> DVec3) -> Vec<f64> {

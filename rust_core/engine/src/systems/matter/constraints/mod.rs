@@ -3,6 +3,7 @@
 //! A method moves particles without constraints. [`super::step`] calls the constraints between the parts of a step. To add a
 //! constraint: write its file, and add its line to [`build`] and to [`CARRIERS`].
 
+mod rigid;
 pub mod rods;
 pub mod self_contact;
 pub mod tearing;
@@ -26,6 +27,7 @@ use crate::scene::Scene;
 use crate::stability::SpectralBound;
 use crate::systems::FieldInfo;
 
+use rigid::RigidBodies;
 use rods::Rods;
 use self_contact::SelfContacts;
 use tearing::Tearing;
@@ -195,6 +197,11 @@ pub trait Constraint<V: Space>: History + Send + Sync {
     /// Adds energies to the budget.
     fn energy(&self, _ledger: &mut Ledger) {}
 
+    /// Angular momentum of rotation, besides that of the motion of particles [kg·m²/s].
+    fn spin(&self) -> DVec3 {
+        DVec3::ZERO
+    }
+
     /// Fields, in the caller's order.
     fn fields(&self) -> Vec<FieldInfo> {
         Vec::new()
@@ -309,10 +316,11 @@ struct Carriers {
 /// Names of the constraints.
 const RODS: &str = "rods";
 const WIRES: &str = "wires";
+const RIGID: &str = "rigid bodies";
 const MESHES: &str = "SelfContact and strain limits";
 
 /// Methods that carry each constraint. XPBD projects rods itself.
-const CARRIERS: [Carriers; 3] = [
+const CARRIERS: [Carriers; 4] = [
     Carriers {
         constraint: RODS,
         methods: &["RATTLE", "XPBD"],
@@ -322,6 +330,11 @@ const CARRIERS: [Carriers; 3] = [
         constraint: MESHES,
         methods: &["VelocityVerlet", "BackwardEuler", "BDF2", "XPBD", "ProjectiveDynamics"],
         hint: "",
+    },
+    Carriers {
+        constraint: RIGID,
+        methods: &["VelocityVerlet", "RATTLE"],
+        hint: "their steps are a kick, a drift and a kick; RATTLE(order=4) turns bodies that touch nothing",
     },
     Carriers {
         constraint: WIRES,
@@ -369,6 +382,7 @@ pub fn build<V: Space>(declared: &mut Declaration<'_, V>) -> Result<Constraints<
     list.extend(Tearing::declared(declared)?.map(|tearing| Box::new(tearing) as Box<dyn Constraint<V>>));
     list.extend(Wires::declared(declared)?.map(|wires| Box::new(wires) as Box<dyn Constraint<V>>));
     list.extend(SelfContacts::declared(declared)?.map(|meshes| Box::new(meshes) as Box<dyn Constraint<V>>));
+    list.extend(RigidBodies::declared(declared)?.map(|bodies| Box::new(bodies) as Box<dyn Constraint<V>>));
     let abouts = list.iter().map(|constraint| constraint.about()).collect();
     Ok(Constraints { list, abouts })
 }

@@ -1,0 +1,247 @@
+//! Rigid bodies, joints and boundaries of a scene.
+
+use glam::{DQuat, DVec3};
+use physcore_rigid::island::Surface;
+use physcore_rigid::joints::{Joint, JointKind, Motor};
+use physcore_rigid::mover::Mover;
+use physcore_rigid::rotation::{Inertia, Orientation};
+use physcore_rigid::rows::Friction;
+use physcore_rigid::shapes::{self, MassProperties, Shape};
+use physcore_rigid::world::{FixedSolid, Motion, Point, RigidWorld, Solid, Turn, WORLD, WorldJoint};
+
+use super::RigidBodies;
+use crate::error::{Error, Result};
+use crate::fluids;
+use crate::forces::Space;
+use crate::math::Real;
+use crate::matter::Properties;
+use crate::scene::{Item, RIGID_BODIES, Scene, Value};
+use crate::systems::matter::constraints::{Declaration, RIGID, refuse};
+
+/// Kinds of joints.
+pub const JOINTS: [&str; 5] = ["Hinge", "BallJoint", "Weld", "Prismatic", "Rod"];
+const MOTOR: &str = "Motor";
+
+impl RigidBodies {
+    /// Rigid bodies of a scene; None if it has none.
+    ///
+    /// # Errors
+    /// If a value is wrong, or the method does not carry rigid bodies.
+    pub fn declared<V: Space>(declared: &Declaration<'_, V>) -> Result<Option<Self>> {
+        let Declaration { scene, properties, method, .. } = declared;
+        let Some(first) = scene.bodies.iter().find(|body| body.item.kind == RIGID_BODIES) else { return Ok(None) };
+        refuse(RIGID, method)?;
+        if V::Scalar::NAME != "f64" {
+            return Err(Error::parameter("precision", "f64 in a scene with rigid bodies", V::Scalar::NAME));
+        }
+        if let Some(fluid) = scene.bodies.iter().find(|body| body.item.kind == fluids::KIND) {
+            return Err(Error::parameter(&fluid.item.path, "no fluid in a scene with rigid bodies", &fluid.item.kind));
+        }
+        let mut world = RigidWorld::new(scene.dimension == 2);
+        let engine = properties.engine();
+        let mut particles = Vec::new();
+        let mut places = vec![None; scene.count()];
+        for (index, _) in scene.bodies.iter().enumerate().filter(|(_, body)| body.item.kind == RIGID_BODIES) {
+            let start = scene.first(index);
+            for row in 0..scene.bodies[index].positions.len() {
+                places[start + row] = Some(particles.len());
+                particles.push(engine[start + row]);
+            }
+            add_bodies(&mut world, scene, index)?;
+        }
+        add_walls(&mut world, scene)?;
+        let points = points(&mut world, scene, properties, &engine);
+        let starts: Vec<DVec3> = scene.positions();
+        let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
+        let path = first.item.path.clone();
+        let mut held = Self {
+            saved: world.state.clone(),
+            world,
+            particles,
+            points,
+            joined,
+            motions: Vec::new(),
+            others: Vec::new(),
+            near: Vec::new(),
+            order: 2,
+            overlap: None,
+            path,
+        };
+        if method.orders[0] > 2 {
+            held.refuse_contacts(method.name)?;
+            held.order = 4;
+        }
+        Ok(Some(held))
+    }
+
+    /// Refuses contacts, whose motion is not smooth.
+    fn refuse_contacts(&self, method: &str) -> Result<()> {
+        if self.world.can_touch() || !self.points.is_empty() {
+            let error = Error::parameter("integrator", "order=2 for rigid bodies that may touch", format!("{method}(order=4)"));
+            return Err(error.with_hint("steps of order 4 go back in time, and impacts cannot"));
+        }
+        Ok(())
+    }
+}
+
+/// Adds the rigid bodies of an item.
+fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()> {
+    let body = &scene.bodies[index];
+    let (item, count) = (&body.item, body.positions.len());
+    let (shape, MassProperties { size, inertia, .. }) = Shape::declared(item.record("shape")?, scene.dimension)?;
+    world.shapes.push(shape);
+    let columns = ["friction", "restitution", "rolling_friction", "torsional_friction"];
+    let [friction, restitution, rolling, torsional] = columns.map(|name| item.numbers(name, count));
+    let (friction, restitution, rolling, torsional) = (friction?, restitution?, rolling?, torsional?);
+    let planar = world.planar;
+    let turning: Vec<DVec3> = if planar {
+        item.numbers("angular_velocities", count)?.iter().map(|&rate| DVec3::new(0.0, 0.0, rate)).collect()
+    } else {
+        item.vectors("angular_velocities", Some(count), 3)?
+    };
+    let orientations: Vec<Orientation> = if planar {
+        item.numbers("angles", count)?.iter().map(|&angle| Orientation::planar(angle)).collect()
+    } else {
+        quaternions(item, count)?.into_iter().map(Orientation::spatial).collect()
+    };
+    for row in 0..count {
+        let density = body.mass[row] / size;
+        let inertia = if planar { Inertia::planar(density * inertia.z_axis.z) } else { Inertia::spatial(inertia * density) };
+        let fixed = body.fixed[row];
+        world.bodies.push(Solid {
+            surface: Surface {
+                shape: world.shapes.len() - 1,
+                friction: Some(Friction { sliding: friction[row], rolling: rolling[row], torsional: torsional[row] }),
+                restitution: restitution[row],
+            },
+            inverse_mass: if fixed { 0.0 } else { 1.0 / body.mass[row] },
+            inertia: if fixed { Inertia::NONE } else { inertia },
+        });
+        let spin = if fixed { turning[row] } else { inertia.spin(&orientations[row], turning[row]) };
+        world.state.turns.push(Turn { orientation: orientations[row], spin });
+        world.names.push(if count == 1 { item.path.clone() } else { format!("{}[{row}]", item.path) });
+    }
+    Ok(())
+}
+
+/// Unit quaternions of an item, (w, x, y, z).
+fn quaternions(item: &Item, count: usize) -> Result<Vec<DQuat>> {
+    match item.values.get("orientations") {
+        Some(Value::Numbers(array)) if array.shape == [count, 4] => {
+            Ok(array.entries.chunks_exact(4).map(|row| DQuat::from_xyzw(row[1], row[2], row[3], row[0]).normalize()).collect())
+        }
+        other => Err(item.wrong("orientations", &format!("{count} quaternions"), other)),
+    }
+}
+
+/// Adds the boundaries of a scene as fixed shapes.
+fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
+    let rigid: Vec<usize> =
+        (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == RIGID_BODIES).collect();
+    let boundaries = scene.boundaries.iter().enumerate();
+    for (index, item) in boundaries.filter(|(_, item)| rigid.iter().any(|&body| item.acts_on(body))) {
+        for wall in shapes::walls(item, index, scene.dimension)? {
+            world.shapes.push(wall.shape);
+            let friction = Friction { sliding: wall.friction, ..Friction::default() };
+            let surface = Surface { shape: world.shapes.len() - 1, friction: Some(friction), restitution: wall.restitution };
+            world.walls.push(FixedSolid { surface, mover: Mover::wall(&wall.pose) });
+            world.wall_names.push(item.path.clone());
+        }
+    }
+    Ok(())
+}
+
+/// Particles that may meet the bodies, in the caller's order. A particle has the friction and restitution of what it meets.
+fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properties<V>, engine: &[u32]) -> Vec<(u32, Point)> {
+    let mut points = Vec::new();
+    let mut known: Vec<(f64, usize)> = Vec::new();
+    for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| body.item.kind != RIGID_BODIES) {
+        let start = scene.first(index);
+        for row in 0..body.positions.len() {
+            let particle = engine[start + row];
+            let radius = properties.radius[particle as usize];
+            let shape = known.iter().find(|(other, _)| *other == radius).map(|(_, shape)| *shape).unwrap_or_else(|| {
+                world.shapes.push(Shape::round(radius));
+                known.push((radius, world.shapes.len() - 1));
+                world.shapes.len() - 1
+            });
+            let inverse_mass = 1.0 / properties.mass[particle as usize];
+            let surface = Surface { shape, friction: None, restitution: 0.0 };
+            points.push((particle, Point { index: start + row, surface, inverse_mass }));
+        }
+    }
+    points
+}
+
+/// Adds the joints of a scene; returns whether a joint holds each point.
+fn add_joints(
+    world: &mut RigidWorld,
+    scene: &Scene,
+    places: &[Option<usize>],
+    starts: &[DVec3],
+    points: &[(u32, Point)],
+) -> Result<Vec<bool>> {
+    let mut joined = vec![false; points.len()];
+    let mut numbers = vec![None; scene.constraints.len()];
+    for (number, item) in scene.constraints.iter().enumerate() {
+        if item.kind == MOTOR {
+            let index = item.number("joint")? as usize;
+            let Some(joint) = numbers.get(index).copied().flatten().map(|joint: usize| &mut world.state.joints[joint]) else {
+                return Err(item.wrong("joint", "a hinge or prismatic joint that stands before it", item.values.get("joint")));
+            };
+            joint.joint.motor = Some(Motor { speed: item.number("speed")?, most: item.non_negative("torque")? });
+            continue;
+        }
+        if !JOINTS.contains(&item.kind.as_str()) {
+            continue;
+        }
+        numbers[number] = Some(world.state.joints.len());
+        let mut ends = [WORLD; 2];
+        let mut movers = [Mover::wall(&physcore_rigid::pose::Pose::WORLD); 2];
+        for (side, name) in ["one", "other"].into_iter().enumerate() {
+            if !item.values.contains_key(name) {
+                continue;
+            }
+            let particle = item.number(name)? as usize;
+            let Some(place) = places.get(particle) else {
+                return Err(item.wrong(name, "a particle of the scene", item.values.get(name)));
+            };
+            if let Some(body) = *place {
+                ends[side] = body;
+                movers[side] = world.mover(body, &Motion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO }, 1.0);
+            } else {
+                ends[side] = world.bodies.len() + particle;
+                movers[side].position = starts[particle];
+                if let Ok(point) = points.binary_search_by_key(&particle, |(_, point)| point.index) {
+                    joined[point] = true;
+                }
+            }
+        }
+        let joint = joint(item, scene.dimension, [&movers[0], &movers[1]])?;
+        world.state.joints.push(WorldJoint::new(ends, joint));
+    }
+    Ok(joined)
+}
+
+/// Joint that an item declares.
+fn joint(item: &Item, dimension: usize, movers: [&Mover; 2]) -> Result<Joint> {
+    let axis = || item.vector("axis").map(DVec3::normalize);
+    let anchor = || item.vector("anchor").map(|anchor| [anchor; 2]);
+    let (kind, points, axis) = match item.kind.as_str() {
+        "Hinge" if dimension == 2 => (JointKind::Hinge, anchor()?, DVec3::Z),
+        "Hinge" => (JointKind::Hinge, anchor()?, axis()?),
+        "BallJoint" => (JointKind::Ball, anchor()?, DVec3::Z),
+        "Weld" => (JointKind::Weld, anchor()?, DVec3::Z),
+        "Prismatic" => (JointKind::Prismatic, [movers[0].position.lerp(movers[1].position, 0.5); 2], axis()?),
+        _ => {
+            let anchors = item.vectors("anchors", Some(2), dimension)?;
+            (JointKind::Rod(anchors[0].distance(anchors[1])), [anchors[0], anchors[1]], DVec3::Z)
+        }
+    };
+    let points = if kind == JointKind::Prismatic && item.values.contains_key("anchor") { anchor()? } else { points };
+    let optional = |name: &str, absent: f64| if item.values.contains_key(name) { item.number(name) } else { Ok(absent) };
+    let mut joint = Joint::new(kind, movers, points, axis, dimension == 2);
+    joint.limits = [optional("lower", f64::NEG_INFINITY)?, optional("upper", f64::INFINITY)?];
+    joint.breaking_force = optional("breaking_force", f64::INFINITY)?;
+    Ok(joint)
+}

@@ -1,0 +1,300 @@
+//! Rigid bodies as a constraint of matter.
+//!
+//! A rigid body is a particle with an orientation: matter moves its center of mass as any particle, under all forces. This
+//! constraint turns the bodies, and holds contacts and joints (crate `physcore-rigid`). Particles may meet the bodies.
+
+mod declaration;
+
+use glam::DVec3;
+use physcore_rigid::rotation::Orientation;
+use physcore_rigid::world::{Motion, Point, RigidState, RigidWorld, Turn};
+
+use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
+use crate::error::{Error, Result};
+use crate::forces::Space;
+use crate::history::{Archive, History};
+use crate::ledger::{Class, Ledger};
+use crate::math::AXES;
+use crate::matter::EnergySink;
+use crate::stability::SpectralBound;
+use crate::systems::{FieldInfo, Location};
+
+/// Largest accurate angle by which a body turns in a step [rad].
+const LARGEST_ANGLE: f64 = 0.1;
+/// Largest accurate part of the time in which a body falls through its own size.
+const PART_OF_FALL: f64 = 0.05;
+/// Overlap at the start that is refused, and that is mentioned, over the size of the smaller body.
+const REFUSED: f64 = 1e-2;
+const MENTIONED: f64 = 1e-6;
+
+/// Rigid bodies with the particles that may meet them.
+pub struct RigidBodies {
+    world: RigidWorld,
+    saved: RigidState,
+    /// Particle of each body, in the caller's order.
+    particles: Vec<u32>,
+    /// Particles that may meet the bodies, with their indices in the engine's order.
+    points: Vec<(u32, Point)>,
+    /// Whether a joint holds each point, so that it always takes part.
+    joined: Vec<bool>,
+    /// Motions of the bodies in the present step.
+    motions: Vec<Motion>,
+    /// Motions of all points in the present step.
+    others: Vec<Motion>,
+    /// Points that take part in the present step.
+    near: Vec<usize>,
+    order: u32,
+    /// Largest overlap at the start [m].
+    overlap: Option<f64>,
+    path: String,
+}
+
+impl RigidBodies {
+    /// Chooses the points that may meet a body within a step of `h` seconds: those whose paths cross the box around all bodies.
+    fn choose(&mut self, h: f64) {
+        self.near.clear();
+        if self.points.is_empty() {
+            return;
+        }
+        let (lower, upper) = self.world.extent(&self.motions, h);
+        for (index, motion) in self.others.iter().enumerate() {
+            let way = h * motion.velocity.length() + h * (motion.drift - motion.velocity).length();
+            let reach = DVec3::splat(way + self.world.reach(&self.points[index].1));
+            let inside = (motion.position + reach).cmpge(lower).all() && (motion.position - reach).cmple(upper).all();
+            if inside || self.joined[index] {
+                self.near.push(index);
+            }
+        }
+    }
+
+    /// Velocity of rotation of each body, or each component of a field over bodies.
+    fn each(&self, of: impl Fn(usize) -> DVec3, planar: bool) -> Vec<f64> {
+        let components = |body: usize| of(body).to_array().into_iter().skip(if planar { AXES - 1 } else { 0 });
+        (0..self.particles.len()).flat_map(components).collect()
+    }
+}
+
+/// History: orientations, angular momenta, loads of contacts and joints.
+impl History for RigidBodies {
+    fn save(&mut self) {
+        self.saved.clone_from(&self.world.state);
+    }
+
+    fn rollback(&mut self) {
+        self.world.state.clone_from(&self.saved);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        let turn = |turn: &Turn| {
+            let Turn { orientation: Orientation { quaternion, angle }, spin } = turn;
+            [quaternion.to_array().as_slice(), &[*angle], &spin.to_array()].concat()
+        };
+        archive.write("turns", self.world.state.turns.iter().flat_map(turn));
+        archive.write("loads", self.world.state.packed_loads());
+        archive.write("joints", self.world.state.packed_joints());
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        let numbers = archive.read_exactly("turns", 8 * self.particles.len())?;
+        for (turn, numbers) in self.world.state.turns.iter_mut().zip(numbers.chunks_exact(8)) {
+            let [x, y, z, w, angle, spin @ ..] = numbers else { continue };
+            let quaternion = glam::DQuat::from_xyzw(*x, *y, *z, *w);
+            *turn = Turn { orientation: Orientation { quaternion, angle: *angle }, spin: DVec3::from_slice(spin) };
+        }
+        let loads = archive.read("loads")?.to_vec();
+        let joints = archive.read("joints")?.to_vec();
+        if self.world.state.unpack(&loads, &joints) {
+            Ok(())
+        } else {
+            Err(Error::parameter("checkpoint.joints", "joints of this scene", "others"))
+        }
+    }
+}
+
+impl<V: Space> Constraint<V> for RigidBodies {
+    fn about(&self) -> ConstraintProperties {
+        let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+        let joints = self.world.state.joints.len();
+        let mut note = counted(self.particles.len(), "rigid body", "rigid bodies");
+        if joints > 0 {
+            note += &format!(", {}", counted(joints, "joint", "joints"));
+        }
+        if !self.points.is_empty() {
+            note += &format!(", {} may meet them", counted(self.points.len(), "particle", "particles"));
+        }
+        ConstraintProperties {
+            name: "rigid bodies",
+            stages: vec![ConstraintStage { name: "rigid bodies", note: Some(note), last: true }],
+            order: self.order,
+            varies: true,
+            exact: true,
+            iterates: true,
+            cost: 500.0 * self.particles.len() as f64,
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        let count = self.particles.len();
+        self.world.bytes() + count * (size_of::<Motion>() + 2 * size_of::<Turn>()) + self.points.len() * size_of::<(Point, Motion)>()
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let overlap = self.overlap.filter(|&overlap| overlap > 0.0);
+        let text = |overlap| format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart");
+        overlap.map(text).into_iter().collect()
+    }
+
+    /// Refuses bodies that overlap at the start.
+    fn initialize(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
+        if self.overlap.is_some() {
+            return Ok(());
+        }
+        self.motions.clear();
+        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize, DVec3::ZERO)));
+        let (mut most, mut worst): (f64, Option<(f64, [String; 2])>) = (0.0, None);
+        for overlap in self.world.overlaps(&self.motions) {
+            if overlap.depth > REFUSED * overlap.size && worst.as_ref().is_none_or(|(depth, _)| overlap.depth > *depth) {
+                worst = Some((overlap.depth, overlap.names));
+            }
+            most = if overlap.depth > MENTIONED * overlap.size { overlap.depth.max(most) } else { most };
+        }
+        if let Some((depth, names)) = worst {
+            let found = format!("{} and {}, which overlap by {depth:.3e} m", names[0], names[1]);
+            return Err(Error::parameter(&self.path, "bodies that do not overlap at the start", found));
+        }
+        self.overlap = Some(most);
+        Ok(())
+    }
+
+    fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
+        self.motions.clear();
+        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize, DVec3::ZERO)));
+        self.others.clear();
+        self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize, DVec3::ZERO)));
+    }
+
+    fn positions(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<bool> {
+        for (motion, &particle) in self.motions.iter_mut().zip(&self.particles) {
+            motion.drift = step.drift_velocity(particle as usize);
+        }
+        for (motion, (particle, _)) in self.others.iter_mut().zip(&self.points) {
+            motion.drift = step.drift_velocity(*particle as usize);
+        }
+        self.choose(step.h);
+        let points: Vec<Point> = self.near.iter().map(|&index| self.points[index].1).collect();
+        let mut others: Vec<Motion> = self.near.iter().map(|&index| self.others[index]).collect();
+        let moved = self.world.drift(step.h, &mut self.motions, &points, &mut others, step.executor);
+        step.executor.check()?;
+        let bodies = self.particles.iter().zip(&self.motions).zip(&moved[..self.particles.len()]);
+        let near = self.near.iter().map(|&index| &self.points[index].0);
+        let points = near.zip(&others).zip(&moved[self.particles.len()..]);
+        for ((&particle, motion), _) in bodies.chain(points).filter(|(_, moved)| **moved) {
+            step.matter.set_exact_position(particle as usize, motion.position);
+            if let DriftVelocity::Register(register) = step.drift {
+                step.matter.registers[register].set(particle as usize, V::narrow(motion.drift));
+            }
+        }
+        Ok(true)
+    }
+
+    fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
+        let velocity = |particle: u32| step.matter.velocity.get(particle as usize).widen();
+        let mut bodies: Vec<DVec3> = self.particles.iter().map(|&particle| velocity(particle)).collect();
+        let mut others: Vec<DVec3> = self.near.iter().map(|&index| velocity(self.points[index].0)).collect();
+        let meters = self.world.finish(step.h, &mut bodies, &mut others, step.executor);
+        step.executor.check()?;
+        let near = self.near.iter().map(|&index| &self.points[index].0);
+        for (&particle, velocity) in self.particles.iter().zip(&bodies).chain(near.zip(&others)) {
+            step.matter.velocity.set(particle as usize, V::narrow(*velocity));
+        }
+        let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
+        if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
+            tally.add(EnergySink::Contact, meters.dissipated);
+            tally.add(EnergySink::Work, meters.work);
+        }
+        Ok(())
+    }
+
+    /// Adds the rotation of the bodies, and their fall, to the bound on the time step.
+    fn bound(&self, state: &ForcedState<'_, V>, bound: &mut SpectralBound) {
+        let accelerations = (state.accelerations)();
+        for (body, &particle) in self.particles.iter().enumerate() {
+            let turning = self.world.angular_velocity(body).length();
+            if turning > 0.0 {
+                bound.accuracy("rigid bodies", LARGEST_ANGLE / turning);
+            }
+            let acceleration = accelerations[particle as usize].length();
+            if acceleration > 0.0 {
+                bound.accuracy("rigid bodies", PART_OF_FALL * (2.0 * self.world.size(body) / acceleration).sqrt());
+            }
+        }
+    }
+
+    fn energy(&self, ledger: &mut Ledger) {
+        ledger.add(Class::Kinetic, "rotation", self.world.rotational_energy());
+    }
+
+    fn spin(&self) -> DVec3 {
+        let free = self.world.bodies.iter().zip(&self.world.state.turns).filter(|(body, _)| body.inverse_mass > 0.0);
+        free.map(|(_, turn)| turn.spin).sum()
+    }
+
+    fn fields(&self) -> Vec<FieldInfo> {
+        let (count, joints, planar) = (self.particles.len(), self.world.state.joints.len(), self.world.planar);
+        let shape = |count: usize, components: usize| if planar { vec![count] } else { vec![count, components] };
+        let info = |name: &str, unit, location, shape, state| FieldInfo { name: name.to_owned(), unit, location, shape, rate: None, state };
+        let turn = if planar { ("angles", "rad") } else { ("orientations", "1") };
+        let mut fields = vec![
+            info(turn.0, turn.1, Location::Bodies, shape(count, 4), true),
+            info("angular_velocities", "rad/s", Location::Bodies, shape(count, AXES), true),
+        ];
+        if joints > 0 {
+            fields.push(info("joint_forces", "N", Location::Joints, vec![joints, V::DIMENSION], false));
+            fields.push(info("joint_torques", "N·m", Location::Joints, shape(joints, AXES), false));
+        }
+        fields
+    }
+
+    fn read(&self, field: usize, _state: &ForcedState<'_, V>) -> Vec<f64> {
+        let (turns, planar) = (&self.world.state.turns, self.world.planar);
+        let reaction = |which: usize| self.world.state.joints.iter().map(move |joint| joint.reaction[which]);
+        match field {
+            0 if planar => turns.iter().map(|turn| turn.orientation.angle).collect(),
+            0 => turns.iter().flat_map(|turn| quaternion(&turn.orientation)).collect(),
+            1 => self.each(|body| self.world.angular_velocity(body), planar),
+            2 => reaction(0).flat_map(|force| force.to_array().into_iter().take(V::DIMENSION)).collect(),
+            _ if planar => reaction(1).map(|torque| torque.z).collect(),
+            _ => reaction(1).flat_map(|torque| torque.to_array()).collect(),
+        }
+    }
+
+    fn adopt(&mut self, field: &str, values: &[f64]) {
+        for body in 0..self.particles.len() {
+            let mut turning = self.world.angular_velocity(body);
+            let mut orientation = self.world.state.turns[body].orientation;
+            match (field, self.world.planar) {
+                ("angles", _) => orientation = Orientation::planar(values[body]),
+                ("orientations", _) => {
+                    let [w, x, y, z] = std::array::from_fn(|component| values[4 * body + component]);
+                    orientation = Orientation::spatial(glam::DQuat::from_xyzw(x, y, z, w).normalize());
+                }
+                ("angular_velocities", true) => turning = DVec3::new(0.0, 0.0, values[body]),
+                ("angular_velocities", false) => turning = DVec3::from_slice(&values[AXES * body..]),
+                _ => return,
+            }
+            self.world.turn(body, orientation, turning);
+        }
+    }
+}
+
+/// Quaternion (w, x, y, z).
+fn quaternion(orientation: &Orientation) -> [f64; 4] {
+    let [x, y, z, w] = orientation.quaternion.to_array();
+    [w, x, y, z]
+}
+
+/// Motion of a particle at the start of a step.
+fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize, drift: DVec3) -> Motion {
+    let position = step.properties.origin + step.matter.exact_position(particle);
+    Motion { position, velocity: step.matter.velocity.get(particle).widen(), drift }
+}

@@ -1,0 +1,102 @@
+//! Broad phase: pairs of overlapping boxes.
+//!
+//! Space is cut into columns along x. The boxes of a column are swept in the order of their lower ends. Boxes that would cover
+//! many columns, and infinite ones, are compared with all others.
+
+use crate::shapes::Bounds;
+
+/// Largest number of columns of a box along y or z.
+const WIDEST: f64 = 4.0;
+/// Largest number of columns along y or z.
+const COLUMNS: f64 = 1e6;
+
+/// Box in a column.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    column: [u32; 2],
+    start: f64,
+    index: u32,
+}
+
+/// Columns of equal width.
+struct Columns {
+    lower: [f64; 2],
+    width: f64,
+}
+
+impl Columns {
+    /// Columns of twice the mean size of the boxes.
+    fn new(bounds: &[Bounds]) -> Self {
+        let (mut lower, mut upper, mut sum, mut count) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], 0.0, 0.0_f64);
+        for one in bounds.iter().filter(|one| one.is_finite()) {
+            for axis in [0, 1] {
+                lower[axis] = lower[axis].min(one.lower[axis + 1]);
+                upper[axis] = upper[axis].max(one.upper[axis + 1]);
+            }
+            let size = one.upper - one.lower;
+            sum += size.y.max(size.z);
+            count += 1.0;
+        }
+        let extent = (upper[0] - lower[0]).max(upper[1] - lower[1]);
+        let width = (2.0 * sum / count.max(1.0)).max(extent / COLUMNS);
+        Self { lower, width: if width > 0.0 { width } else { 1.0 } }
+    }
+
+    fn place(&self, axis: usize, coordinate: f64) -> u32 {
+        ((coordinate - self.lower[axis]) / self.width) as u32
+    }
+
+    /// First and last column of a box along y and z.
+    fn range(&self, one: &Bounds) -> [[u32; 2]; 2] {
+        [0, 1].map(|axis| [one.lower, one.upper].map(|corner| self.place(axis, corner[axis + 1])))
+    }
+}
+
+/// Replaces `pairs` by all pairs i < j of overlapping boxes of which at least one moves, in ascending order.
+pub fn pairs(bounds: &[Bounds], moves: &[bool], pairs: &mut Vec<[u32; 2]>) {
+    pairs.clear();
+    let columns = Columns::new(bounds);
+    let (mut entries, mut wide) = (Vec::with_capacity(2 * bounds.len()), Vec::new());
+    for (index, one) in (0..).zip(bounds) {
+        let size = one.upper - one.lower;
+        if !one.is_finite() || size.y.max(size.z) > WIDEST * columns.width {
+            wide.push(index);
+            continue;
+        }
+        let [[y0, y1], [z0, z1]] = columns.range(one);
+        for y in y0..=y1 {
+            entries.extend((z0..=z1).map(|z| Entry { column: [y, z], start: one.lower.x, index }));
+        }
+    }
+    let mut meet = |one: u32, other: u32| {
+        let [a, b] = [one, other].map(|index| index as usize);
+        if (moves[a] || moves[b]) && bounds[a].overlaps(&bounds[b]) {
+            pairs.push([one.min(other), one.max(other)]);
+        }
+    };
+    entries.sort_unstable_by(|a, b| a.column.cmp(&b.column).then(a.start.total_cmp(&b.start)).then(a.index.cmp(&b.index)));
+    for (place, one) in entries.iter().enumerate() {
+        let end = bounds[one.index as usize].upper.x;
+        let beside = entries[place + 1..].iter().take_while(|other| other.column == one.column && other.start <= end);
+        for other in beside {
+            // Of all columns that two boxes share, the one of the lower corner of their intersection.
+            let [a, b] = [one, other].map(|entry| bounds[entry.index as usize].lower);
+            if [0, 1].map(|axis| columns.place(axis, a[axis + 1].max(b[axis + 1]))) == one.column {
+                meet(one.index, other.index);
+            }
+        }
+    }
+    let mut is_wide = vec![false; bounds.len()];
+    for &one in &wide {
+        is_wide[one as usize] = true;
+    }
+    for &one in &wide {
+        for other in 0..bounds.len() as u32 {
+            // Two wide boxes meet once.
+            if one < other || !is_wide[other as usize] {
+                meet(one, other);
+            }
+        }
+    }
+    pairs.sort_unstable();
+}

@@ -1,0 +1,106 @@
+//! Two convex parts at their poses, and what contacts in 2D and 3D share.
+
+use glam::DVec3;
+
+use crate::contact::{ContactPoint, Normal};
+use crate::pose::Pose;
+use crate::shapes::Part;
+
+/// Gap that counts as closed, relative to the size of the parts. Points closer than that have no direction.
+pub(crate) const CLOSED: f64 = 1e-9;
+
+/// Two convex parts of bodies.
+pub(crate) struct Couple<'a> {
+    pub parts: [&'a Part; 2],
+    pub poses: [&'a Pose; 2],
+    /// Pose of the other body in the frame of each.
+    pub other_in: [Pose; 2],
+    /// Largest gap of a contact [m].
+    pub reach: f64,
+    /// Number of features of the second body's shape.
+    pub width: u32,
+}
+
+/// Face of one core and the nearest vertex of the other along its normal.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FaceGap {
+    /// Distance of the cores along the normal [m].
+    pub gap: f64,
+    /// Index of the body that has the face.
+    pub owner: usize,
+    pub face: usize,
+    pub vertex: usize,
+}
+
+impl<'a> Couple<'a> {
+    /// Parts of two bodies.
+    pub fn new(parts: [&'a Part; 2], poses: [&'a Pose; 2], reach: f64, width: u32) -> Self {
+        let other_in = [poses[0].relative(poses[1]), poses[1].relative(poses[0])];
+        Self { parts, poses, other_in, reach, width }
+    }
+
+    /// Sum of the rounding radii [m].
+    #[inline]
+    pub fn rounding(&self) -> f64 {
+        self.parts[0].radius + self.parts[1].radius
+    }
+
+    /// Largest gap of the cores at which their parts have a contact [m].
+    #[inline]
+    pub fn limit(&self) -> f64 {
+        self.reach + self.rounding()
+    }
+
+    /// Distance below which the cores count as touching [m].
+    #[inline]
+    pub fn closed(&self) -> f64 {
+        CLOSED * (self.parts[0].ball.1 + self.parts[1].ball.1)
+    }
+
+    /// Whether balls around the parts are farther apart than the reach.
+    #[inline]
+    pub fn is_apart(&self) -> bool {
+        let [(one, r1), (other, r2)] = self.parts.map(|part| part.ball);
+        let limit = r1 + r2 + self.reach;
+        (self.poses[1].point(other) - self.poses[0].point(one)).length_squared() > limit * limit
+    }
+
+    /// Vertex of the core of a body, in the world [m].
+    #[inline]
+    pub fn vertex(&self, body: usize, vertex: usize) -> DVec3 {
+        self.poses[body].point(self.parts[body].vertices[vertex])
+    }
+
+    /// Face of `owner` that the other core is farthest in front of, the first of equals; none if the core has no face.
+    pub fn widest(&self, owner: usize) -> Option<FaceGap> {
+        let [reference, incident] = [self.parts[owner], self.parts[1 - owner]];
+        let into = &self.other_in[owner];
+        let mut widest: Option<FaceGap> = None;
+        for (face, &normal) in reference.normals.iter().enumerate() {
+            let (vertex, along) = incident.support(-into.local_vector(normal));
+            let gap = normal.dot(into.position - reference.corner(face)) - along;
+            if widest.is_none_or(|widest| gap > widest.gap) {
+                widest = Some(FaceGap { gap, owner, face, vertex });
+            }
+        }
+        widest
+    }
+
+    /// Adds a contact between points of the cores in the frames of `body` and of the other.
+    #[inline]
+    pub fn push(&self, body: usize, points: [DVec3; 2], normal: Normal, features: [u32; 2], contacts: &mut Vec<ContactPoint>) {
+        let other = 1 - body;
+        let mut ids = [0; 2];
+        ids[body] = self.parts[body].first + features[0];
+        ids[other] = self.parts[other].first + features[1];
+        let feature = ids[0].wrapping_mul(self.width).wrapping_add(ids[1]);
+        let points = if body == 0 { points } else { [points[1], points[0]] };
+        contacts.push(ContactPoint { points, radii: self.parts.map(|part| part.radius), normal, feature });
+    }
+}
+
+/// Outward normal of a body's face as the normal of a contact.
+#[inline]
+pub(crate) fn of_face(owner: usize, normal: DVec3) -> Normal {
+    if owner == 0 { Normal::First(normal) } else { Normal::Second(-normal) }
+}

@@ -1,0 +1,306 @@
+//! Impacts of the bodies of a group, at their times and in sequence.
+//!
+//! A step is cut where a gap closes on the path of a trial piece. The impact then acts on the velocities at that time: first
+//! the pairs with restitution, one after another until none approaches, then all contacts together without restitution.
+//! Bounces that last less than a step are contacts at rest. Sources for the times: B. Mirtich, "Impulse-based dynamic
+//! simulation of rigid body systems", 1996; of the law: W. J. Stronge, "Impact Mechanics", 2000.
+
+use glam::DVec3;
+
+use crate::collision;
+use crate::island::{Contact, Island, Pair};
+use crate::mover::Mover;
+use crate::pose::Pose;
+use crate::rows::{ContactRow, JointRows, Rows, Velocities};
+use crate::shapes::Shape;
+
+/// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
+const HIT: f64 = 1e-9;
+const CLOSED: f64 = 1e-6;
+/// Velocity that is no motion, over the largest speed.
+const REST: f64 = 1e-10;
+/// Velocity of a contact at rest, over that which forces give in a step.
+const RESTING: f64 = 1e-4;
+/// Largest numbers of steps towards a time of impact, of passes over all pairs, and of iterations for one of them.
+const MOST_ADVANCES: usize = 100;
+const MOST_PASSES: usize = 2000;
+const MOST_ITERATIONS: usize = 200;
+/// Length of a piece that is not taken, over the step.
+const SHORTEST: f64 = 1e-9;
+/// Number of pieces of a step: these, and so many for each body.
+const PIECES: usize = 16;
+const PIECES_PER_BODY: usize = 8;
+
+/// Path of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
+struct Path<'a> {
+    start: &'a Mover,
+    end: &'a Mover,
+    length: f64,
+}
+
+impl Path<'_> {
+    /// Pose after a time.
+    fn at(&self, time: f64) -> Pose {
+        let bend = self.bend();
+        let mover = Mover {
+            position: self.start.position + time * (self.start.velocity + time * bend),
+            spin: self.end.spin,
+            ..*self.start
+        };
+        Pose { position: mover.position, rotation: mover.turned(time).matrix() }
+    }
+
+    /// Half the acceleration [m/s²].
+    fn bend(&self) -> DVec3 {
+        (self.end.position - self.start.position - self.length * self.start.velocity) / (self.length * self.length)
+    }
+
+    fn velocity(&self, time: f64) -> DVec3 {
+        self.start.velocity + 2.0 * time * self.bend()
+    }
+
+    /// Largest speed of surface points by rotation [m/s].
+    fn turning(&self) -> f64 {
+        self.end.angular_velocity().length() * self.end.arm
+    }
+}
+
+impl Island {
+    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open.
+    pub fn advance(&mut self, shapes: &[Shape], h: f64) {
+        let most = PIECES + PIECES_PER_BODY * self.movers.len();
+        let mut time = 0.0;
+        for piece in 0.. {
+            let reach = |island: &Self, pair: &Pair| {
+                let of = |&body: &usize| {
+                    let mover = &island.movers[body];
+                    h * (mover.velocity.length()
+                        + mover.angular_velocity().length() * mover.arm
+                        + h * mover.acceleration.length())
+                };
+                pair.bodies.iter().map(of).sum::<f64>() + CLOSED * pair.size
+            };
+            self.find_contacts(shapes, reach);
+            self.strike(h);
+            self.hold_resting(h);
+            let start = self.movers.clone();
+            let remaining = h - time;
+            self.begin_piece(remaining, h);
+            let impact = if piece < most { self.first_impact(shapes, &start, remaining) } else { None };
+            let Some(after) = impact.filter(|&after| after < remaining) else { return };
+            self.movers.copy_from_slice(&start);
+            self.renew_touches();
+            // An impact at the very start takes a piece of no length.
+            if after > SHORTEST * h {
+                self.begin_piece(after, h);
+                self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * after));
+                self.end_piece();
+                time += after;
+            }
+        }
+    }
+
+    /// Holds the contacts that are closed and do not open in this step.
+    fn hold_resting(&mut self, h: f64) {
+        let v = Velocities::of(&self.movers);
+        let still = REST * self.speed();
+        for index in 0..self.contacts.len() {
+            let contact = self.contacts[index];
+            let closed = contact.touch.gap <= CLOSED * self.pairs[contact.pair].size;
+            let opening = self.row(&contact, &v).map_or(f64::INFINITY, |row| row.normal.dot(row.velocity(&v)));
+            self.contacts[index].held = closed && opening <= (0.5 * h * self.pressing(&contact)).max(still);
+        }
+    }
+
+    /// Bound on the acceleration that presses a contact [m/s²].
+    pub fn pressing(&self, contact: &Contact) -> f64 {
+        contact.bodies.iter().map(|&body| self.movers[body].acceleration.length()).sum()
+    }
+
+    /// Resolves the impacts at contacts that are closed.
+    fn strike(&mut self, h: f64) {
+        let pushed = self.movers.iter().map(|mover| mover.acceleration.length()).fold(0.0, f64::max);
+        let still = REST * self.speed() + RESTING * h * pushed;
+        let mut v = Velocities::of(&self.movers);
+        let mut rows = Vec::new();
+        for contact in &self.contacts {
+            if contact.touch.gap <= CLOSED * self.pairs[contact.pair].size {
+                let Some(row) = self.row(contact, &v) else { continue };
+                // Bounces of less than a step are contacts at rest.
+                let least = 0.5 * h * self.pressing(contact);
+                rows.push((row, contact.restitution, least.max(still)));
+            }
+        }
+        let approach = |row: &ContactRow, v: &Velocities| -row.normal.dot(row.velocity(v));
+        if !rows.iter().any(|(row, _, _)| approach(row, &v) > still) {
+            return;
+        }
+        if self.joints.is_empty() {
+            for _ in 0..MOST_PASSES {
+                let mut struck = false;
+                for (row, restitution, least) in &mut rows {
+                    if *restitution * approach(row, &v) > *least {
+                        self.meters.dissipated += bounce(row, *restitution, &mut v);
+                        struck = true;
+                    }
+                }
+                if !struck {
+                    break;
+                }
+            }
+        }
+        let bounces = rows.iter().map(|(row, restitution, least)| {
+            let approach = approach(row, &v);
+            if *restitution * approach > *least { *restitution * approach } else { 0.0 }
+        });
+        let targets: Vec<f64> = bounces.collect();
+        rows.iter().for_each(|(row, _, _)| row.apply(&mut self.movers));
+        let bounce = self.strike_together(&rows, &targets);
+        if !bounce {
+            self.strike_together(&rows, &vec![0.0; rows.len()]);
+        }
+    }
+
+    /// Resolves the impacts of all contacts together, with these velocities after them. Returns false, and changes nothing, if
+    /// that would add energy.
+    fn strike_together(&mut self, struck: &[(ContactRow, f64, f64)], targets: &[f64]) -> bool {
+        let start = Velocities::of(&self.movers);
+        let mut v = Velocities::of(&self.movers);
+        let mut rows = Rows { planar: self.planar, ..Rows::default() };
+        for held in &self.joints {
+            let equations = held.joint.equations(held.bodies.map(|body| &self.movers[body]));
+            rows.joints.push(JointRows::new(held.bodies, equations.into_iter().map(|(row, _)| row).collect(), &v));
+        }
+        for ((row, _, _), &target) in struck.iter().zip(targets) {
+            rows.contacts.push(row.anew(target));
+        }
+        rows.solve(&mut v, self.accuracy.velocities * self.speed(), self.accuracy.iterations);
+        let of = |row: &ContactRow, v: &Velocities| (row.velocity(v), row.turning(v));
+        let lost: f64 = rows.contacts.iter().map(|row| -row.work(of(row, &start), of(row, &v))).sum();
+        if lost < 0.0 && targets.iter().any(|&target| target > 0.0) {
+            return false;
+        }
+        rows.apply(&mut self.movers);
+        self.meters.dissipated += lost.max(0.0);
+        self.meters.work += rows.supplied(&start, &v);
+        true
+    }
+
+    /// Time of the first impact on the paths of a piece.
+    fn first_impact(&self, shapes: &[Shape], start: &[Mover], length: f64) -> Option<f64> {
+        let paths: Vec<Path<'_>> = start.iter().zip(&self.movers).map(|(start, end)| Path { start, end, length }).collect();
+        let mut first = None;
+        let mut known = 0;
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let count = self.contacts[known..].iter().take_while(|contact| contact.pair == index).count();
+            let contacts = &self.contacts[known..known + count];
+            known += count;
+            let closed = |contact: &&Contact| contact.held || contact.start_gap(&paths) <= CLOSED * pair.size;
+            let until = first.unwrap_or(length);
+            let time = if contacts.iter().any(|contact| closed(&contact)) {
+                let open = contacts.iter().filter(|contact| !contact.held);
+                open.filter_map(|contact| contact.closes(&paths, until, HIT * pair.size)).reduce(f64::min)
+            } else {
+                self.approach(pair, &paths, shapes, until)
+            };
+            first = time.or(first);
+        }
+        first
+    }
+
+    /// Time until `until` at which the gap of a pair closes, by conservative advancement.
+    fn approach(&self, pair: &Pair, paths: &[Path<'_>], shapes: &[Shape], until: f64) -> Option<f64> {
+        let [one, other] = pair.bodies.map(|body| &paths[body]);
+        let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
+        let dimension = if self.planar { 2 } else { 3 };
+        let turning = one.turning() + other.turning();
+        let bend = one.bend() - other.bend();
+        let mut time = 0.0;
+        for _ in 0..MOST_ADVANCES {
+            let (gap, normal) = collision::separation((first, &one.at(time)), (second, &other.at(time)), dimension);
+            if gap <= HIT * pair.size {
+                return Some(time);
+            }
+            // The gap is at least gap − speed·t − bend·t² after a time t.
+            let speed = normal.dot(one.velocity(time) - other.velocity(time)) + turning;
+            let bend = normal.dot(bend).max(0.0);
+            let root = (speed * speed + 4.0 * bend * gap).sqrt();
+            let denominator = speed + root;
+            if denominator <= 0.0 {
+                return None;
+            }
+            time += 2.0 * gap / denominator;
+            if time >= until {
+                return None;
+            }
+        }
+        Some(time)
+    }
+}
+
+impl Contact {
+    fn gap(&self, paths: &[Path<'_>], time: f64) -> f64 {
+        let [one, other] = self.bodies.map(|body| paths[body].at(time));
+        self.point.at([&one, &other], self.touch.normal).gap
+    }
+
+    fn start_gap(&self, paths: &[Path<'_>]) -> f64 {
+        self.gap(paths, 0.0)
+    }
+
+    /// Time until `until` at which the gap of an open contact of a pair falls to `least`, if it is below at the end.
+    fn closes(&self, paths: &[Path<'_>], until: f64, least: f64) -> Option<f64> {
+        let end = self.gap(paths, until) - least;
+        if end >= 0.0 {
+            return None;
+        }
+        let mut low = (0.0, self.gap(paths, 0.0) - least);
+        if low.1 <= 0.0 {
+            // The contact opens first: begin at the top of the parabola through its ends.
+            let step = 1e-3 * until;
+            let rate = (self.gap(paths, step) - least - low.1) / step;
+            let top = 0.5 * rate * until * until / (rate * until - (end - low.1));
+            low = (top, self.gap(paths, top) - least);
+            if !(top > 0.0 && top < until && low.1 > 0.0) {
+                return None;
+            }
+        }
+        let mut high = (until, end);
+        let mut side = 0;
+        for _ in 0..MOST_ADVANCES {
+            let time = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let gap = self.gap(paths, time) - least;
+            if gap.abs() <= 0.1 * least || high.0 - low.0 <= f64::EPSILON * until {
+                return Some(time);
+            }
+            // The Illinois method.
+            if gap > 0.0 {
+                low = (time, gap);
+                high.1 *= if side == 1 { 0.5 } else { 1.0 };
+                side = 1;
+            } else {
+                high = (time, gap);
+                low.1 *= if side == -1 { 0.5 } else { 1.0 };
+                side = -1;
+            }
+        }
+        Some(low.0)
+    }
+}
+
+/// Impact of one contact alone, which adds to its impulses; returns the energy that it dissipates [J].
+fn bounce(row: &mut ContactRow, restitution: f64, v: &mut Velocities) -> f64 {
+    let before = (row.velocity(v), row.turning(v));
+    let approach = -row.normal.dot(before.0);
+    for restitution in [restitution, 0.0] {
+        let mut one = row.anew(restitution * approach);
+        one.settle(v, f64::EPSILON * approach, MOST_ITERATIONS);
+        let lost = -one.work(before, (one.velocity(v), one.turning(v)));
+        if lost >= 0.0 || restitution == 0.0 || one.friction.sliding == 0.0 {
+            row.impulse = row.impulse.plus(&one.impulse);
+            return lost.max(0.0);
+        }
+        one.undo(v);
+    }
+    0.0
+}

@@ -1,0 +1,51 @@
+//! Boxes along the axes.
+
+use glam::DVec3;
+
+/// Box along the axes; infinite where a body is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Corner with the smallest coordinates [m].
+    pub lower: DVec3,
+    /// Corner with the largest coordinates [m].
+    pub upper: DVec3,
+}
+
+impl Bounds {
+    /// Whole space.
+    pub const EVERYWHERE: Self = Self { lower: DVec3::NEG_INFINITY, upper: DVec3::INFINITY };
+    /// Box without points, the start of a union.
+    pub const NOWHERE: Self = Self { lower: DVec3::INFINITY, upper: DVec3::NEG_INFINITY };
+
+    /// Box of half the edge length `reach` [m] about a point.
+    #[inline]
+    pub fn around(center: DVec3, reach: f64) -> Self {
+        Self { lower: center - reach, upper: center + reach }
+    }
+
+    /// Smallest box that contains both.
+    #[inline]
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { lower: self.lower.min(other.lower), upper: self.upper.max(other.upper) }
+    }
+
+    /// Box with a margin on all sides [m].
+    #[inline]
+    #[must_use]
+    pub fn grown(self, margin: f64) -> Self {
+        Self { lower: self.lower - margin, upper: self.upper + margin }
+    }
+
+    /// Whether the boxes have a point in common; boxes that touch have.
+    #[inline]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.lower.cmple(other.upper).all() && other.lower.cmple(self.upper).all()
+    }
+
+    /// Whether all coordinates are finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        self.lower.is_finite() && self.upper.is_finite()
+    }
+}

@@ -1,0 +1,127 @@
+//! Shapes of rigid bodies: convex parts about the center of mass, in the frame of the body.
+
+use glam::DVec3;
+use physcore_base::error::{Error, Result};
+use physcore_base::scene::Item;
+
+use crate::pose::Pose;
+
+mod bounds;
+mod declared;
+mod hull;
+mod mass;
+mod part;
+mod plane;
+mod walls;
+
+pub use bounds::Bounds;
+pub use mass::MassProperties;
+pub(crate) use part::Part;
+use plane::Planar;
+pub use walls::{Wall, walls};
+
+/// Shape of a body in its frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    pub(crate) form: Form,
+    /// Number of features, by which points of contact are told apart.
+    pub(crate) features: u32,
+    reach: f64,
+}
+
+/// Kind of a shape.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Form {
+    /// Union of convex parts.
+    Parts(Vec<Part>),
+    /// All points below the plane through the origin with this unit normal.
+    HalfSpace(DVec3),
+    /// All points beyond a sphere of this radius about the origin [m].
+    Hollow(f64),
+}
+
+impl Shape {
+    /// Shape of a record, moved so that its center of mass is the origin, and its mass properties as declared.
+    ///
+    /// # Errors
+    /// If there is no shape of that kind in this dimension, or one of its parameters is not acceptable.
+    pub fn declared(item: &Item, dimension: usize) -> Result<(Self, MassProperties)> {
+        let (parts, mass) = declared::parts(item, dimension)?;
+        if !mass.is_proper(dimension) {
+            let found = format!("a size of {} and an inertia of {}", mass.size, mass.inertia.z_axis.z);
+            return Err(Error::parameter(&item.path, "a shape whose size and inertia are finite and above 0", found));
+        }
+        let shift = Pose { position: -mass.center, ..Pose::WORLD };
+        let is_centered = mass.center == DVec3::ZERO;
+        Ok((Self::of(parts.into_iter().map(|part| if is_centered { part } else { part.moved(&shift) })), mass))
+    }
+
+    /// Disc or ball about the origin; a particle for a radius of 0 [m].
+    pub fn round(radius: f64) -> Self {
+        Self::of(std::iter::once(Part::round(DVec3::ZERO, radius)))
+    }
+
+    /// Half-space below the plane through the origin with this unit normal. Only for fixed bodies.
+    pub fn half_space(normal: DVec3) -> Self {
+        Self { form: Form::HalfSpace(normal), features: 1, reach: f64::INFINITY }
+    }
+
+    /// Outside of a sphere about the origin. Only for fixed bodies.
+    pub fn hollow(radius: f64) -> Self {
+        Self { form: Form::Hollow(radius), features: 1, reach: f64::INFINITY }
+    }
+
+    /// Union of convex parts.
+    pub(crate) fn of(parts: impl IntoIterator<Item = Part>) -> Self {
+        let mut features = 0;
+        let parts: Vec<Part> = parts
+            .into_iter()
+            .map(|mut part| {
+                part.first = features;
+                features += part.features();
+                part
+            })
+            .collect();
+        let farthest = |part: &Part| part.vertices.iter().map(|vertex| vertex.length()).fold(0.0, f64::max) + part.radius;
+        let reach = parts.iter().map(farthest).fold(0.0, f64::max);
+        Self { form: Form::Parts(parts), features, reach }
+    }
+
+    /// Largest distance of a point of the surface from the origin [m]; infinite for a half-space.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Whether the shape is a disc or a ball about the origin, which turning does not change.
+    pub fn is_round(&self) -> bool {
+        matches!(&self.form, Form::Parts(parts) if matches!(parts[..], [Part { ref vertices, .. }] if vertices[..] == [DVec3::ZERO]))
+    }
+
+    /// Box along the axes around the shape at a pose. In 2D it is flat.
+    pub fn bounds(&self, pose: &Pose) -> Bounds {
+        match &self.form {
+            Form::Parts(parts) => parts.iter().map(|part| part_bounds(part, pose)).fold(Bounds::NOWHERE, Bounds::union),
+            Form::HalfSpace(normal) => half_space_bounds(pose.rotation * *normal, pose.position),
+            Form::Hollow(_) => Bounds::EVERYWHERE,
+        }
+    }
+}
+
+fn part_bounds(part: &Part, pose: &Pose) -> Bounds {
+    let corners = part.vertices.iter().map(|vertex| pose.point(*vertex));
+    corners.map(|corner| Bounds { lower: corner, upper: corner }).fold(Bounds::NOWHERE, Bounds::union).grown(part.radius)
+}
+
+/// Box around a half-space, infinite except above a plane along the axes.
+fn half_space_bounds(normal: DVec3, point: DVec3) -> Bounds {
+    let mut bounds = Bounds::EVERYWHERE;
+    for axis in 0..3 {
+        let is_along = (0..3).all(|other| other == axis || normal[other] == 0.0);
+        if is_along && normal[axis] > 0.0 {
+            bounds.upper[axis] = point[axis];
+        } else if is_along && normal[axis] < 0.0 {
+            bounds.lower[axis] = point[axis];
+        }
+    }
+    bounds
+}

@@ -1,0 +1,194 @@
+//! Contacts of two faces: one is clipped against the other along the normal of the contact.
+
+use arrayvec::ArrayVec;
+use glam::DVec3;
+
+use super::edges::EdgeGap;
+use super::nearest;
+use crate::contact::{ContactPoint, Normal};
+use crate::couple::{Couple, FaceGap, of_face};
+use crate::shapes::Part;
+
+/// Largest number of contacts of two parts.
+const MOST: usize = 4;
+/// Least cosine between the normal of two edges and their faces, at which these are clipped.
+const FLAT: f64 = 0.95;
+/// Relative excess by which a later point must be better than an earlier one, so that rounding changes no choice.
+const BETTER: f64 = 1e-3;
+
+/// Corner of the clipped face.
+#[derive(Debug, Clone, Copy)]
+struct Corner {
+    /// Position in the frame of the body with the other face [m].
+    point: DVec3,
+    /// Features of that body and of the one whose face is clipped.
+    features: [u32; 2],
+    /// Side from here to the next corner.
+    side: Side,
+}
+
+/// Side of the clipped face.
+#[derive(Debug, Clone, Copy)]
+enum Side {
+    /// Side of the face itself, by its first vertex.
+    Own(u32),
+    /// Side of the face that it is clipped against, by its place.
+    Other(usize),
+}
+
+/// Face of a body against which another is clipped along a normal.
+struct Reference<'a> {
+    owner: usize,
+    part: &'a Part,
+    face: usize,
+    /// Unit normal from the owner to the other body, in the frame of the owner.
+    normal: DVec3,
+}
+
+impl Reference<'_> {
+    fn corner(&self, place: usize) -> DVec3 {
+        let corners = self.part.net.face(self.face);
+        self.part.vertices[corners[place % corners.len()] as usize]
+    }
+
+    /// Distance of a point from the face along the normal [m].
+    fn gap(&self, point: DVec3) -> f64 {
+        let normal = self.part.normals[self.face];
+        normal.dot(point - self.corner(0)) / normal.dot(self.normal)
+    }
+
+    /// Clips a face to the sides of this one.
+    fn clip(&self, mut polygon: Vec<Corner>, whole: u32) -> Vec<Corner> {
+        let corners = self.part.net.face(self.face);
+        for place in 0..corners.len() {
+            let start = self.corner(place);
+            let inward = self.normal.cross(self.corner(place + 1) - start);
+            let depth = |corner: &Corner| inward.dot(corner.point - start);
+            let mut kept = Vec::with_capacity(polygon.len() + 1);
+            for (index, corner) in polygon.iter().enumerate() {
+                let next = &polygon[(index + 1) % polygon.len()];
+                let [here, there] = [depth(corner), depth(next)];
+                if here >= 0.0 {
+                    kept.push(*corner);
+                }
+                // A segment has one side, not two.
+                if (here >= 0.0) != (there >= 0.0) && (polygon.len() > 2 || index == 0) {
+                    let point = corner.point + (next.point - corner.point) * (here / (here - there));
+                    let features = match corner.side {
+                        Side::Own(vertex) => [corners[place], vertex],
+                        Side::Other(side) => [corners[if (place + 1) % corners.len() == side { side } else { place }], whole],
+                    };
+                    let side = if there >= 0.0 { corner.side } else { Side::Other(place) };
+                    kept.push(Corner { point, features, side });
+                }
+            }
+            polygon = kept;
+        }
+        polygon
+    }
+}
+
+/// Whether a point is above or below a face along its normal.
+pub(super) fn is_over(part: &Part, face: usize, point: DVec3) -> bool {
+    let reference = Reference { owner: 0, part, face, normal: part.normals[face] };
+    (0..part.net.face(face).len()).all(|place| {
+        let start = reference.corner(place);
+        reference.normal.cross(reference.corner(place + 1) - start).dot(point - start) >= 0.0
+    })
+}
+
+/// Adds the contacts of a face with the face of the other body that looks at it most.
+pub(super) fn add_face(couple: &Couple, FaceGap { owner, face, vertex, .. }: FaceGap, contacts: &mut Vec<ContactPoint>) {
+    let [part, incident] = [couple.parts[owner], couple.parts[1 - owner]];
+    let normal = part.normals[face];
+    let direction = couple.other_in[owner].local_vector(normal);
+    let facing = facing(incident, direction, |corners| corners.contains(&(vertex as u32)));
+    let reference = Reference { owner, part, face, normal };
+    if !add(couple, &reference, facing, of_face(owner, normal), contacts) {
+        let local = incident.vertices[vertex];
+        let point = couple.other_in[owner].point(local);
+        let foot = point - reference.gap(point) * normal;
+        couple.push(owner, [foot, local], of_face(owner, normal), [part.face_feature(face), vertex as u32], contacts);
+    }
+}
+
+/// Adds the contacts along the normal of two edges: of the faces beside them if these are nearly parallel, else of the edges.
+pub(super) fn add_edges(couple: &Couple, gap: EdgeGap, contacts: &mut Vec<ContactPoint>) {
+    let directions = [-gap.normal, couple.other_in[0].local_vector(gap.normal)];
+    let faces = [0, 1].map(|body| {
+        let part = couple.parts[body];
+        let ends = part.net.edges[gap.edges[body]].ends;
+        let face = facing(part, directions[body], |corners| ends.iter().all(|end| corners.contains(end)))?;
+        (part.normals[face].dot(directions[body]) < -FLAT).then_some(face)
+    });
+    let ways = [0, 1].map(|body| couple.parts[body].edge(gap.edges[body]));
+    let normal = super::of_edges(ways.map(|[from, to]| to - from), couple, couple.poses[0].rotation * gap.normal);
+    if let [Some(face), Some(facing)] = faces
+        && add(couple, &Reference { owner: 0, part: couple.parts[0], face, normal: gap.normal }, Some(facing), normal, contacts)
+    {
+        return;
+    }
+    let pair = nearest::of_edges(couple, gap.edges);
+    if gap.gap > couple.closed() {
+        nearest::add_pair(couple, &pair, contacts);
+    } else {
+        couple.push(0, pair.points(couple), normal, pair.features(couple), contacts);
+    }
+}
+
+/// Face that looks most against a direction, of those that a condition on their vertices selects.
+fn facing(part: &Part, direction: DVec3, selects: impl Fn(&[u32]) -> bool) -> Option<usize> {
+    let faces = (0..part.normals.len()).filter(|&face| selects(part.net.face(face)));
+    faces.reduce(|one, other| if part.normals[other].dot(direction) < part.normals[one].dot(direction) { other } else { one })
+}
+
+/// Adds the contacts of a face of the other body, or of its whole core if it has no faces. Returns whether there are any.
+fn add(couple: &Couple, reference: &Reference, facing: Option<usize>, normal: Normal, contacts: &mut Vec<ContactPoint>) -> bool {
+    let incident = couple.parts[1 - reference.owner];
+    let into = &couple.other_in[reference.owner];
+    let corner = |vertex: u32| Corner {
+        point: into.point(incident.vertices[vertex as usize]),
+        features: [reference.part.face_feature(reference.face), vertex],
+        side: Side::Own(vertex),
+    };
+    let polygon: Vec<Corner> = match facing {
+        Some(face) => incident.net.face(face).iter().map(|&vertex| corner(vertex)).collect(),
+        None => (0..incident.vertices.len() as u32).map(corner).collect(),
+    };
+    let whole = facing.map_or(0, |face| incident.face_feature(face));
+    let mut polygon = reference.clip(polygon, whole);
+    polygon.retain(|corner| reference.gap(corner.point) <= couple.limit());
+    let places: Vec<(DVec3, f64)> = polygon.iter().map(|corner| (corner.point, reference.gap(corner.point))).collect();
+    for place in spread(&places, reference.normal) {
+        let (point, gap) = places[place];
+        let local = into.local_point(point);
+        couple.push(reference.owner, [point - gap * reference.normal, local], normal, polygon[place].features, contacts);
+    }
+    !places.is_empty()
+}
+
+/// At most four of the points with their gaps: the one of the smallest gap, the one farthest from it, and on each side of the
+/// line between them the one farthest from it.
+pub(super) fn spread(points: &[(DVec3, f64)], normal: DVec3) -> ArrayVec<usize, MOST> {
+    if points.len() <= MOST {
+        return (0..points.len()).collect();
+    }
+    let best = |measure: &dyn Fn(usize) -> f64, margin: f64| {
+        (1..points.len()).fold(0, |best, one| if measure(one) > measure(best) + margin { one } else { best })
+    };
+    let size = points.iter().map(|point| point.0.distance(points[0].0)).fold(0.0, f64::max);
+    let first = best(&|index| -points[index].1, BETTER * BETTER * size);
+    let from = points[first].0;
+    let second = best(&|index| points[index].0.distance(from), BETTER * size);
+    let across = normal.cross(points[second].0 - from).normalize_or_zero();
+    let third = best(&|index| across.dot(points[index].0 - from), BETTER * size);
+    let fourth = best(&|index| -across.dot(points[index].0 - from), BETTER * size);
+    let mut chosen = ArrayVec::new();
+    for index in [first, second, third, fourth] {
+        if !chosen.contains(&index) {
+            chosen.push(index);
+        }
+    }
+    chosen.sort_unstable();
+    chosen
+}

@@ -1,0 +1,118 @@
+//! Gaps of two polyhedra along the cross products of their edges.
+
+use glam::DVec3;
+
+use crate::couple::Couple;
+use crate::shapes::Part;
+
+/// Smallest sine of the angle of two edges whose cross product is a direction.
+const PARALLEL: f64 = 1e-6;
+
+/// Edge of each core, and the gap along their common normal.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EdgeGap {
+    /// Distance of the cores along the normal [m].
+    pub gap: f64,
+    /// Edges of the first and the second core.
+    pub edges: [usize; 2],
+    /// Unit normal from the first to the second, in the frame of the first body.
+    pub normal: DVec3,
+    /// Whether their common normal meets both edges, so that the gap is the distance of the cores.
+    pub is_exact: bool,
+}
+
+/// Edge in the frame of the first body.
+#[derive(Debug, Clone, Copy)]
+struct Ridge {
+    edge: usize,
+    start: DVec3,
+    way: DVec3,
+    /// Normals of the faces on the left and on the right.
+    normals: [DVec3; 2],
+}
+
+/// Edges of a part that may separate it from a ball around `center` more than `least`.
+fn ridges<'a>(part: &'a Part, center: DVec3, least: f64) -> impl Iterator<Item = (usize, DVec3, DVec3, [DVec3; 2])> + 'a {
+    let edges = part.net.edges.iter().enumerate();
+    edges.filter_map(move |(index, edge)| {
+        let [start, end] = edge.ends.map(|vertex| part.vertices[vertex as usize]);
+        let normals = edge.faces.map(|face| part.normals.get(face as usize).copied().unwrap_or(DVec3::ZERO));
+        (highest(start, end - start, normals, center) >= least).then_some((index, start, end - start, normals))
+    })
+}
+
+/// Upper bound of n·(x − edge) over the unit normals n of an edge.
+fn highest(start: DVec3, way: DVec3, [left, right]: [DVec3; 2], x: DVec3) -> f64 {
+    let up = x - start;
+    // A segment without faces has all normals.
+    let up = up - way * (up.dot(way) / way.length_squared());
+    let [a, b] = [left.dot(up), right.dot(up)];
+    let is_between = left.cross(up).dot(way) >= 0.0 && up.cross(right).dot(way) >= 0.0;
+    if is_between || left == DVec3::ZERO { up.length() } else { a.max(b) }
+}
+
+/// Pair of edges along whose normal the cores are farthest apart, by more than `least`.
+pub(super) fn widest(couple: &Couple, least: f64) -> Option<EdgeGap> {
+    let [one, other] = couple.parts;
+    if one.net.edges.is_empty() || other.net.edges.is_empty() {
+        return None;
+    }
+    let into = &couple.other_in[0];
+    // The center of a core is no nearer to a separating plane than the plane to the core.
+    let others: Vec<Ridge> = ridges(other, couple.other_in[1].point(one.ball.0), least)
+        .map(|(edge, start, way, normals)| Ridge {
+            edge,
+            start: into.point(start),
+            way: into.rotation * way,
+            normals: normals.map(|normal| into.rotation * normal),
+        })
+        .collect();
+    let mut best: Option<EdgeGap> = None;
+    let mut limit = least;
+    for (edge, start, way, normals) in ridges(one, into.point(other.ball.0), least) {
+        let here = Ridge { edge, start, way, normals };
+        for there in &others {
+            if let Some(found) = between(&here, there, limit) {
+                limit = found.gap;
+                best = Some(found);
+            }
+        }
+    }
+    best
+}
+
+/// Gap along the normal of two edges, if it is a normal of both and the gap is more than `least`.
+fn between(one: &Ridge, other: &Ridge, least: f64) -> Option<EdgeGap> {
+    let across = one.way.cross(other.way);
+    let sizes = one.way.length_squared() * other.way.length_squared();
+    if across.length_squared() <= PARALLEL * PARALLEL * sizes {
+        return None;
+    }
+    let is_segment = [one, other].map(|ridge| ridge.normals[0] == DVec3::ZERO);
+    let apart = other.start - one.start;
+    // Sign of the cross product along the outward normals of the first, or against those of the second.
+    let sign = match is_segment {
+        [false, _] => across.dot(one.normals[0] + one.normals[1]),
+        [true, false] => -across.dot(other.normals[0] + other.normals[1]),
+        [true, true] => across.dot(apart),
+    };
+    let outward = if sign < 0.0 { -across } else { across };
+    if !is_outward(one, outward) || !is_outward(other, -outward) {
+        return None;
+    }
+    let normal = outward.normalize();
+    let gap = normal.dot(apart);
+    if gap <= least {
+        return None;
+    }
+    let area = across.length_squared();
+    let along = [apart.cross(other.way).dot(across) / area, apart.cross(one.way).dot(across) / area];
+    let is_exact = along.iter().all(|part| (0.0..=1.0).contains(part));
+    Some(EdgeGap { gap, edges: [one.edge, other.edge], normal, is_exact })
+}
+
+/// Whether a normal of an edge is between those of its faces.
+fn is_outward(ridge: &Ridge, normal: DVec3) -> bool {
+    let [left, right] = ridge.normals;
+    left == DVec3::ZERO || (left.cross(normal).dot(ridge.way) >= 0.0 && normal.cross(right).dot(ridge.way) >= 0.0)
+}

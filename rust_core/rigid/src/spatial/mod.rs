@@ -1,0 +1,158 @@
+//! Contacts in space: convex polyhedra with a radius, of which balls have one vertex and capsules two.
+//!
+//! Cores are separated along the normal of a face, or of an edge of each (Gregorius, "The separating axis test between convex
+//! polyhedra", GDC 2013). Their faces along this normal are clipped against each other. Where the nearest points are on an edge
+//! or a vertex, these are the contact.
+
+use arrayvec::ArrayVec;
+use glam::DVec3;
+
+use crate::contact::{ContactPoint, Normal};
+use crate::couple::{Couple, FaceGap};
+use crate::shapes::Part;
+
+mod clip;
+mod edges;
+mod nearest;
+
+use edges::EdgeGap;
+use nearest::Pair;
+
+/// Adds the contacts of two parts.
+#[inline]
+pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
+    if couple.is_apart() {
+        return;
+    }
+    match axis(couple) {
+        None => nearest::add_segments(couple, points),
+        Some(axis) if axis.gap() > couple.limit() => {}
+        Some(axis) => match axis.nearest(couple) {
+            Some(pair) => nearest::add_pair(couple, &pair, points),
+            None => axis.add(couple, points),
+        },
+    }
+}
+
+/// Direction along which two cores are farthest apart, or overlap least.
+#[derive(Debug, Clone, Copy)]
+enum Axis {
+    Face(FaceGap),
+    Edges(EdgeGap),
+}
+
+/// Excess of the gap along two edges over that of a face, from which on it counts, relative to the size of the parts.
+const EDGE: f64 = 1e-9;
+
+/// Axis of two cores. None if neither has a face.
+fn axis(couple: &Couple) -> Option<Axis> {
+    let face = match [0, 1].map(|owner| couple.widest(owner)) {
+        [Some(one), Some(other)] => {
+            if other.gap > one.gap + couple.closed() {
+                other
+            } else {
+                one
+            }
+        }
+        [one, other] => one.or(other)?,
+    };
+    if face.gap > couple.limit() {
+        return Some(Axis::Face(face));
+    }
+    let size = couple.parts[0].ball.1 + couple.parts[1].ball.1;
+    Some(edges::widest(couple, face.gap + EDGE * size).map_or(Axis::Face(face), Axis::Edges))
+}
+
+impl Axis {
+    fn gap(&self) -> f64 {
+        match self {
+            Self::Face(face) => face.gap,
+            Self::Edges(edges) => edges.gap,
+        }
+    }
+
+    /// Unit normal from the first body to the second, in the world.
+    fn normal(&self, couple: &Couple) -> DVec3 {
+        match *self {
+            Self::Face(FaceGap { owner, face, .. }) => {
+                let normal = couple.poses[owner].rotation * couple.parts[owner].normals[face];
+                if owner == 0 { normal } else { -normal }
+            }
+            Self::Edges(edges) => couple.poses[0].rotation * edges.normal,
+        }
+    }
+
+    /// Nearest points of two cores that are apart, if they are not on the axis.
+    fn nearest(&self, couple: &Couple) -> Option<Pair> {
+        if self.gap() <= couple.closed() || self.is_exact(couple) {
+            return None;
+        }
+        let pair = nearest::closest(couple, self.gap(), self.normal(couple));
+        (pair.distance > self.gap() + couple.closed()).then_some(pair)
+    }
+
+    /// Whether the gap along the axis is the distance of the cores for certain.
+    fn is_exact(&self, couple: &Couple) -> bool {
+        match *self {
+            Self::Face(FaceGap { owner, face, vertex, .. }) => {
+                let point = couple.other_in[owner].point(couple.parts[1 - owner].vertices[vertex]);
+                clip::is_over(couple.parts[owner], face, point)
+            }
+            Self::Edges(edges) => edges.is_exact,
+        }
+    }
+
+    /// Adds the contacts along the axis.
+    fn add(&self, couple: &Couple, points: &mut Vec<ContactPoint>) {
+        match *self {
+            Self::Face(face) => clip::add_face(couple, face, points),
+            Self::Edges(edges) => clip::add_edges(couple, edges, points),
+        }
+    }
+}
+
+/// Vertices of the face on which a part rests on its lowest vertex, at most four; `up` is the ground's normal in its frame.
+pub(crate) fn resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4> {
+    if part.net.starts.is_empty() {
+        return flat_resting(part, lowest, up);
+    }
+    let lowest = lowest as u32;
+    let faces = (0..part.normals.len()).filter(|&face| part.net.face(face).contains(&lowest));
+    let Some(face) = faces.reduce(|one, other| if part.normals[other].dot(up) < part.normals[one].dot(up) { other } else { one })
+    else {
+        return [lowest].into_iter().collect();
+    };
+    let corners = part.net.face(face);
+    let places: Vec<(DVec3, f64)> =
+        corners.iter().map(|&corner| part.vertices[corner as usize]).map(|x| (x, x.dot(up))).collect();
+    clip::spread(&places, part.normals[face]).into_iter().map(|place| corners[place]).collect()
+}
+
+/// Vertices of the edge on which a polygon or a segment rests.
+fn flat_resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4> {
+    let count = part.vertices.len();
+    let beside = [(lowest + count - 1) % count, (lowest + 1) % count];
+    let [before, after] = beside.map(|vertex| part.vertices[vertex].dot(up));
+    let mut both = [lowest, if before < after { beside[0] } else { beside[1] }];
+    both.sort_unstable();
+    both[..count.min(2)].iter().map(|&vertex| vertex as u32).collect()
+}
+
+/// Distance of two parts, or minus their depth, and the unit normal from the first to the second.
+pub(crate) fn separation(couple: &Couple) -> (f64, DVec3) {
+    let rounding = couple.rounding();
+    let of_pair = |pair: &Pair| (pair.distance - rounding, pair.normal(couple));
+    match axis(couple) {
+        None => of_pair(&nearest::of_segments(couple)),
+        Some(axis) => match axis.nearest(couple) {
+            Some(pair) => of_pair(&pair),
+            None => (axis.gap() - rounding, axis.normal(couple)),
+        },
+    }
+}
+
+/// Normal of two edges in the frames of their bodies, in an order whose cross product points from the first body to the second.
+fn of_edges([one, other]: [DVec3; 2], couple: &Couple, normal: DVec3) -> Normal {
+    let across = (couple.poses[0].rotation * one).cross(couple.poses[1].rotation * other);
+    if across.dot(normal) < 0.0 { Normal::Edges(-one, other) } else { Normal::Edges(one, other) }
+}

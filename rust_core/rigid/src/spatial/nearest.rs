@@ -1,0 +1,191 @@
+//! Nearest points of edges and vertices.
+
+use glam::DVec3;
+
+use crate::contact::{ContactPoint, Normal};
+use crate::couple::Couple;
+use crate::shapes::Part;
+
+/// Sine of the angle of two edges below which they touch along a line.
+const PARALLEL: f64 = 0.05;
+/// Difference of gaps that counts, relative to the lengths of the edges.
+const NEARER: f64 = 1e-6;
+
+/// Point of an edge of each core; of a core without edges, its vertex.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pair {
+    /// Distance of the points [m].
+    pub distance: f64,
+    edges: [usize; 2],
+    /// Places of the points along the edges, from 0 to 1.
+    along: [f64; 2],
+}
+
+impl Part {
+    /// Ends of an edge [m]; of a core without edges, twice its vertex.
+    pub fn edge(&self, edge: usize) -> [DVec3; 2] {
+        self.net.edges.get(edge).map_or([self.vertices[0]; 2], |edge| edge.ends.map(|end| self.vertices[end as usize]))
+    }
+}
+
+impl Pair {
+    /// Points in the frames of their bodies [m].
+    pub fn points(&self, couple: &Couple) -> [DVec3; 2] {
+        [0, 1].map(|body| {
+            let [from, to] = couple.parts[body].edge(self.edges[body]);
+            match self.along[body] {
+                1.0 => to,
+                along => from + (to - from) * along,
+            }
+        })
+    }
+
+    /// Unit normal from the first body to the second, in the world.
+    pub fn normal(&self, couple: &Couple) -> DVec3 {
+        let [one, other] = self.points(couple);
+        (couple.poses[1].point(other) - couple.poses[0].point(one)).try_normalize().unwrap_or(DVec3::X)
+    }
+
+    /// Features of the points: vertices or edges.
+    pub fn features(&self, couple: &Couple) -> [u32; 2] {
+        [0, 1].map(|body| {
+            let part = couple.parts[body];
+            match (part.net.edges.get(self.edges[body]), self.along[body]) {
+                (None, _) => 0,
+                (Some(edge), 0.0) => edge.ends[0],
+                (Some(edge), 1.0) => edge.ends[1],
+                _ => part.edge_feature(self.edges[body]),
+            }
+        })
+    }
+
+    /// Adds a contact of the points, if they are within reach.
+    fn add(&self, couple: &Couple, contacts: &mut Vec<ContactPoint>) {
+        if self.distance > couple.limit() {
+            return;
+        }
+        // Directions of the edges that have the point within them, in the frames of their bodies.
+        let ways = [0, 1].map(|body| {
+            let [from, to] = couple.parts[body].edge(self.edges[body]);
+            (self.along[body] > 0.0 && self.along[body] < 1.0).then_some(to - from)
+        });
+        let normal = match ways {
+            [None, None] => Normal::Points,
+            [Some(way), None] => Normal::FirstLine(way.normalize()),
+            [None, Some(way)] => Normal::SecondLine(way.normalize()),
+            [Some(one), Some(other)] => super::of_edges([one, other], couple, self.normal(couple)),
+        };
+        couple.push(0, self.points(couple), normal, self.features(couple), contacts);
+    }
+}
+
+/// Edges of both cores in the world.
+fn in_world(couple: &Couple, edges: [usize; 2]) -> [[DVec3; 2]; 2] {
+    [0, 1].map(|body| couple.parts[body].edge(edges[body]).map(|end| couple.poses[body].point(end)))
+}
+
+/// Nearest points of two edges.
+pub(super) fn of_edges(couple: &Couple, edges: [usize; 2]) -> Pair {
+    let (distance, along) = between(in_world(couple, edges));
+    Pair { distance, edges, along }
+}
+
+/// Nearest points of two cores without faces.
+pub(super) fn of_segments(couple: &Couple) -> Pair {
+    of_edges(couple, [0, 0])
+}
+
+/// Adds the contacts of two cores without faces.
+pub(super) fn add_segments(couple: &Couple, contacts: &mut Vec<ContactPoint>) {
+    add_pair(couple, &of_segments(couple), contacts);
+}
+
+/// Adds the contact of a pair of points; of nearly parallel edges also the ends of the part that they share.
+pub(super) fn add_pair(couple: &Couple, pair: &Pair, contacts: &mut Vec<ContactPoint>) {
+    let [one, other] = in_world(couple, pair.edges);
+    let [way, across] = [one[1] - one[0], other[1] - other[0]];
+    let sizes = way.length_squared() * across.length_squared();
+    if sizes == 0.0 || way.cross(across).length_squared() > PARALLEL * PARALLEL * sizes {
+        return pair.add(couple, contacts);
+    }
+    // Places of the second edge's ends along the first.
+    let place = |point: DVec3| way.dot(point - one[0]) / way.length_squared();
+    let places = other.map(place);
+    let [low, high] = if places[0] <= places[1] { [0, 1] } else { [1, 0] };
+    if places[low] >= 1.0 || places[high] <= 0.0 {
+        return pair.add(couple, contacts);
+    }
+    let end = |of_first: bool, own: f64, end: usize| {
+        let (distance, along) = if of_first {
+            let point = one[0] + way * own;
+            let (distance, along) = between([[point; 2], other]);
+            (distance, [own, along[1]])
+        } else {
+            let (distance, along) = between([one, [other[end]; 2]]);
+            (distance, [along[0], end as f64])
+        };
+        Pair { distance, along, edges: pair.edges }
+    };
+    let ends = [end(places[low] <= 0.0, 0.0, low), end(places[high] >= 1.0, 1.0, high)];
+    ends.iter().for_each(|end| end.add(couple, contacts));
+    let margin = NEARER * way.length().max(across.length());
+    if ends.iter().all(|end| pair.distance < end.distance - margin) {
+        pair.add(couple, contacts);
+    }
+}
+
+/// Nearest points of two cores that are apart by at least `gap` along a unit normal in the world.
+pub(super) fn closest(couple: &Couple, gap: f64, normal: DVec3) -> Pair {
+    let locals = [couple.poses[0].local_vector(normal), couple.poses[1].local_vector(-normal)];
+    let supports = [0, 1].map(|body| couple.parts[body].support(locals[body]));
+    let farthest = couple.vertex(0, supports[0].0).distance(couple.vertex(1, supports[1].0));
+    let mut best = Pair { distance: f64::INFINITY, edges: [0, 0], along: [0.0, 0.0] };
+    let mut limit = farthest;
+    // Points nearer than `limit` are no deeper below the supports than its excess over the gap.
+    let is_near = |body: usize, edge: usize, limit: f64| {
+        let ends = couple.parts[body].edge(edge).map(|end| end.dot(locals[body]));
+        ends[0].max(ends[1]) >= supports[body].1 - (limit - gap) - couple.closed()
+    };
+    let count = |body: usize| couple.parts[body].net.edges.len().max(1);
+    for one in 0..count(0) {
+        if !is_near(0, one, limit) {
+            continue;
+        }
+        for other in 0..count(1) {
+            if is_near(1, other, limit) {
+                let pair = of_edges(couple, [one, other]);
+                if pair.distance < best.distance {
+                    best = pair;
+                    limit = limit.min(pair.distance);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// Distance of two segments, and the places of their nearest points (Ericson, "Real-time collision detection", section 5.1.9).
+fn between([[p, p1], [q, q1]]: [[DVec3; 2]; 2]) -> (f64, [f64; 2]) {
+    let (u, v, r) = (p1 - p, q1 - q, p - q);
+    let [a, e] = [u.length_squared(), v.length_squared()];
+    let [b, c, f] = [u.dot(v), u.dot(r), v.dot(r)];
+    let along = if a == 0.0 && e == 0.0 {
+        [0.0, 0.0]
+    } else if a == 0.0 {
+        [0.0, (f / e).clamp(0.0, 1.0)]
+    } else if e == 0.0 {
+        [(-c / a).clamp(0.0, 1.0), 0.0]
+    } else {
+        let area = u.cross(v).length_squared();
+        let s = if area > 0.0 { ((b * f - c * e) / area).clamp(0.0, 1.0) } else { 0.0 };
+        let t = (b * s + f) / e;
+        if t < 0.0 {
+            [(-c / a).clamp(0.0, 1.0), 0.0]
+        } else if t > 1.0 {
+            [((b - c) / a).clamp(0.0, 1.0), 1.0]
+        } else {
+            [s, t]
+        }
+    };
+    ((p + u * along[0]).distance(q + v * along[1]), along)
+}

@@ -1,0 +1,4 @@
+//! Tests of motion: closed forms, conservation, and rest.
+
+mod laboratory;
+mod plane;

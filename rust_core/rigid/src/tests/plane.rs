@@ -1,0 +1,121 @@
+//! Motion in the plane.
+
+use glam::DVec3;
+
+use super::laboratory::{Laboratory, cuboid, rectangle, round, turned};
+use crate::rotation::Orientation;
+
+const G: f64 = 9.81;
+const DOWN: DVec3 = DVec3::new(0.0, -G, 0.0);
+const H: f64 = 1.0 / 240.0;
+const REST: (DVec3, DVec3) = (DVec3::ZERO, DVec3::ZERO);
+
+fn at(x: f64, y: f64, angle: f64) -> (DVec3, Orientation) {
+    (DVec3::new(x, y, 0.0), Orientation::planar(angle))
+}
+
+#[test]
+fn a_disc_rolls_down_a_slope() {
+    let angle = 25.0_f64.to_radians();
+    let (normal, down) = (DVec3::new(angle.sin(), angle.cos(), 0.0), DVec3::new(angle.cos(), -angle.sin(), 0.0));
+    for (friction, rolls) in [(0.4, true), (0.1, false)] {
+        let mut lab = Laboratory::new(2, DOWN);
+        lab.add_plane(normal, friction, 0.0);
+        lab.add(&round("Disc", 0.1), (2.0, friction, 0.0), (0.1 * normal, Orientation::planar(0.0)), REST);
+        let before = lab.energy();
+        lab.step(H, 480);
+        let along = if rolls { 2.0 * G * angle.sin() / 3.0 } else { G * (angle.sin() - friction * angle.cos()) };
+        let way = (lab.motions[0].position - 0.1 * normal).dot(down);
+        println!("way {way} expected {} turn {}", 2.0 * along, lab.world.angular_velocity(0));
+        println!("drift {} dissipated {}", lab.energy() + lab.meters.dissipated - before, lab.meters.dissipated);
+    }
+}
+
+#[test]
+fn a_ball_bounces() {
+    let mut lab = Laboratory::new(2, DOWN);
+    lab.add_plane(DVec3::Y, 0.5, 0.7);
+    lab.add(&round("Disc", 0.1), (1.0, 0.5, 0.7), at(0.0, 1.6, 0.0), REST);
+    let before = lab.energy();
+    let mut last = [0.0; 2];
+    for _ in 0..1200 {
+        lab.step(H, 1);
+        let height = lab.motions[0].position.y - 0.1;
+        if last[1] > last[0] && last[1] >= height && last[1] > 0.02 {
+            println!("top {}", last[1]);
+        }
+        last = [last[1], height];
+    }
+    println!("end {} drift {} dissipated {}", last[1], lab.energy() + lab.meters.dissipated - before, lab.meters.dissipated);
+}
+
+#[test]
+fn a_cradle() {
+    for gap in [1e-3, 0.0] {
+        for incoming in [1, 2] {
+            let mut lab = Laboratory::new(2, DVec3::ZERO);
+            for k in 0..5 {
+                let come = k < incoming;
+                let x = 0.2 * (1.0 + gap) * k as f64 - if come { 0.5 } else { 0.0 };
+                let velocity = DVec3::new(f64::from(u8::from(come)), 0.0, 0.0);
+                lab.add(&round("Disc", 0.1), (1.0, 0.0, 1.0), at(x, 0.0, 0.0), (velocity, DVec3::ZERO));
+            }
+            lab.step(H, 240);
+            println!("{gap} {incoming}: {:?}", lab.motions.iter().map(|motion| motion.velocity.x).collect::<Vec<_>>());
+        }
+    }
+}
+
+#[test]
+fn a_stack_stands() {
+    let mut lab = Laboratory::new(2, DOWN);
+    lab.add_plane(DVec3::Y, 0.5, 0.0);
+    for k in 0..10 {
+        lab.add(&rectangle(0.2, 0.2), (8.0, 0.5, 0.0), at(0.0, 0.1 + 0.2 * k as f64, 0.0), REST);
+    }
+    let start: Vec<DVec3> = lab.motions.iter().map(|motion| motion.position).collect();
+    let before = lab.energy();
+    for second in 0..10 {
+        lab.step(H, 240);
+        let moved = lab.motions.iter().zip(&start).map(|(motion, start)| (motion.position - *start).length()).fold(0.0, f64::max);
+        println!("{second}: moved {moved:e} drift {:e}", lab.energy() + lab.meters.dissipated - before);
+    }
+}
+
+#[test]
+fn blocks_on_slopes() {
+    for (width, height, degrees, friction, what) in [
+        (0.4, 0.2, 22.0_f64, 0.45, "rests"),
+        (0.4, 0.2, 22.0, 0.36, "slides"),
+        (0.2, 0.5, 20.0, 0.33, "slides"),
+        (0.2, 0.5, 21.3, 0.6, "rests"),
+        (0.2, 0.5, 22.3, 0.6, "tips"),
+    ] {
+        let angle = degrees.to_radians();
+        let (normal, down) = (DVec3::new(angle.sin(), angle.cos(), 0.0), DVec3::new(angle.cos(), -angle.sin(), 0.0));
+        let mut lab = Laboratory::new(2, DOWN);
+        lab.add_plane(normal, friction, 0.0);
+        let position = 0.5 * height * normal;
+        lab.add(&rectangle(width, height), (8.0, friction, 0.0), (position, Orientation::planar(-angle)), REST);
+        let before = lab.energy();
+        lab.step(H, 720);
+        let way = (lab.motions[0].position - position).dot(down);
+        let expected = G * (angle.sin() - friction * angle.cos()) * 4.5;
+        let turned = lab.world.state.turns[0].orientation.angle + angle;
+        let drift = lab.energy() + lab.meters.dissipated - before;
+        println!("{what}: way {way} ({expected}) turned {turned} drift {drift} lost {} ({})", lab.meters.dissipated, 8.0 * friction * G * angle.cos() * expected);
+    }
+}
+
+#[test]
+fn a_die_comes_to_rest() {
+    let mut lab = Laboratory::new(3, DVec3::new(0.0, 0.0, -G));
+    lab.add_plane(DVec3::Z, 0.5, 0.2);
+    let start = (DVec3::new(0.0, 0.0, 0.6), turned(0.8, 0.4, 0.2, 0.4));
+    lab.add(&cuboid(0.3, 0.2, 0.1), (4.8, 0.5, 0.2), start, REST);
+    let before = lab.energy();
+    for k in 0..30 {
+        lab.step(1.0 / 500.0, 100);
+        println!("{k} {:?} drift {} lost {}", lab.motions[0].position, lab.energy() + lab.meters.dissipated - before, lab.meters.dissipated);
+    }
+}

@@ -1,0 +1,143 @@
+//! Distances and contacts of convex shapes against iteration over all pairs of vertices.
+
+use glam::DVec3;
+use physcore_rigid::collision::{contacts, separation};
+use physcore_rigid::contact::ContactPoint;
+use physcore_rigid::pose::Pose;
+use physcore_rigid::shapes::Shape;
+use proptest::prelude::*;
+
+use crate::reference::{Convex, distance, gap_along};
+use crate::samples::{convex, point, pose, rotation};
+
+type Body = (Shape, Convex);
+
+fn found(one: (&Shape, &Pose), other: (&Shape, &Pose), reach: f64, dimension: usize) -> Vec<ContactPoint> {
+    let mut points = Vec::new();
+    contacts(one, other, reach, dimension, &mut points);
+    points
+}
+
+/// Two convex bodies at poses at which they overlap, touch, or are apart by up to a few times their size.
+fn couple(dimension: usize) -> impl Strategy<Value = (Body, Body, [Pose; 2])> {
+    let apart = prop_oneof![0.0..0.7_f64, 0.5..3.0_f64];
+    let poses = apart.prop_flat_map(move |reach| [pose(dimension, reach), pose(dimension, reach)]);
+    (convex(dimension), convex(dimension), poses)
+}
+
+/// Rounding errors of lengths of a few meters, through divisions by areas of at least 1e-3 m².
+const ROUNDING: f64 = 1e-11;
+
+/// Checks the distance of two bodies. Returns it with the normal.
+fn check_distance(
+    one: &Body,
+    other: &Body,
+    poses: &[Pose; 2],
+    samples: &[DVec3],
+    dimension: usize,
+) -> Result<(f64, DVec3), TestCaseError> {
+    let bodies = [(&one.1, &poses[0]), (&other.1, &poses[1])];
+    let (gap, normal) = separation((&one.0, &poses[0]), (&other.0, &poses[1]), dimension);
+    prop_assert!((normal.length() - 1.0).abs() < 1e-12);
+    // The gap along the normal is that of the shadows.
+    prop_assert!((gap_along(bodies, normal) - gap).abs() < ROUNDING, "gap {gap}, shadows {}", gap_along(bodies, normal));
+    let (upper, lower) = distance(bodies);
+    let rounding = one.1.radius + other.1.radius;
+    if lower + rounding > 1e-6 {
+        prop_assert!(gap <= upper + ROUNDING && gap >= lower - ROUNDING, "{gap} not in {lower}..{upper}");
+    } else if upper + rounding < 1e-6 {
+        // The cores overlap: no direction has a smaller overlap.
+        for direction in samples {
+            prop_assert!(gap >= gap_along(bodies, *direction) - ROUNDING);
+        }
+    }
+    Ok((gap, normal))
+}
+
+/// Checks the contacts of two bodies at a distance.
+fn check_contacts(
+    one: &Body,
+    other: &Body,
+    poses: &[Pose; 2],
+    (gap, normal): (f64, DVec3),
+    reach: f64,
+    dimension: usize,
+) -> Result<(), TestCaseError> {
+    let points = found((&one.0, &poses[0]), (&other.0, &poses[1]), reach, dimension);
+    if gap > reach + ROUNDING {
+        prop_assert!(points.is_empty());
+        return Ok(());
+    }
+    if gap > reach - ROUNDING {
+        return Ok(());
+    }
+    prop_assert!(!points.is_empty() && points.len() <= 2 * (dimension - 1), "{} contacts, gap {gap}", points.len());
+    let touches: Vec<_> = points.iter().map(|point| point.at([&poses[0], &poses[1]], normal)).collect();
+    let least = touches.iter().map(|touch| touch.gap).fold(f64::INFINITY, f64::min);
+    prop_assert!((least - gap).abs() < ROUNDING, "least {least}, distance {gap}");
+    for (touch, point) in touches.iter().zip(&points) {
+        prop_assert!(touch.gap <= reach + ROUNDING);
+        prop_assert!(
+            touch.normal.dot(normal) > 1.0 - 1e-9 || points.len() > 1 && touch.normal.dot(normal) > 0.99,
+            "normal {} of {point:?}, {normal}",
+            touch.normal
+        );
+        // The points are on cores that are apart; a deep vertex may be beside the face that it is behind.
+        let is_apart = gap + point.radii[0] + point.radii[1] > 0.0;
+        for (body, (shape, pose)) in [(one, poses[0]), (other, poses[1])].into_iter().enumerate().filter(|_| is_apart) {
+            let dot = Convex { vertices: vec![point.points[body]], radius: 0.0 };
+            let (upper, lower) = distance([(&dot, &pose), (&Convex { radius: 0.0, ..shape.1.clone() }, &pose)]);
+            prop_assert!(lower < 1e-9, "{lower} to {upper} from body {body}: {point:?}");
+        }
+    }
+    let mut features: Vec<u32> = points.iter().map(|point| point.feature).collect();
+    features.sort_unstable();
+    features.dedup();
+    prop_assert_eq!(features.len(), points.len());
+    Ok(())
+}
+
+fn sorted(points: &[ContactPoint], poses: [&Pose; 2]) -> Vec<f64> {
+    let mut gaps: Vec<f64> = points.iter().map(|point| point.at(poses, DVec3::ZERO).gap).collect();
+    gaps.sort_by(f64::total_cmp);
+    gaps
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn distances_and_contacts_in_the_plane_are_exact(
+        (one, other, poses) in couple(2), samples in prop::collection::vec(0.0..6.3_f64, 64), reach in 0.0..3.0_f64,
+    ) {
+        let samples: Vec<DVec3> = samples.into_iter().map(|angle| DVec3::new(angle.cos(), angle.sin(), 0.0)).collect();
+        let distance = check_distance(&one, &other, &poses, &samples, 2)?;
+        check_contacts(&one, &other, &poses, distance, reach, 2)?;
+    }
+
+    #[test]
+    fn distances_and_contacts_in_space_are_exact(
+        (one, other, poses) in couple(3), samples in prop::collection::vec(rotation(3), 64), reach in 0.0..3.0_f64,
+    ) {
+        let samples: Vec<DVec3> = samples.into_iter().map(|turn| turn.x_axis).collect();
+        let distance = check_distance(&one, &other, &poses, &samples, 3)?;
+        check_contacts(&one, &other, &poses, distance, reach, 3)?;
+    }
+
+    /// Contacts do not depend on the order of the bodies, nor on a motion of both.
+    #[test]
+    fn contacts_keep_their_gaps_when_bodies_are_exchanged_or_moved(
+        (dimension, (one, other, poses), turn, shift) in (2..=3_usize).prop_flat_map(|dimension| {
+            (Just(dimension), couple(dimension), rotation(dimension), point(dimension))
+        }),
+    ) {
+        let reference = found((&one.0, &poses[0]), (&other.0, &poses[1]), 1.0, dimension);
+        let gaps = sorted(&reference, [&poses[0], &poses[1]]);
+        let exchanged = found((&other.0, &poses[1]), (&one.0, &poses[0]), 1.0, dimension);
+        let moved = poses.map(|pose| Pose { position: turn * pose.position + shift, rotation: turn * pose.rotation });
+        let carried = found((&one.0, &moved[0]), (&other.0, &moved[1]), 1.0, dimension);
+        for others in [sorted(&exchanged, [&poses[1], &poses[0]]), sorted(&carried, [&moved[0], &moved[1]])] {
+            prop_assert!((gaps.first().unwrap_or(&0.0) - others.first().unwrap_or(&0.0)).abs() < ROUNDING, "{gaps:?} {others:?}");
+        }
+    }
+}
