@@ -289,8 +289,9 @@ class Simulation(Measured):
         Args:
             duration: [s].
             fps: frames per second of simulated time.
-            channels: what to keep of each frame, such as "positions" and "velocities", and with a Fluid "densities" and
-                "pressures", "wall_forces" and "probe_pressures"; None: all but the first two of fluids.
+            channels: what to keep of each frame, such as "positions" and "velocities", of rigid bodies too, with these
+                "angles" or "orientations" and "angular_velocities", and with a Fluid "densities" and "pressures",
+                "wall_forces" and "probe_pressures"; None: all but the first two of fluids.
             progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
             events: what to look for on the way, for `Recording.events`. A terminal one ends the run; the last frame is
                 then at or before it, and the simulation is at the event.
