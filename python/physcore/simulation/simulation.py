@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore.checks import FloatArray, flag, shown, span
@@ -312,7 +311,7 @@ class Simulation(Measured):
         with Progress(count, "simulating", shown) as bar:
             shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
             recording = collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
-        self._stepper.warn_of_drift(float(np.abs(recording.energy.drift).max()))
+        self._stepper.warn_of_drift(recording.energy.material_drift)
         return noted(recording if watch is None else replace(recording, events=watch.events))
 
     def _watch_for(self, events: object, channels: tuple[str, ...] | None) -> Watch | None:

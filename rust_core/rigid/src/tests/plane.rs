@@ -157,3 +157,26 @@ fn pile(large: usize) {
         last = drift;
     }
 }
+
+#[test]
+#[ignore = "a measurement"]
+fn many_discs() {
+    let mut lab = Laboratory::new(2, DOWN);
+    lab.add_plane(DVec3::Y, 0.5, 0.0);
+    lab.add_wall(DVec3::X, DVec3::new(-5.0, 0.0, 0.0), 0.5, 0.0);
+    lab.add_wall(-DVec3::X, DVec3::new(5.0, 0.0, 0.0), 0.5, 0.0);
+    let mut seed = 1;
+    for k in 0..5000 {
+        let (row, column) = (k / 45, k % 45);
+        let x = -4.9 + 0.22 * f64::from(column) + 0.02 * random(&mut seed);
+        lab.add(&round("Disc", 0.1), (1.0, 0.4, 0.0), at(x, 0.1 + 0.21 * f64::from(row), 0.0), REST);
+    }
+    let before = lab.energy();
+    for second in 0..8 {
+        let start = std::time::Instant::now();
+        lab.step(1.0 / 60.0, 60);
+        let time = start.elapsed().as_secs_f64() * 1e3 / 60.0;
+        let drift = (lab.energy() + lab.meters.dissipated - before) / before;
+        println!("{second} overlap {:.1e} drift {drift:.2e} lost {:.3} {time} ms a step", lab.overlap(), lab.meters.dissipated / before);
+    }
+}
