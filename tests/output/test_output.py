@@ -420,3 +420,35 @@ def test_memory_does_not_grow_with_the_number_of_frames(suffix: str, tmp_path: P
         output, error = exporting(tmp_path / f"run{suffix}", duration=duration).communicate()
         most.append(int(output or pytest.fail(error)))
     assert most[1] - most[0] < 10_000  # [kB]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_rigid_bodies_are_points_with_orientations(dimension, tmp_path):
+    """In the order of the scene's bodies; a particle is not turned."""
+    spin = 3.0 if dimension == 2 else (0.0, 0.0, 3.0)
+    shape = pc.Disc(0.1) if dimension == 2 else pc.Ball(0.1)
+    ball = pc.RigidBody(shape, np.full(dimension, 2.0), velocity=1.0, angular_velocity=spin, mass=5.0)
+    dust = pc.Particles(np.zeros((1, dimension)), velocities=0.5)
+    recording = pc.simulate(pc.Scene(ball, dust), 0.2, fps=10, dt=1e-2)
+    half = 0.5 * 3.0 * recording.times
+    turned = np.column_stack([np.cos(half), 0.0 * half, 0.0 * half, np.sin(half)])
+    pc.export(recording, tmp_path / "run.xyz")
+    frames = pytest.importorskip("ase.io").read(tmp_path / "run.xyz", index=":", format="extxyz")
+    for frame, quaternion, t in zip(frames, turned, recording.times, strict=True):
+        np.testing.assert_allclose(frame.positions[:, :dimension], [[2.0 + t] * dimension, [0.5 * t] * dimension])
+        np.testing.assert_allclose(frame.arrays["orientation"], [quaternion[[1, 2, 3, 0]], (0, 0, 0, 1)], atol=1e-14)
+        np.testing.assert_allclose(frame.arrays["angular_velocity"], [(0.0, 0.0, 3.0), (0.0, 0.0, 0.0)])
+        assert frame.arrays["mass"].tolist() == [5.0, 1.0]
+        assert frame.arrays["body"].tolist() == [0, 1]
+    pc.export(recording, tmp_path / "run.pvd")
+    arrays = poly_data(listed(tmp_path / "run.pvd")[-1][1]).GetPointData()
+    assert arrays.GetArray("orientation").GetTuple(0) == pytest.approx(turned[-1], abs=1e-14)
+    assert arrays.GetArray("angular_velocity").GetTuple(0) == (0.0, 0.0, 3.0)
+    pc.export(recording, tmp_path / "run.h5md")
+    with pytest.importorskip("h5py").File(tmp_path / "run.h5md") as file:
+        values = file["particles/all/orientation/value"][:]
+        assert file["parameters/units"].attrs["angular_velocity"] == "rad s-1"
+    np.testing.assert_allclose(values, [[quaternion, (1, 0, 0, 0)] for quaternion in turned], atol=1e-14)
+    places = pc.simulate(pc.Scene(ball, dust), 0.2, fps=10, dt=1e-2, channels=("positions",))
+    pc.export(places, tmp_path / "places.xyz")
+    assert "orientation" not in (tmp_path / "places.xyz").read_text()

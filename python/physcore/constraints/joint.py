@@ -28,12 +28,11 @@ APART = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Joint(ByValue, Constraint):
-    """Base class of joints. Results are `recording[joint].force` and `.torque`."""
+    """Base class of joints and motors."""
 
     on: None = field(default=None, init=False, repr=False)
     """None: a joint acts on what it joins."""
 
-    element: ClassVar[Element | None] = "joints"
     is_driven: ClassVar[bool] = False
     """Whether a Motor can drive the joint."""
 
@@ -51,6 +50,7 @@ class PairJoint(Joint):
     other: End
     """What it is joined to, likewise."""
 
+    element: ClassVar[Element | None] = "joints"
     naming: ClassVar[tuple[str, ...]] = ("one", "other")
     selects: ClassVar[bool] = True
     turns: ClassVar[bool] = True

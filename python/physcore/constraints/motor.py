@@ -25,7 +25,7 @@ class Motor(Joint):
         recording[wheel].angular_velocities[-1]  # 10 rad/s
 
     The speed is that of the joint's `one` relative to its `other`. The motor brakes a joint that is faster. The energy
-    that it supplies, or takes, counts as work. Its torque, or its force along the axis, acts on `one`.
+    that it supplies, or takes, counts as work.
 
     Args:
         joint: the joint, an item of the scene too.

@@ -49,10 +49,11 @@ def export(
                         their strain, and a .vti of each system on a grid, whose fields no other format has
         .h5md           H5MD 1.1, for MDAnalysis, OVITO and VMD, with the energies; needs `pip install 'physcore[hdf5]'`
 
-    All values are in SI units, or in those of the scene, which files then name. Programs for atoms, such as ASE,
-    interpret lengths as Å without conversion. 2D scenes are written with z = 0. Positions are those of the recording,
-    within the periodic domain, with all their digits. With a scene, only one frame is in memory at a time. The file
-    appears under its name when it is complete. Until then, and after any failure, an existing file stays unchanged.
+    Rigid bodies are points at their centers of mass, with their orientations. All values are in SI units, or in those
+    of the scene, which files then name. Programs for atoms, such as ASE, interpret lengths as Å without conversion. 2D
+    scenes are written with z = 0. Positions are those of the recording, within the periodic domain, with all their
+    digits. With a scene, only one frame is in memory at a time. The file appears under its name when it is complete.
+    Until then, and after any failure, an existing file stays unchanged.
 
     Args:
         recording: the recording or scene.

@@ -11,13 +11,15 @@ from typing import ClassVar
 
 import numpy as np
 
+from physcore.arithmetic import cos, sin
 from physcore.checks import FloatArray, IntArray
+from physcore.errors import SceneError
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
 from physcore.scene.grid import Grid
 from physcore.scene.periodic import Periodic
 from physcore.simulation.energy import Energy
-from physcore.simulation.sources import Source
+from physcore.simulation.sources import Source, SourceFrame
 from physcore.storage.formats import Format
 from physcore.units.systems import UnitSystem
 
@@ -27,7 +29,7 @@ FIELDS = {"densities": "density", "pressures": "pressure"}
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """All particles at one time."""
+    """All particles and rigid bodies at one time, in the order of the scene's bodies."""
 
     index: int
     """Index of the frame, from 0."""
@@ -39,6 +41,10 @@ class Sample:
     """Velocities [m/s], shape (N, 3); None if they were not recorded."""
     fields: Mapping[str, FloatArray]
     """Densities [kg/m³] and pressures [Pa], each of shape (N,), as far as there are any."""
+    turns: Mapping[str, FloatArray]
+    """Orientations, unit quaternions (w, x, y, z) of shape (N, 4), and angular velocities [rad/s] of shape (N, 3), if
+    there are rigid bodies; those of particles are (1, 0, 0, 0) and 0.
+    """
     energy: Energy
     """Energy budget of the last step at or before this time."""
     systems: Mapping[str, Mapping[str, FloatArray]]
@@ -81,8 +87,8 @@ class ExportJob:
 
     @property
     def particles(self) -> int:
-        """The number N of particles."""
-        return self._source.scene.particles
+        """The number N of particles and rigid bodies."""
+        return sum(map(len, self._bodies))
 
     @property
     def has_bodies(self) -> bool:
@@ -119,8 +125,7 @@ class ExportJob:
     @cached_property
     def body(self) -> IntArray:
         """The index of the body of each particle, shape (N,)."""
-        indices = [self._source.scene.index(body) for body in self._bodies]
-        return np.repeat(indices, [len(body) for body in self._bodies]).astype(np.int64)
+        return np.repeat(np.arange(len(self._bodies)), [len(body) for body in self._bodies])
 
     @cached_property
     def springs(self) -> Springs:
@@ -137,19 +142,56 @@ class ExportJob:
         """All frames from the start, counted on the progress bar."""
         with Progress(self.count, "exporting", self._progress) as bar:
             for index, frame in enumerate(self._source.frames()):
-                velocities = _in_space(frame.fields["velocities"]) if "velocities" in frame.fields else None
-                fields = {name: frame.fields[field] for field, name in FIELDS.items() if field in frame.fields}
+                velocities = _in_space(self._whole(frame, "velocities")) if self.moving else None
+                fields = {name: self._whole(frame, field) for field, name in FIELDS.items() if field in frame.fields}
                 systems = {path: _own(frame.fields, f"{path}.") for path in self.grids}
                 assert frame.energy is not None  # `export` has checked this
-                yield Sample(index, frame.time, _in_space(frame.positions), velocities, fields, frame.energy, systems)
+                places, turns = _in_space(self._whole(frame, "positions")), dict(self._turns(frame))
+                yield Sample(index, frame.time, places, velocities, fields, turns, frame.energy, systems)
                 bar.update(index + 1)
 
     @property
     def _bodies(self) -> tuple[Body, ...]:
-        return self._source.scene.particle_bodies
+        return self._source.scene.bodies
 
     def _gather(self, name: str) -> FloatArray:
-        return self._source.scene.gather(name)
+        return np.concatenate([getattr(body, name) for body in self._bodies])
+
+    def _whole(self, frame: SourceFrame, name: str) -> FloatArray:
+        """A field of particles with rows for rigid bodies too; NaN where these have no such field.
+
+        Raises:
+            SceneError: the field was recorded of particles alone.
+        """
+        scene, values = self._source.scene, frame.fields[name]
+        if not scene.has_rigid_bodies:
+            return values
+        whole = np.full((self.particles, *values.shape[1:]), np.nan)
+        whole[scene.are_particles] = values
+        own = f"rigid_{name}"
+        if own in scene.fields:
+            if own not in frame.fields:
+                raise SceneError(f"channels: {own} were not recorded; ask for them with channels=({name!r}, …)")
+            whole[~scene.are_particles] = frame.fields[own]
+        return whole
+
+    def _turns(self, frame: SourceFrame) -> Iterator[tuple[str, FloatArray]]:
+        """The orientations and angular velocities of all rows, if there are rigid bodies."""
+        fields, rows = frame.fields, ~self._source.scene.are_particles
+        if "angles" in fields or "orientations" in fields:
+            quaternions = np.tile([1.0, 0.0, 0.0, 0.0], (self.particles, 1))
+            if "angles" in fields:
+                half = 0.5 * fields["angles"]
+                quaternions[rows, 0], quaternions[rows, 3] = cos(half), sin(half)
+            else:
+                quaternions[rows] = fields["orientations"]
+            yield "orientation", quaternions
+        if "angular_velocities" in fields:
+            rates = np.zeros((self.particles, 3))
+            # In 2D the rotation is about z.
+            given = fields["angular_velocities"].reshape(np.count_nonzero(rows), -1)
+            rates[rows, 3 - given.shape[1] :] = given
+            yield "angular_velocity", rates
 
 
 class TrajectoryWriter(Format, ABC):

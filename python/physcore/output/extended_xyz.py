@@ -23,7 +23,9 @@ class ExtendedXyzWriter(TrajectoryWriter):
     """Writer of extended XYZ.
 
     The columns are species (always X), position [m], velocity [m/s], mass [kg], and radius [m] and charge [C] if there
-    are any. They are followed by density [kg/m³] and pressure [Pa] of fluids, and the index of the body. The comment
+    are any. They are followed by density [kg/m³] and pressure [Pa] of fluids, and the index of the body. Rigid bodies
+    are particles at their centers of mass; all particles then have an orientation, a unit quaternion in the order of
+    OVITO (x, y, z, w), and an angular velocity [rad/s]. The comment
     line has the time [s] and the energies [J]. If the scene has other units, the comment names them in "Units". Numbers
     have all their digits.
     """
@@ -51,8 +53,12 @@ def _columns(job: ExportJob, sample: Sample) -> tuple[list[list[float]], str]:
     vectors = {"pos": sample.positions}
     if sample.velocities is not None:
         vectors["velo"] = sample.velocities
+    turns = {
+        name: values[:, [1, 2, 3, 0]] if name == "orientation" else values for name, values in sample.turns.items()
+    }
+    vectors |= turns
     numbers = {**job.constants, **sample.fields}
-    names = [f"{name}:R:3" for name in vectors] + [f"{name}:R:1" for name in numbers]
+    names = [f"{name}:R:{values.shape[1]}" for name, values in vectors.items()] + [f"{name}:R:1" for name in numbers]
     values = [column.tolist() for array in vectors.values() for column in array.T]
     values += [array.tolist() for array in numbers.values()]
     return [*values, job.body.tolist()], ":".join(["species:S:1", *names, "body:I:1"])

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 UNITS = {
     **{"time": "s", "position": "m", "velocity": "m/s", "density": "kg/m³", "pressure": "Pa"},
-    **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J"},
+    **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J", "angular_velocity": "rad/s"},
 }
 """Units by quantity, stored in `parameters/units`. H5MD's units module would store them at each element. But
 MDAnalysis opens no file with a unit of length that it does not know, such as meters.
@@ -34,9 +34,10 @@ class H5mdWriter(TrajectoryWriter):
     """Writer of H5MD.
 
     `particles/all` has the positions and velocities over time, and the densities and pressures of fluids. It also has
-    mass, radius, charge, and `species`, the index of the body. `observables` has the energies [J] at the times of their
-    steps. `step` counts frames. Lengths of the box along axes that are not periodic are 1, without meaning. Units are
-    in `parameters/units`; MDAnalysis needs `convert_units=False`.
+    mass, radius, charge, and `species`, the index of the body. Rigid bodies are particles at their centers of mass; all
+    particles then have an `orientation`, a unit quaternion (w, x, y, z), and an `angular_velocity`. `observables` has
+    the energies [J] at the times of their steps. `step` counts frames. Lengths of the box along axes that are not
+    periodic are 1, without meaning. Units are in `parameters/units`; MDAnalysis needs `convert_units=False`.
     """
 
     suffixes: ClassVar = (".h5md",)
@@ -151,6 +152,7 @@ class _Series:
             "position": sample.positions,
             "velocity": sample.velocities,
             **sample.fields,
+            **sample.turns,
             "box/edges": self._edges,
         }
         for name, array in arrays.items():

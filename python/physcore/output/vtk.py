@@ -30,8 +30,10 @@ class VtkWriter(TrajectoryWriter):
     """Writer of VTK.
 
     Points have velocity [m/s], mass [kg], radius [m], charge [C], density [kg/m³], pressure [Pa] and the index of the
-    body. Springs are lines with their strain. Each point is a cell too, so that it is visible. Systems on grids are
-    images with the values of each field in the cells. If the scene has other units, a comment of the .pvd names them.
+    body. Rigid bodies are points at their centers of mass; all points then have an orientation, a unit quaternion (w,
+    x, y, z), and an angular velocity [rad/s]. Springs are lines with their strain. Each point is a cell too, so that it
+    is visible. Systems on grids are images with the values of each field in the cells. If the scene has other units, a
+    comment of the .pvd names them.
 
     The frames of film.pvd are in a subfolder of film/, which is named by a hash of its content. The .pvd is written
     after all frames, and the frames of an earlier .pvd are removed after that. The .pvd therefore always lists existing
@@ -139,6 +141,7 @@ def _poly_data(job: ExportJob, sample: Sample) -> bytes:
     on_points = [data.add(name, values) for name, values in points.items()] + [data.add("body", job.body)]
     if sample.velocities is not None:
         on_points.append(data.add("velocity", sample.velocities, 3))
+    on_points += [data.add(name, values, values.shape[1]) for name, values in sample.turns.items()]
     strain = np.concatenate([np.full(count, np.nan), springs.strain(sample.positions)])
     lines = [
         f'<Piece NumberOfPoints="{count}" NumberOfVerts="{count}" NumberOfLines="{len(springs.pairs)}" '

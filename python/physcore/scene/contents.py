@@ -174,9 +174,8 @@ class Contents:
             SceneError: the item is neither, or has no such field.
         """
         self.targets(item)  # raises the error
-        return self.rows(item, word(field, "members.field", tuple(dict.fromkeys(("on", *item.naming)))))[
-            self.are_particles
-        ]
+        name = word(field, "members.field", tuple(dict.fromkeys(("on", *item.naming))))
+        return self.rows(item, name)[self.are_particles]
 
     def rows(self, item: ActingItem, field: str) -> BoolArray:
         """Whether an item acts on each row of the engine's fields of particles, which have rigid bodies too."""

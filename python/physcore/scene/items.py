@@ -268,7 +268,8 @@ class Force(ActingItem):
         pc.Gravity(on=(cloth, slice(0, 40)))
         pc.Drag(0.1, on=[ball, ("cloth", cloth.positions[:, 1] > 0.5)])
 
-    A force between particles acts between those that are named.
+    A force between particles acts between those that are named. On rigid bodies forces act at their centers of mass;
+    those of short range between particles, and those on faces, do not act on them.
     """
 
     section: ClassVar[str] = "forces"

@@ -39,9 +39,9 @@ class Scene(Contents):
     Scenes are immutable. The dimension follows from the positions and grids.
 
     Args:
-        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, systems, probes and at most
-            one
-            Periodic domain, in any order. Results have the particles in the order of the bodies.
+        items: bodies (Particles, SpringNetwork, Fluid, RigidBodies), forces, boundaries, constraints and joints,
+            systems, probes and at most one Periodic domain, in any order. Results have the particles in the order of
+            the bodies.
         units: the units in which all numbers of the scene are, times and time steps of its runs included; None: the SI.
             `pc.units.system` makes such units, and `pc.units.dimensionless` is for models without any. They change no
             bit of a result. Labels, tables, messages and files have them. Defaults with a dimension, such as G, are
@@ -78,8 +78,8 @@ class Scene(Contents):
         for field in ("forces", "boundaries", "constraints"):
             known = (item.among(self.bodies, f"{field}[{place}]") for place, item in enumerate(getattr(self, field)))
             object.__setattr__(self, field, tuple(known))
-        own, given_constraints = self.constraints, [item for item in given if item.section == "constraints"]
-        linked = (each.following(cast("list[Constraint]", given_constraints), own) for each in own)
+        own, before = self.constraints, [item for item in given if item.section == "constraints"]
+        linked = (each.following(cast("list[Constraint]", before), own) for each in own)
         object.__setattr__(self, "constraints", tuple(linked))
         self._set_domain([cast("Periodic", item) for item in given if item.section == "domains"])
         if not self.units.is_si:

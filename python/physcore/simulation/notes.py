@@ -36,7 +36,7 @@ def noted(recording: Recording) -> Recording:
 
 def _drift(recording: Recording) -> Iterator[str]:
     """A note on the drift, if it is not even fair."""
-    largest = float(np.abs(recording.energy.drift).max())
+    largest = recording.energy.material_drift
     if not largest <= FAIR_DRIFT:
         yield (
             f"the energy balance drifted by {largest:.2g} of the energy in motion: {verdict(largest)}; "

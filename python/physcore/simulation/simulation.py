@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore.checks import FloatArray, flag, shown, span
@@ -289,8 +288,9 @@ class Simulation(Measured):
         Args:
             duration: [s].
             fps: frames per second of simulated time.
-            channels: what to keep of each frame, such as "positions" and "velocities", and with a Fluid "densities" and
-                "pressures", "wall_forces" and "probe_pressures"; None: all but the first two of fluids.
+            channels: what to keep of each frame, such as "positions" and "velocities", of rigid bodies too, with these
+                "angles" or "orientations" and "angular_velocities", and with a Fluid "densities" and "pressures",
+                "wall_forces" and "probe_pressures"; None: all but the first two of fluids.
             progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
             events: what to look for on the way, for `Recording.events`. A terminal one ends the run; the last frame is
                 then at or before it, and the simulation is at the event.
@@ -311,7 +311,7 @@ class Simulation(Measured):
         with Progress(count, "simulating", shown) as bar:
             shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
             recording = collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
-        self._stepper.warn_of_drift(float(np.abs(recording.energy.drift).max()))
+        self._stepper.warn_of_drift(recording.energy.material_drift)
         return noted(recording if watch is None else replace(recording, events=watch.events))
 
     def _watch_for(self, events: object, channels: tuple[str, ...] | None) -> Watch | None:

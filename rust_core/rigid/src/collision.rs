@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use crate::contact::{ContactPoint, Normal};
-use crate::couple::{Couple, of_face};
+use crate::couple::{Couple, as_normal};
 use crate::pose::Pose;
 use crate::shapes::{Form, Part, Shape};
 use crate::{planar, spatial};
@@ -111,7 +111,7 @@ fn on_ground(pair: &Ground, reach: f64, width: u32, contacts: &mut Vec<ContactPo
             continue;
         }
         let (foot, radius, normal) = match *form {
-            Form::HalfSpace(normal) => (point - normal.dot(point) * normal, 0.0, of_face(owner, normal)),
+            Form::HalfSpace(normal) => (point - normal.dot(point) * normal, 0.0, as_normal(owner, normal)),
             Form::Hollow(radius) => (DVec3::ZERO, -radius, Normal::Hollow),
             Form::Parts(_) => continue,
         };

@@ -101,6 +101,6 @@ impl<'a> Couple<'a> {
 
 /// Outward normal of a body's face as the normal of a contact.
 #[inline]
-pub(crate) fn of_face(owner: usize, normal: DVec3) -> Normal {
+pub(crate) fn as_normal(owner: usize, normal: DVec3) -> Normal {
     if owner == 0 { Normal::First(normal) } else { Normal::Second(-normal) }
 }

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use crate::collision;
-use crate::island::{Contact, Island, Pair};
+use crate::island::{Accuracy, Contact, Island, Pair};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{ContactRow, JointRows, Rows, Velocities};
@@ -29,7 +29,7 @@ const MOST_ITERATIONS: usize = 200;
 const SHORTEST: f64 = 1e-9;
 /// Number of pieces of a step: these, and so many for each body.
 const PIECES: usize = 16;
-const PIECES_PER_BODY: usize = 8;
+const PIECES_PER_BODY: usize = 2;
 
 /// Path of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
 struct Path<'a> {
@@ -66,11 +66,12 @@ impl Path<'_> {
 }
 
 impl Island {
-    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open.
-    pub fn advance(&mut self, shapes: &[Shape], h: f64) {
+    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. After many impacts the rest
+    /// of the step is taken in equal pieces.
+    pub fn advance(&mut self, shapes: &[Shape], h: f64, rest: (usize, Accuracy)) {
         let most = PIECES + PIECES_PER_BODY * self.movers.len();
         let mut time = 0.0;
-        for piece in 0.. {
+        for _ in 0..most {
             let reach = |island: &Self, pair: &Pair| {
                 let of = |&body: &usize| {
                     let mover = &island.movers[body];
@@ -86,7 +87,7 @@ impl Island {
             let start = self.movers.clone();
             let remaining = h - time;
             self.begin_piece(remaining, h);
-            let impact = if piece < most { self.first_impact(shapes, &start, remaining) } else { None };
+            let impact = self.first_impact(shapes, &start, remaining);
             let Some(after) = impact.filter(|&after| after < remaining) else { return };
             self.movers.copy_from_slice(&start);
             self.renew_touches();
@@ -98,6 +99,7 @@ impl Island {
                 time += after;
             }
         }
+        self.sweep(shapes, h - time, rest);
     }
 
     /// Holds the contacts that are closed and do not open in this step.

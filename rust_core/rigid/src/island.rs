@@ -37,6 +37,9 @@ impl Accuracy {
     pub const FINE: Self = Self { iterations: 400, velocities: 1e-11, linearizations: 10, positions: 1e-11 };
 }
 
+/// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
+const LONG: f64 = 0.1;
+
 /// Surface of a mover.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {
@@ -135,7 +138,8 @@ pub struct Island {
     pub planar: bool,
     pub accuracy: Accuracy,
     pub meters: Meters,
-    /// Length of the last piece [s], which is left open.
+    /// Length of the step, and of the last piece, which is left open [s].
+    pub step: f64,
     pub open: f64,
     /// Loads of the contacts of the last step.
     past: Vec<(ContactKey, ContactImpulse)>,
@@ -155,6 +159,7 @@ impl Island {
             planar,
             accuracy,
             meters: Meters::default(),
+            step: 0.0,
             open: 0.0,
             past: Vec::new(),
             first: FirstHalf::default(),
@@ -307,7 +312,7 @@ impl Island {
                 self.row(contact, &v).map_or_else(Default::default, |row| (row.velocity(&v), row.turning(&v)))
             })
             .collect();
-        (self.first, self.open) = (first, length);
+        (self.first, self.open, self.step) = (first, length, h);
     }
 
     /// Adds the rows of the joints at the start of a piece.
@@ -441,10 +446,13 @@ impl Island {
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += losses.max(0.0);
         self.meters.work += first.work + rows.supplied(&start, &v);
-        self.keep_loads(&first, &rows, length);
+        if length >= LONG * self.step {
+            self.keep_loads(&first, &rows, length);
+        }
+        self.keep_reactions(&first, &rows);
     }
 
-    /// Keeps the mean forces of a piece, and the reactions of joints.
+    /// Keeps the mean forces of a piece.
     fn keep_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
         self.past.clear();
         self.contacts.iter_mut().for_each(|contact| contact.load = ContactImpulse::default());
@@ -454,19 +462,23 @@ impl Island {
         for (joint, halves) in self.joints.iter_mut().zip(first.rows.joints.iter().zip(&rows.joints)) {
             for (index, (one, other)) in halves.0.rows.iter().zip(&halves.1.rows).enumerate() {
                 joint.loads[index] = (one.impulse + other.impulse) / length;
-                for row in [one, other] {
-                    joint.reaction[0] += row.impulse * row.linear;
-                    joint.reaction[1] += row.impulse * row.angular[1];
-                }
             }
         }
         for ((one, other), &(joint, which)) in first.rows.bounds.iter().zip(&rows.bounds).zip(&first.bounded) {
-            let joint = &mut self.joints[joint];
-            joint.bounds[which] = (one.row.impulse + other.row.impulse) / length;
-            for row in [one.row, other.row] {
-                joint.reaction[0] += row.impulse * row.linear;
-                joint.reaction[1] += row.impulse * row.angular[1];
-            }
+            self.joints[joint].bounds[which] = (one.row.impulse + other.row.impulse) / length;
+        }
+    }
+
+    /// Adds the impulses of joints in a piece.
+    fn keep_reactions(&mut self, first: &FirstHalf, rows: &Rows) {
+        let mut add = |joint: usize, row: &Row| {
+            let reaction = &mut self.joints[joint].reaction;
+            reaction[0] += row.impulse * row.linear;
+            reaction[1] += row.impulse * row.angular[1];
+        };
+        for half in [&first.rows, rows] {
+            half.joints.iter().enumerate().for_each(|(joint, rows)| rows.rows.iter().for_each(|row| add(joint, row)));
+            half.bounds.iter().zip(&first.bounded).for_each(|(bounded, &(joint, _))| add(joint, &bounded.row));
         }
     }
 }

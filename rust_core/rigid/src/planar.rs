@@ -8,7 +8,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use crate::contact::{ContactPoint, Normal};
-use crate::couple::{Couple, FaceGap, of_face};
+use crate::couple::{Couple, FaceGap, as_normal};
 use crate::shapes::Part;
 
 /// Pair of features of two cores.
@@ -81,7 +81,7 @@ fn nearest(couple: &Couple, widest: &FaceGap) -> (f64, Nearest) {
         return (widest.gap, Nearest::Face(key));
     }
     let (distance, features) = closest(couple, key);
-    if distance <= widest.gap + couple.closed() { (widest.gap, Nearest::Face(key)) } else { (distance, features) }
+    if distance <= couple.closed() { (widest.gap, Nearest::Face(key)) } else { (distance, features) }
 }
 
 /// Least distance between a vertex of a core and an edge or vertex of the other, starting from a face and a vertex.
@@ -181,7 +181,7 @@ impl Clip {
         for (&(local, point, gap), &features) in self.ends.iter().zip(&self.features) {
             if gap <= couple.limit() {
                 let foot = point - gap * self.normal;
-                couple.push(self.owner, [foot, local], of_face(self.owner, self.normal), features, contacts);
+                couple.push(self.owner, [foot, local], as_normal(self.owner, self.normal), features, contacts);
             }
         }
     }

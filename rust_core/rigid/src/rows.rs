@@ -16,7 +16,7 @@ const SWEEPS: usize = 4;
 pub const MOST_ROWS: usize = 6;
 
 /// Velocities during a solve, with the inverse masses and inertias.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Velocities {
     linear: Vec<DVec3>,
     angular: Vec<DVec3>,
@@ -452,26 +452,71 @@ impl Rows {
     }
 
     /// Iterates in alternating order until no relative velocity changes by more than `tolerance` [m/s]; returns whether it
-    /// came to that.
+    /// came to that. A Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
     pub fn solve(&mut self, v: &mut Velocities, tolerance: f64, most: usize) -> bool {
+        let mut before: Option<(f64, Vec<f64>, Velocities)> = None;
+        let mut newton = true;
         for iteration in 0..most {
-            let mut change = 0.0_f64;
-            self.joints.iter_mut().for_each(|joint| change = change.max(joint.relax(v)));
-            self.bounds.iter_mut().for_each(|bounded| change = change.max(bounded.relax(v)));
-            let mut relax = |contact: &mut ContactRow| change = change.max(contact.relax(v));
-            if iteration % 2 == 0 {
-                self.contacts.iter_mut().for_each(&mut relax);
-            } else {
-                self.contacts.iter_mut().rev().for_each(&mut relax);
-            }
+            let change = self.relax_all(iteration, v);
             if change <= tolerance {
                 return true;
             }
-            if iteration % SWEEPS == SWEEPS - 1 {
-                self.solve_held(v);
+            if (iteration + 1) % SWEEPS != 0 {
+                continue;
+            }
+            if let Some((change_before, impulses, velocities)) = before.take()
+                && change > change_before
+            {
+                self.set_impulses(&impulses);
+                *v = velocities;
+                newton = false;
+            }
+            if newton && iteration + 1 + SWEEPS <= most {
+                let saved = (change, self.impulses(), v.clone());
+                newton = self.solve_held(v);
+                before = newton.then_some(saved);
             }
         }
         false
+    }
+
+    /// Relaxes all rows once; returns the largest change of a relative velocity [m/s].
+    fn relax_all(&mut self, iteration: usize, v: &mut Velocities) -> f64 {
+        let mut change = 0.0_f64;
+        self.joints.iter_mut().for_each(|joint| change = change.max(joint.relax(v)));
+        self.bounds.iter_mut().for_each(|bounded| change = change.max(bounded.relax(v)));
+        let mut relax = |contact: &mut ContactRow| change = change.max(contact.relax(v));
+        if iteration.is_multiple_of(2) {
+            self.contacts.iter_mut().for_each(&mut relax);
+        } else {
+            self.contacts.iter_mut().rev().for_each(&mut relax);
+        }
+        change
+    }
+
+    /// All impulses, row by row.
+    fn impulses(&self) -> Vec<f64> {
+        let joints = self.joints.iter().flat_map(|joint| joint.rows.iter().map(|row| row.impulse));
+        let bounds = self.bounds.iter().map(|bounded| bounded.row.impulse);
+        let of = |contact: &ContactRow| {
+            let ContactImpulse { normal, tangential, turning } = contact.impulse;
+            [normal, tangential.x, tangential.y, tangential.z, turning.x, turning.y, turning.z]
+        };
+        joints.chain(bounds).chain(self.contacts.iter().flat_map(of)).collect()
+    }
+
+    /// Sets all impulses.
+    fn set_impulses(&mut self, values: &[f64]) {
+        let mut values = values.iter().copied();
+        let joints = self.joints.iter_mut().flat_map(|joint| joint.rows.iter_mut().map(|row| &mut row.impulse));
+        let bounds = self.bounds.iter_mut().map(|bounded| &mut bounded.row.impulse);
+        joints.chain(bounds).zip(&mut values).for_each(|(impulse, value)| *impulse = value);
+        for contact in &mut self.contacts {
+            let mut next = || values.next().unwrap_or(0.0);
+            let normal = next();
+            let tangential = DVec3::new(next(), next(), next());
+            contact.impulse = ContactImpulse { normal, tangential, turning: DVec3::new(next(), next(), next()) };
+        }
     }
 
     /// Energy that motors, and bodies that move as prescribed, supply by the impulses [J], from velocities before to

@@ -3,22 +3,17 @@
 //! A gap that would close within a piece is closed at its end at most. Nothing passes through anything, at the price of the
 //! time of impact. Source: E. Catto, "Solver2D", 2024 (small steps with relaxation).
 
-use crate::island::{Accuracy, Island, Pair};
+use crate::island::{Accuracy, Island};
 use crate::rows::Velocities;
 use crate::shapes::Shape;
 
 impl Island {
     /// Advances the group by `h` seconds in equal pieces. The last one is left open.
-    pub fn sweep(&mut self, shapes: &[Shape], h: f64, pieces: usize, accuracy: Accuracy) {
+    pub fn sweep(&mut self, shapes: &[Shape], h: f64, (pieces, accuracy): (usize, Accuracy)) {
         self.accuracy = accuracy;
-        let reach = |island: &Self, pair: &Pair| {
-            let of = |&body: &usize| {
-                let mover = &island.movers[body];
-                h * (mover.velocity.length() + mover.angular_velocity().length() * mover.arm + h * mover.acceleration.length())
-            };
-            pair.bodies.iter().map(of).sum::<f64>()
-        };
-        self.find_contacts(shapes, reach);
+        // Impacts may pass the largest speed on to any body.
+        let way = 2.0 * h * self.speed();
+        self.find_contacts(shapes, |_, pair| way.min(pair.size));
         let length = h / pieces as f64;
         for piece in 0..pieces {
             let v = Velocities::of(&self.movers);

@@ -156,7 +156,7 @@ pub struct ContactSolver {
 
 impl Default for ContactSolver {
     fn default() -> Self {
-        Self { substeps: 4, iterations: 4, large: 65 }
+        Self { substeps: 4, iterations: 4, large: 33 }
     }
 }
 
@@ -316,12 +316,13 @@ impl RigidWorld {
         executor.for_each_block(BlockedSlice::new(&mut self.islands, 1), &|block: BlockedSlice<'_, Island>| {
             for island in block.items {
                 let sized = |mover: &&Mover| !mover.is_fixed() && mover.inertia != Inertia::NONE;
+                let accuracy =
+                    Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
+                let sweep = (solver.substeps, accuracy);
                 if island.movers.iter().filter(sized).count() < solver.large {
-                    island.advance(shapes, h);
+                    island.advance(shapes, h, sweep);
                 } else {
-                    let accuracy =
-                        Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
-                    island.sweep(shapes, h, solver.substeps, accuracy);
+                    island.sweep(shapes, h, sweep);
                 }
             }
         });
@@ -354,15 +355,17 @@ impl RigidWorld {
 
     /// Pairs of movers that may touch within a step.
     fn pairs(&self, movers: &[Mover], surfaces: &[Surface], free: usize, h: f64) -> Vec<[u32; 2]> {
-        let bounds: Vec<Bounds> = movers
-            .iter()
-            .zip(surfaces)
-            .map(|(mover, surface)| {
-                let way = h * (mover.velocity.length() + mover.arm * mover.angular_velocity().length())
-                    + h * h * mover.acceleration.length();
-                self.shapes[surface.shape].bounds(&mover.pose()).grown(way)
-            })
-            .collect();
+        let speed = |mover: &Mover| {
+            mover.velocity.length() + mover.arm * mover.angular_velocity().length() + h * mover.acceleration.length()
+        };
+        let fastest = movers.iter().map(speed).fold(0.0, f64::max);
+        let of = |(mover, surface): (&Mover, &Surface)| {
+            let shape = &self.shapes[surface.shape];
+            // An impact may pass the largest speed on to any body.
+            let way = if mover.is_fixed() { h * speed(mover) } else { h * speed(mover).max(fastest.min(shape.reach() / h)) };
+            shape.bounds(&mover.pose()).grown(way)
+        };
+        let bounds: Vec<Bounds> = movers.iter().zip(surfaces).map(of).collect();
         let moves: Vec<bool> = movers.iter().map(|mover| !mover.is_fixed()).collect();
         let mut pairs = Vec::new();
         broad::pairs(&bounds, &moves, &mut pairs);

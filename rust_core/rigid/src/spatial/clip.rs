@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::edges::EdgeGap;
 use super::nearest;
 use crate::contact::{ContactPoint, Normal};
-use crate::couple::{Couple, FaceGap, of_face};
+use crate::couple::{Couple, FaceGap, as_normal};
 use crate::shapes::Part;
 
 /// Largest number of contacts of two parts.
@@ -97,18 +97,24 @@ pub(super) fn is_over(part: &Part, face: usize, point: DVec3) -> bool {
     })
 }
 
-/// Adds the contacts of a face with the face of the other body that looks at it most.
-pub(super) fn add_face(couple: &Couple, FaceGap { owner, face, vertex, .. }: FaceGap, contacts: &mut Vec<ContactPoint>) {
+/// Contacts of a face with the face of the other body that looks at it most.
+pub(super) fn of_face<'a>(couple: &Couple<'a>, FaceGap { owner, face, vertex, .. }: FaceGap) -> Manifold<'a> {
     let [part, incident] = [couple.parts[owner], couple.parts[1 - owner]];
     let normal = part.normals[face];
     let direction = couple.other_in[owner].local_vector(normal);
     let facing = facing(incident, direction, |corners| corners.contains(&(vertex as u32)));
-    let reference = Reference { owner, part, face, normal };
-    if !add(couple, &reference, facing, of_face(owner, normal), contacts) {
-        let local = incident.vertices[vertex];
-        let point = couple.other_in[owner].point(local);
-        let foot = point - reference.gap(point) * normal;
-        couple.push(owner, [foot, local], of_face(owner, normal), [part.face_feature(face), vertex as u32], contacts);
+    Manifold::new(couple, Reference { owner, part, face, normal }, facing)
+}
+
+/// Adds the contacts along the normal of a face; at least one of the nearest vertex, if the face is not far.
+pub(super) fn add_face(couple: &Couple, gap: FaceGap, manifold: &Manifold, contacts: &mut Vec<ContactPoint>) {
+    let FaceGap { owner, face, vertex, .. } = gap;
+    let normal = couple.parts[owner].normals[face];
+    if !manifold.add(couple, as_normal(owner, normal), contacts) {
+        let local = couple.parts[1 - owner].vertices[vertex];
+        let foot = couple.other_in[owner].point(local) - gap.gap * normal;
+        let features = [couple.parts[owner].face_feature(face), vertex as u32];
+        couple.push(owner, [foot, local], as_normal(owner, normal), features, contacts);
     }
 }
 
@@ -123,10 +129,11 @@ pub(super) fn add_edges(couple: &Couple, gap: EdgeGap, contacts: &mut Vec<Contac
     });
     let ways = [0, 1].map(|body| couple.parts[body].edge(gap.edges[body]));
     let normal = super::of_edges(ways.map(|[from, to]| to - from), couple, couple.poses[0].rotation * gap.normal);
-    if let [Some(face), Some(facing)] = faces
-        && add(couple, &Reference { owner: 0, part: couple.parts[0], face, normal: gap.normal }, Some(facing), normal, contacts)
-    {
-        return;
+    if let [Some(face), Some(facing)] = faces {
+        let reference = Reference { owner: 0, part: couple.parts[0], face, normal: gap.normal };
+        if Manifold::new(couple, reference, Some(facing)).add(couple, normal, contacts) {
+            return;
+        }
     }
     let pair = nearest::of_edges(couple, gap.edges);
     if gap.gap > couple.closed() {
@@ -142,29 +149,50 @@ fn facing(part: &Part, direction: DVec3, selects: impl Fn(&[u32]) -> bool) -> Op
     faces.reduce(|one, other| if part.normals[other].dot(direction) < part.normals[one].dot(direction) { other } else { one })
 }
 
-/// Adds the contacts of a face of the other body, or of its whole core if it has no faces. Returns whether there are any.
-fn add(couple: &Couple, reference: &Reference, facing: Option<usize>, normal: Normal, contacts: &mut Vec<ContactPoint>) -> bool {
-    let incident = couple.parts[1 - reference.owner];
-    let into = &couple.other_in[reference.owner];
-    let corner = |vertex: u32| Corner {
-        point: into.point(incident.vertices[vertex as usize]),
-        features: [reference.part.face_feature(reference.face), vertex],
-        side: Side::Own(vertex),
-    };
-    let polygon: Vec<Corner> = match facing {
-        Some(face) => incident.net.face(face).iter().map(|&vertex| corner(vertex)).collect(),
-        None => (0..incident.vertices.len() as u32).map(corner).collect(),
-    };
-    let whole = facing.map_or(0, |face| incident.face_feature(face));
-    let mut polygon = reference.clip(polygon, whole);
-    polygon.retain(|corner| reference.gap(corner.point) <= couple.limit());
-    let places: Vec<(DVec3, f64)> = polygon.iter().map(|corner| (corner.point, reference.gap(corner.point))).collect();
-    for place in spread(&places, reference.normal) {
-        let (point, gap) = places[place];
-        let local = into.local_point(point);
-        couple.push(reference.owner, [point - gap * reference.normal, local], normal, polygon[place].features, contacts);
+/// Points of a face, clipped to a face of the other body.
+pub(super) struct Manifold<'a> {
+    reference: Reference<'a>,
+    corners: Vec<Corner>,
+}
+
+impl<'a> Manifold<'a> {
+    /// Clips a face of the other body, or its whole core if it has no faces.
+    fn new(couple: &Couple, reference: Reference<'a>, facing: Option<usize>) -> Self {
+        let incident = couple.parts[1 - reference.owner];
+        let into = &couple.other_in[reference.owner];
+        let corner = |vertex: u32| Corner {
+            point: into.point(incident.vertices[vertex as usize]),
+            features: [reference.part.face_feature(reference.face), vertex],
+            side: Side::Own(vertex),
+        };
+        let polygon: Vec<Corner> = match facing {
+            Some(face) => incident.net.face(face).iter().map(|&vertex| corner(vertex)).collect(),
+            None => (0..incident.vertices.len() as u32).map(corner).collect(),
+        };
+        let whole = facing.map_or(0, |face| incident.face_feature(face));
+        let corners = reference.clip(polygon, whole);
+        Self { reference, corners }
     }
-    !places.is_empty()
+
+    /// Smallest gap of the cores; infinite if nothing is left of the clipped face.
+    pub fn gap(&self) -> f64 {
+        self.corners.iter().map(|corner| self.reference.gap(corner.point)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Adds the contacts within reach. Returns whether there are any.
+    fn add(&self, couple: &Couple, normal: Normal, contacts: &mut Vec<ContactPoint>) -> bool {
+        let Self { reference, corners } = self;
+        let within = |corner: &&Corner| reference.gap(corner.point) <= couple.limit();
+        let near: Vec<Corner> = corners.iter().filter(within).copied().collect();
+        let places: Vec<(DVec3, f64)> = near.iter().map(|corner| (corner.point, reference.gap(corner.point))).collect();
+        for place in spread(&places, reference.normal) {
+            let (point, gap) = places[place];
+            let local = couple.other_in[reference.owner].local_point(point);
+            let foot = point - gap * reference.normal;
+            couple.push(reference.owner, [foot, local], normal, near[place].features, contacts);
+        }
+        !places.is_empty()
+    }
 }
 
 /// At most four of the points with their gaps: the one of the smallest gap, the one farthest from it, and on each side of the

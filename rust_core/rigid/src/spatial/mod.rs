@@ -25,11 +25,19 @@ pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
         return;
     }
     match axis(couple) {
-        None => nearest::add_segments(couple, points),
+        None => nearest::add_pair(couple, &nearest::of_segments(couple), points),
         Some(axis) if axis.gap() > couple.limit() => {}
-        Some(axis) => match axis.nearest(couple) {
+        Some(Axis::Face(face)) => {
+            let manifold = clip::of_face(couple, face);
+            let is_exact = face.gap <= couple.closed() || manifold.gap() <= face.gap + couple.closed();
+            match (!is_exact).then(|| Axis::Face(face).nearest(couple)).flatten() {
+                Some(pair) => nearest::add_pair(couple, &pair, points),
+                None => clip::add_face(couple, face, &manifold, points),
+            }
+        }
+        Some(Axis::Edges(edges)) => match Axis::Edges(edges).nearest(couple) {
             Some(pair) => nearest::add_pair(couple, &pair, points),
-            None => axis.add(couple, points),
+            None => clip::add_edges(couple, edges, points),
         },
     }
 }
@@ -84,30 +92,27 @@ impl Axis {
 
     /// Nearest points of two cores that are apart, if they are not on the axis.
     fn nearest(&self, couple: &Couple) -> Option<Pair> {
-        if self.gap() <= couple.closed() || self.is_exact(couple) {
+        let is_exact = match self {
+            Self::Face(_) => false,
+            Self::Edges(edges) => edges.is_exact,
+        };
+        if is_exact || self.gap() <= couple.closed() {
             return None;
         }
-        let pair = nearest::closest(couple, self.gap(), self.normal(couple));
-        (pair.distance > self.gap() + couple.closed()).then_some(pair)
+        Some(nearest::closest(couple, self.gap(), self.normal(couple)))
     }
 
-    /// Whether the gap along the axis is the distance of the cores for certain.
-    fn is_exact(&self, couple: &Couple) -> bool {
-        match *self {
+    /// Distance of two cores and their normal, or minus their depth.
+    fn distance(&self, couple: &Couple) -> (f64, DVec3) {
+        let is_exact = match *self {
             Self::Face(FaceGap { owner, face, vertex, .. }) => {
                 let point = couple.other_in[owner].point(couple.parts[1 - owner].vertices[vertex]);
                 clip::is_over(couple.parts[owner], face, point)
             }
             Self::Edges(edges) => edges.is_exact,
-        }
-    }
-
-    /// Adds the contacts along the axis.
-    fn add(&self, couple: &Couple, points: &mut Vec<ContactPoint>) {
-        match *self {
-            Self::Face(face) => clip::add_face(couple, face, points),
-            Self::Edges(edges) => clip::add_edges(couple, edges, points),
-        }
+        };
+        let pair = (!is_exact).then(|| self.nearest(couple)).flatten();
+        pair.map_or_else(|| (self.gap(), self.normal(couple)), |pair| (pair.distance, pair.normal(couple)))
     }
 }
 
@@ -140,15 +145,9 @@ fn flat_resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4> {
 
 /// Distance of two parts, or minus their depth, and the unit normal from the first to the second.
 pub(crate) fn separation(couple: &Couple) -> (f64, DVec3) {
-    let rounding = couple.rounding();
-    let of_pair = |pair: &Pair| (pair.distance - rounding, pair.normal(couple));
-    match axis(couple) {
-        None => of_pair(&nearest::of_segments(couple)),
-        Some(axis) => match axis.nearest(couple) {
-            Some(pair) => of_pair(&pair),
-            None => (axis.gap() - rounding, axis.normal(couple)),
-        },
-    }
+    let pair = || nearest::of_segments(couple);
+    let (distance, normal) = axis(couple).map_or_else(|| (pair().distance, pair().normal(couple)), |axis| axis.distance(couple));
+    (distance - couple.rounding(), normal)
 }
 
 /// Normal of two edges in the frames of their bodies, in an order whose cross product points from the first body to the second.

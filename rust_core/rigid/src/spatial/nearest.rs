@@ -8,6 +8,8 @@ use crate::shapes::Part;
 
 /// Sine of the angle of two edges below which they touch along a line.
 const PARALLEL: f64 = 0.05;
+/// Cosine of the normals of contacts along one line.
+const ALIKE: f64 = 0.99;
 /// Difference of gaps that counts, relative to the lengths of the edges.
 const NEARER: f64 = 1e-6;
 
@@ -40,10 +42,31 @@ impl Pair {
         })
     }
 
+    /// Whether the points are within their edges.
+    fn is_within(&self) -> [bool; 2] {
+        self.along.map(|along| along > 0.0 && along < 1.0)
+    }
+
     /// Unit normal from the first body to the second, in the world.
     pub fn normal(&self, couple: &Couple) -> DVec3 {
         let [one, other] = self.points(couple);
-        (couple.poses[1].point(other) - couple.poses[0].point(one)).try_normalize().unwrap_or(DVec3::X)
+        let way = couple.poses[1].point(other) - couple.poses[0].point(one);
+        let ways = in_world(couple, self.edges).map(|[from, to]| to - from);
+        // The cross product of the edges is accurate even if the points are close to each other.
+        let across = ways[0].cross(ways[1]);
+        let is_skew = across.length_squared() > PARALLEL * PARALLEL * ways[0].length_squared() * ways[1].length_squared();
+        let is_close = self.distance <= couple.closed();
+        match across.try_normalize() {
+            Some(across) if is_close || is_skew && self.is_within() == [true; 2] => {
+                if across.dot(way) < 0.0 {
+                    -across
+                } else {
+                    across
+                }
+            }
+            _ if !is_close => way.normalize(),
+            _ => ways.into_iter().find_map(DVec3::try_normalize).unwrap_or(DVec3::Z).any_orthonormal_vector(),
+        }
     }
 
     /// Features of the points: vertices or edges.
@@ -65,9 +88,10 @@ impl Pair {
             return;
         }
         // Directions of the edges that have the point within them, in the frames of their bodies.
+        let is_within = self.is_within();
         let ways = [0, 1].map(|body| {
             let [from, to] = couple.parts[body].edge(self.edges[body]);
-            (self.along[body] > 0.0 && self.along[body] < 1.0).then_some(to - from)
+            is_within[body].then_some(to - from)
         });
         let normal = match ways {
             [None, None] => Normal::Points,
@@ -93,11 +117,6 @@ pub(super) fn of_edges(couple: &Couple, edges: [usize; 2]) -> Pair {
 /// Nearest points of two cores without faces.
 pub(super) fn of_segments(couple: &Couple) -> Pair {
     of_edges(couple, [0, 0])
-}
-
-/// Adds the contacts of two cores without faces.
-pub(super) fn add_segments(couple: &Couple, contacts: &mut Vec<ContactPoint>) {
-    add_pair(couple, &of_segments(couple), contacts);
 }
 
 /// Adds the contact of a pair of points; of nearly parallel edges also the ends of the part that they share.
@@ -126,10 +145,13 @@ pub(super) fn add_pair(couple: &Couple, pair: &Pair, contacts: &mut Vec<ContactP
         };
         Pair { distance, along, edges: pair.edges }
     };
+    let normal = pair.normal(couple);
     let ends = [end(places[low] <= 0.0, 0.0, low), end(places[high] >= 1.0, 1.0, high)];
-    ends.iter().for_each(|end| end.add(couple, contacts));
+    // Cores that cross have ends on both sides.
+    let beside = || ends.iter().filter(|end| end.normal(couple).dot(normal) > ALIKE);
+    beside().for_each(|end| end.add(couple, contacts));
     let margin = NEARER * way.length().max(across.length());
-    if ends.iter().all(|end| pair.distance < end.distance - margin) {
+    if beside().all(|end| pair.distance < end.distance - margin) {
         pair.add(couple, contacts);
     }
 }

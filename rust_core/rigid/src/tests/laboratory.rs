@@ -28,12 +28,17 @@ impl Laboratory {
         Self { world, motions: Vec::new(), gravity, meters: Meters::default(), masses: Vec::new() }
     }
 
-    /// Adds a half-space at rest.
+    /// Adds a half-space at rest, below a plane through the origin.
     pub fn add_plane(&mut self, normal: DVec3, friction: f64, restitution: f64) {
+        self.add_wall(normal, DVec3::ZERO, friction, restitution);
+    }
+
+    /// Adds a half-space at rest, below a plane through a point.
+    pub fn add_wall(&mut self, normal: DVec3, position: DVec3, friction: f64, restitution: f64) {
         self.world.shapes.push(Shape::half_space(normal));
         let friction = Some(Friction { sliding: friction, ..Friction::default() });
         let surface = Surface { shape: self.world.shapes.len() - 1, friction, restitution };
-        self.world.walls.push(FixedSolid { surface, mover: Mover::wall(&Pose::WORLD) });
+        self.world.walls.push(FixedSolid { surface, mover: Mover::wall(&Pose { position, ..Pose::WORLD }) });
         self.world.wall_names.push("plane".to_owned());
     }
 
@@ -114,4 +119,11 @@ pub fn turned(w: f64, x: f64, y: f64, z: f64) -> Orientation {
 /// Rotation matrix of a body.
 pub fn axes(laboratory: &Laboratory, body: usize) -> DMat3 {
     laboratory.world.state.turns[body].orientation.matrix()
+}
+
+impl Laboratory {
+    /// Deepest overlap [m].
+    pub fn overlap(&self) -> f64 {
+        self.world.overlaps(&self.motions).iter().map(|overlap| overlap.depth).fold(0.0, f64::max)
+    }
 }

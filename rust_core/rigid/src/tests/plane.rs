@@ -119,3 +119,64 @@ fn a_die_comes_to_rest() {
         println!("{k} {:?} drift {} lost {}", lab.motions[0].position, lab.energy() + lab.meters.dissipated - before, lab.meters.dissipated);
     }
 }
+
+/// Pseudo-random numbers from 0 to 1.
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[test]
+fn a_pile_settles() {
+    for large in [1000, 1] {
+        pile(large);
+    }
+}
+
+fn pile(large: usize) {
+    let mut lab = Laboratory::new(2, DOWN);
+    lab.world.solver.large = large;
+    lab.add_plane(DVec3::Y, 0.5, 0.2);
+    lab.add_wall(DVec3::X, DVec3::new(-0.6, 0.0, 0.0), 0.5, 0.2);
+    lab.add_wall(-DVec3::X, DVec3::new(0.6, 0.0, 0.0), 0.5, 0.2);
+    let mut seed = 1;
+    for k in 0..30 {
+        let x = random(&mut seed) - 0.5;
+        lab.add(&round("Disc", 0.1), (1.0, 0.4, 0.3), at(x, 0.3 + 0.25 * f64::from(k), 0.0), REST);
+    }
+    let before = lab.energy();
+    let mut last = 0.0;
+    for step in 0..960 {
+        let start = std::time::Instant::now();
+        lab.step(H, 1);
+        let drift = lab.energy() + lab.meters.dissipated - before;
+        let time = start.elapsed().as_secs_f64();
+        if (drift - last).abs() > 0.1 || time > 0.1 || step % 60 == 59 {
+            println!("{large} {step} overlap {:.1e} drift {drift} dissipated {} energy {} {time} s", lab.overlap(), lab.meters.dissipated, lab.energy());
+        }
+        last = drift;
+    }
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn many_discs() {
+    let mut lab = Laboratory::new(2, DOWN);
+    lab.add_plane(DVec3::Y, 0.5, 0.0);
+    lab.add_wall(DVec3::X, DVec3::new(-5.0, 0.0, 0.0), 0.5, 0.0);
+    lab.add_wall(-DVec3::X, DVec3::new(5.0, 0.0, 0.0), 0.5, 0.0);
+    let mut seed = 1;
+    for k in 0..5000 {
+        let (row, column) = (k / 45, k % 45);
+        let x = -4.9 + 0.22 * f64::from(column) + 0.02 * random(&mut seed);
+        lab.add(&round("Disc", 0.1), (1.0, 0.4, 0.0), at(x, 0.1 + 0.21 * f64::from(row), 0.0), REST);
+    }
+    let before = lab.energy();
+    for second in 0..8 {
+        let start = std::time::Instant::now();
+        lab.step(1.0 / 60.0, 60);
+        let time = start.elapsed().as_secs_f64() * 1e3 / 60.0;
+        let drift = (lab.energy() + lab.meters.dissipated - before) / before;
+        println!("{second} overlap {:.1e} drift {drift:.2e} lost {:.3} {time} ms a step", lab.overlap(), lab.meters.dissipated / before);
+    }
+}

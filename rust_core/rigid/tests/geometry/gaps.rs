@@ -104,7 +104,7 @@ fn sorted(points: &[ContactPoint], poses: [&Pose; 2]) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
     fn distances_and_contacts_in_the_plane_are_exact(
