@@ -18,6 +18,7 @@ from physcore.film.colors.colormaps import ColormapName, look_up, sequential, va
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale
 from physcore.film.styles.coloring import Coloring, checked
+from physcore.film.styles.joints import JointMarks
 from physcore.film.styles.solids_planar import PlanarSolids
 from physcore.film.styles.solids_spatial import SpatialSolids
 from physcore.film.styles.typical import Typical
@@ -46,6 +47,10 @@ class Solids(BodyStyle):
             zero; "index": the index among the bodies that are drawn. Or chosen colors, as in Points.
         colormap: the map of the color scale, as in Points.
         marks: whether a pattern is painted on the bodies, by which their rotation is seen.
+        joints: whether joints are drawn: pins for a Hinge and a BallJoint, a bar for a Rod, a zigzag for a SpringJoint,
+            a rail for a Prismatic joint. Joints that are broken vanish.
+        forces: whether the forces of joints are shown by arrows, on the first body of each joint; or the force of the
+            longest arrow [N], above zero.
         top: the speed at the end of the color scale [m/s], above zero; None: a typical value of the film.
         on: as in Style; each body must be rigid bodies.
 
@@ -58,11 +63,16 @@ class Solids(BodyStyle):
     color: Literal["body", "speed", "index"] | ColorChoice | PerBody | PerParticle = "body"
     colormap: ColormapName = "viridis"
     marks: bool = True
+    joints: bool = True
+    forces: bool | float = False
     top: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(color=checked(self.color, "Solids.color", WORDS), marks=flag(self.marks, "Solids.marks"))
+        self._set(joints=flag(self.joints, "Solids.joints"))
+        if not isinstance(self.forces, (bool, np.bool_)):
+            self._set_positive("forces")
         sequential(self.colormap, (0.0, 1.0), "Solids.colormap")
         self._set_positive("top")
 
@@ -84,6 +94,7 @@ class SolidsPainter(Painter):
         kind = PlanarSolids if source.scene.dimension == 2 else SpatialSolids
         self._turns = "angles" if source.scene.dimension == 2 else "orientations"
         self._solids = [kind(cast("RigidBodies", part.body).shape, theme, marks=style.marks) for part in parts]
+        self._joints = JointMarks(source, parts if style.joints else (), theme, style.forces)
         counts = [len(part.body) for part in parts]
         self._ends = np.cumsum([0, *counts]).tolist()
         self._table = sequential(style.colormap, theme.part, "Solids.colormap")
@@ -121,7 +132,9 @@ class SolidsPainter(Painter):
 
     @property
     def settled(self) -> bool:
-        """Whether the end of the color scale was given, or there is no scale."""
+        """Whether the ends of all scales are known, or there is none."""
+        if not self._joints.settled:
+            return False
         if self._coloring is not None:
             return self._coloring.settled
         return self._style.top is not None or not is_word(self._style.color, "speed")
@@ -136,9 +149,10 @@ class SolidsPainter(Painter):
 
     def observe(self, frame: SourceFrame) -> None:
         """Update the ends of the color scale by a frame."""
-        if self.settled:
-            return
+        self._joints.observe(frame)
         if self._coloring is None:
+            if not is_word(self._style.color, "speed") or self._style.top is not None:
+                return
             self.top = self._typical.add(self._speeds(frame))
         else:
             self._coloring.observe(frame)
@@ -150,12 +164,12 @@ class SolidsPainter(Painter):
         return 1.5
 
     def places(self, frame: SourceFrame) -> FloatArray | None:
-        """The corners of all bodies, and points around round ones."""
+        """The corners of all bodies, points around round ones, and the anchors of joints."""
         found = [
             solids.extremes(self._at("rigid_positions", frame, part), self._at(self._turns, frame, part))
             for part, solids in zip(self.parts, self._solids, strict=True)
         ]
-        return np.concatenate(found) if found else None
+        return np.concatenate([*found, self._joints.places(frame)]) if found else None
 
     def spread(self, part: Part, frame: SourceFrame) -> tuple[FloatArray, FloatArray]:
         """The positions of the bodies, with the reach of their shape."""
@@ -163,15 +177,16 @@ class SolidsPainter(Painter):
         return self._at("rigid_positions", frame, part), np.full(len(part.body), reach)
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Queue the bodies."""
-        del pixels
+        """Queue the bodies and their joints."""
         colors = self._colors(frame)
+        self._joints.paint_behind(canvas, frame, view, pixels)
         for index, (part, solids) in enumerate(zip(self.parts, self._solids, strict=True)):
             own = colors[self._ends[index] : self._ends[index + 1]]
             positions, turns = self._at("rigid_positions", frame, part), self._at(self._turns, frame, part)
             whole = np.isfinite(positions).all(axis=1)
             if whole.any():
                 solids.paint(canvas, view, positions[whole], turns[whole], own[whole])
+        self._joints.paint(canvas, frame, view, pixels)
 
     def _colors(self, frame: SourceFrame) -> FloatArray:
         """The colors of all bodies (N, 3)."""
