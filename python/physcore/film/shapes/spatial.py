@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from physcore._core import convex_hull
+from physcore._core import convex_hull, norms
 from physcore.checks import FloatArray, IntArray
 from physcore.film.looks.base import corners
 from physcore.film.shapes.creases import around, corner_normals, face_normals, units
@@ -27,6 +27,8 @@ MOST_PIECES = 24
 """Largest number of pieces along a capsule."""
 MOST_HALVINGS = 12
 """Largest number of halvings of a triangle."""
+MANY = 2000.0
+"""Number of squares as long as the longest side of a triangle that cover a surface, at most."""
 BEVEL = 0.12
 """Width of the rounded edge of a polytope, relative to the inner radius of its smallest face."""
 WIDEST = 2.4
@@ -134,6 +136,7 @@ def polytope(points: FloatArray, scale: float, tones: tuple[float, float]) -> Me
     """The convex hull of points (K, 3) with rounded edges, and with a painted band nearer to one end."""
     facets = [points[facet] for facet in convex_hull(points)]
     normals = [_normal(facet) for facet in facets]
+    piece = max(PIECE / scale, math.sqrt(sum(float(np.linalg.norm(_area(facet))) for facet in facets) / MANY))
     bevel = min(BEVEL * min(_inradius(facet) for facet in facets), WIDEST / scale)
     axis = np.eye(3)[int(np.argmax(np.ptp(points, axis=0)))]
     low, high = float((points @ axis).min()), float((points @ axis).max())
@@ -153,7 +156,7 @@ def polytope(points: FloatArray, scale: float, tones: tuple[float, float]) -> Me
                 part = sliced(np.hstack([corner, tilt]), axis, planes[index], planes[index + 1])
                 if len(part) > 2:
                     fan = np.array([[part[0], part[k], part[k + 1]] for k in range(1, len(part) - 1)])
-                    meshes.append(_flat(fan[..., :3], fan[..., 3:], tone * tones[index % 2], scale))
+                    meshes.append(_flat(fan[..., :3], fan[..., 3:], tone * tones[index % 2], piece))
     return joined(meshes)
 
 
@@ -177,7 +180,8 @@ def sliced(polygon: FloatArray, axis: FloatArray, low: float, high: float) -> Fl
 def closed_mesh(points: FloatArray, faces: IntArray, scale: float) -> Mesh:
     """A given mesh, smooth but for its sharp edges."""
     normals = corner_normals(faces, face_normals(points, faces), len(points), around(points, faces))
-    return _flat(points[faces], normals.reshape(-1, 3, 3), 1.0, scale)
+    piece = max(PIECE / scale, math.sqrt(0.5 * float(norms(face_normals(points, faces)).sum()) / MANY))
+    return _flat(points[faces], normals.reshape(-1, 3, 3), 1.0, piece)
 
 
 MESHES: dict[type[Shape], Callable[[Any, float, tuple[float, float]], Mesh]] = {
@@ -204,9 +208,9 @@ def _cuboid(shape: Cuboid) -> FloatArray:
     return corners(-half, half)
 
 
-def _flat(triangles: FloatArray, normals: FloatArray, tone: float, scale: float) -> Mesh:
-    """Triangles (T, 3, 3) in pieces, with normals at their corners (T, 3, 3)."""
-    pieces = _halved(np.concatenate([triangles, normals], axis=2), PIECE / scale).reshape(-1, 6)
+def _flat(triangles: FloatArray, normals: FloatArray, tone: float, longest: float) -> Mesh:
+    """Triangles (T, 3, 3) in pieces with sides up to a length [m], with normals at their corners (T, 3, 3)."""
+    pieces = _halved(np.concatenate([triangles, normals], axis=2), longest).reshape(-1, 6)
     tilted = units(pieces[:, 3:])
     return Mesh(pieces[:, :3], tilted, np.full(len(pieces), tone), np.arange(len(pieces)).reshape(-1, 3))
 
@@ -230,9 +234,15 @@ def _halved(triangles: FloatArray, longest: float) -> FloatArray:
 
 def _normal(facet: FloatArray) -> FloatArray:
     """The unit normal of a polygon (K, 3), by Newell's sum."""
-    normal = np.cross(facet, np.roll(facet, -1, axis=0)).sum(axis=0)
-    result: FloatArray = normal / np.linalg.norm(normal)
+    area = _area(facet)
+    result: FloatArray = area / np.linalg.norm(area)
     return result
+
+
+def _area(facet: FloatArray) -> FloatArray:
+    """The vector area of a polygon (K, 3)."""
+    area: FloatArray = 0.5 * np.cross(facet, np.roll(facet, -1, axis=0)).sum(axis=0)
+    return area
 
 
 def _inset(facet: FloatArray, normal: FloatArray, width: float) -> FloatArray:

@@ -149,7 +149,9 @@ class SolidsPainter(Painter):
         self.fixed[self._plain] = self._theme.edge if self._flat else self._theme.solid  # visible in a legend
         colors[self._plain] = self._theme.surface if self._flat else self._theme.solid
         shade = 2.0 * ((0.5 + GOLDEN * _joined([np.arange(len(body)) for body in bodies])) % 1.0) - 1.0
-        self._shades = colors if isinstance(choice, PerParticle) else varied(colors, np.where(self._plain, 0.0, shade))
+        if not isinstance(choice, PerParticle):
+            colors = np.where(self._plain[:, np.newaxis], colors, varied(colors, shade))
+        self._shades = colors
 
     @property
     def settled(self) -> bool:
@@ -215,7 +217,7 @@ class SolidsPainter(Painter):
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Queue the bodies and their joints."""
         colors, positions, turns = self._colors(frame), self._at("rigid_positions", frame), self._at(self._turns, frame)
-        seen: BoolArray = np.isfinite(positions).all(axis=1)
+        seen = np.asarray(np.isfinite(positions).all(axis=1))
         self._joints.paint_behind(canvas, frame, view, pixels)
         for plain in (True, False):
             for group in self._groups:
@@ -253,8 +255,9 @@ def _joined(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
 
 def _moving(body: RigidBodies) -> BoolArray:
     """Whether each of some rigid bodies can move (N,)."""
-    spins = body.angular_velocities.reshape(len(body), -1)
-    moving: BoolArray = ~body.fixed | (body.velocities != 0.0).any(axis=1) | (spins != 0.0).any(axis=1)
+    turning = body.angular_velocities != 0.0
+    turning = turning if turning.ndim == 1 else turning.any(axis=1)
+    moving: BoolArray = ~body.fixed | (body.velocities != 0.0).any(axis=1) | turning
     return moving
 
 
