@@ -4,72 +4,21 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import physcore as pc
+from film.scripted import ABOVE, CENTERED, SIZE, at, covered, films, picture, recorded
 from physcore.film import DARK, LIGHT, Corotating, Follow, Orbit, Window
 from physcore.film.assignment import painters
+from physcore.film.colors.light import lit
 from physcore.film.film_renderer import FilmRenderer
+from physcore.film.styles.base import FOG
 from physcore.film.styles.solids import images
 from physcore.simulation.sources import Recorded
-
-SIZE = (200, 160)
-CENTERED = Window((-1.0, -0.8), (1.0, 0.8))
-"""A window of 100 pixels per meter, with the origin in the middle of the picture."""
-ABOVE = Orbit(elevation=90.0, azimuth=-90.0, field_of_view=0.0, target=(0.0, 0.0, 0.0), extent=1.6)
-"""A camera that looks down, at 100 pixels per meter, with x to the right and y upward."""
-WHITE, BLACK = (255, 255, 255), (0, 0, 0)
-
-
-def recorded(scene: pc.Scene, fields: Sequence[dict[str, Any]] = ({},), fps: float = 10.0) -> Any:
-    """A recording in which rigid bodies are where a test says; without that as at the start."""
-    rigid = [body for body in scene.bodies if body.is_rigid]
-    turns = "angles" if scene.dimension == 2 else "orientations"
-    start: dict[str, Any] = {
-        "positions": scene.gather("positions"),
-        "velocities": scene.gather("velocities"),
-        "rigid_positions": np.concatenate([body.positions for body in rigid]),
-        "rigid_velocities": np.concatenate([body.velocities for body in rigid]),
-        turns: np.concatenate([getattr(body, turns) for body in rigid]),
-        "joint_forces": np.zeros((scene.count("joints"), scene.dimension)),
-    }
-    channels = {
-        name: np.stack([np.asarray(frame.get(name, values), dtype=float) for frame in fields])
-        for name, values in start.items()
-    }
-    times = np.arange(len(fields)) / fps
-    return SimpleNamespace(scene=scene, times=times, fps=fps, positions=channels["positions"], channels=channels)
-
-
-def films(
-    recording: Any, style: Any = None, camera: Any = None, theme: Any = DARK, size: Any = SIZE, **options: Any
-) -> list[np.ndarray]:
-    """All frames of a film as pictures (H, W, 3)."""
-    options = {"labels": (), "color_bar": False, **options}
-    with FilmRenderer([Recorded(recording)], size, style, camera, theme, None, False, **options) as film:
-        return [canvas.pixels().astype(float) for canvas in film.frames()]
-
-
-def picture(scene: pc.Scene, camera: Any = CENTERED, **options: Any) -> np.ndarray:
-    """The picture of a scene at the start."""
-    return films(recorded(scene), camera=camera, **options)[0]
-
-
-def at(shot: np.ndarray, x: float, y: float) -> np.ndarray:
-    """The color at a point of the plane, in a picture with 100 pixels per meter about the origin."""
-    return shot[round(80 - 100 * y), round(100 + 100 * x)]
-
-
-def covered(shot: np.ndarray, background: tuple[int, int, int] = DARK.background) -> np.ndarray:
-    """Whether each pixel differs from the background."""
-    return (shot != np.array(background)).any(axis=2)
-
 
 PLANAR = {
     "disc": (pc.Disc(0.4), math.tau * 0.4),
@@ -145,6 +94,20 @@ def test_a_ball_in_space_covers_a_circle_and_is_lit_from_above() -> None:
     assert seen[away < 39.0].all()
     assert not seen[(away > 41.5) & (away < 60.0)].any()
     assert at(shot, 0.0, 0.3).sum() > at(shot, 0.4, -0.1).sum() + 60.0
+
+
+def test_faces_toward_the_camera_are_lit_by_their_normals() -> None:
+    """From above, the upper face of a cuboid looks up; tilted to the left by 0.6 rad, its normal is tilted too. In the
+    middle of the depth of the scene, half of the fog is added.
+    """
+    gray = np.full((1, 3), 128.0)
+    for angle in (0.0, -0.6):
+        turned = (math.cos(0.5 * angle), 0.0, math.sin(0.5 * angle), 0.0)
+        scene = pc.Scene(pc.RigidBody(pc.Cuboid(0.6, 0.6, 0.2), (0.0, 0.0, 0.0), orientation=turned))
+        shot = picture(scene, ABOVE, style=pc.styles.Solids("#808080", marks=False))
+        expected = lit(gray, np.array([[math.sin(angle), 0.0, math.cos(angle)]]))[0]
+        expected = (1.0 - 0.5 * FOG) * expected + 0.5 * FOG * np.array(DARK.background)
+        assert at(shot, 0.0, 0.0) == pytest.approx(expected, abs=3.0)
 
 
 @pytest.mark.parametrize("order", [False, True])
@@ -243,6 +206,12 @@ def test_a_large_fixed_body_is_scenery() -> None:
     shot = films(recorded(pc.Scene(box, ground)), pc.styles.Solids({"box": "#ff0000"}, marks=False))[0]
     red = shot[..., 0] > shot[..., 2] + 60.0
     assert np.count_nonzero(red) > 1000
+    # A post beside the motion is in the picture, with all its height.
+    post = pc.RigidBody(pc.Rectangle(0.1, 0.5), (0.3, 0.25), fixed=True, name="post")
+    shot = films(recorded(pc.Scene(box, post)), pc.styles.Solids({"box": "#ff0000", "post": "#00ff00"}, marks=False))[0]
+    green = np.argwhere(shot[..., 1] > shot[..., 0] + 60.0)
+    assert 0 < green.min(axis=0)[0] < 30
+    assert np.ptp(green[:, 0]) == pytest.approx(5.0 * np.ptp(green[:, 1]), rel=0.25)
 
 
 def test_a_camera_follows_a_body() -> None:
@@ -265,6 +234,14 @@ def test_bodies_turn_against_a_corotating_frame() -> None:
     style = pc.styles.Points("#ffffff", trail=0.0)
     first, second = films(recorded(scene, [{}, later]), style, camera)
     assert np.abs(first - second).mean() < 0.5
+
+
+def test_bodies_across_a_face_of_the_domain_are_seen_on_both_sides() -> None:
+    """A disc in the left face of a domain is in the right one too."""
+    square = pc.Periodic((-0.5, -0.5), (0.5, 0.5))
+    shot = picture(pc.Scene(pc.RigidBody(pc.Disc(0.1), (-0.48, 0.1)), square), style=pc.styles.Solids(marks=False))
+    assert at(shot, 0.44, 0.1) == pytest.approx(at(shot, -0.44, 0.1))
+    assert np.abs(at(shot, 0.44, 0.1) - at(shot, 0.0, 0.1)).max() > 60.0
 
 
 def test_images_are_beyond_the_opposite_faces() -> None:
@@ -345,93 +322,6 @@ def test_a_tag_stands_beside_the_body_and_the_legend_has_its_color() -> None:
     source = Recorded(recorded(scene))
     (painter,) = painters(source, [pc.styles.Solids("tomato")], DARK)
     assert painter.legend == [(scene.bodies[0], (255, 99, 71))]
-
-
-PENDULUM = pc.RigidBody(pc.Rectangle(0.1, 0.5), (0.0, -0.25), name="bar")
-
-
-def test_a_pin_is_at_the_hinge_and_moves_with_the_bodies() -> None:
-    """The anchor turns with the body: at the end of the bar, above its center, then beside it."""
-    hinge = pc.Hinge(PENDULUM, None, (0.0, 0.0))
-    scene = pc.Scene(PENDULUM, hinge)
-    style = pc.styles.Solids("#800000", marks=False)
-    (shot,) = films(recorded(scene), style, CENTERED)
-    assert at(shot, 0.0, 0.0).min() > 200.0
-    (bare,) = films(recorded(scene), pc.styles.Solids("#800000", marks=False, joints=False), CENTERED)
-    assert at(bare, 0.0, -0.03).min() < 60.0
-    # Joined to another body, the pin is on that body too.
-    other = pc.RigidBody(pc.Disc(0.1), (0.0, 0.1), name="disc")
-    joint = pc.BallJoint(PENDULUM, other, (0.0, 0.0))
-    turned = {"rigid_positions": [[0.35, 0.1], [0.0, 0.1]], "angles": [0.5 * math.pi, 0.0]}
-    (moved,) = films(recorded(pc.Scene(PENDULUM, other, joint), [turned]), style, CENTERED)
-    assert at(moved, 0.1, 0.1).min() > 200.0
-
-
-@pytest.mark.parametrize("kind", ["rod", "spring"])
-def test_rods_and_springs_join_their_anchors(kind: str) -> None:
-    """There is a line, or a zigzag about the line, from one anchor to the other; a spring is wider than a rod."""
-    ends = [(0.0, -0.25), (0.0, 0.5)]
-    spring = pc.SpringJoint(PENDULUM, None, ends, stiffness=1.0)
-    joint = pc.Rod(PENDULUM, None, ends) if kind == "rod" else spring
-    scene = pc.Scene(PENDULUM, joint)
-    shot, bare = (films(recorded(scene), pc.styles.Solids(joints=on), CENTERED)[0] for on in (True, False))
-    rows, columns = np.argwhere((np.abs(shot - bare) > 20.0).any(axis=2)).T
-    between = rows < 78  # above the bar
-    assert set(rows[between]) >= set(range(32, 77))
-    assert np.abs(columns[between] + 0.5 - 100.0).max() < (5.0 if kind == "rod" else 8.0)
-    assert (np.ptp(columns[between]) > 5) == (kind == "spring") or kind == "rod"
-
-
-def test_a_rail_is_as_long_as_the_limits_of_its_slider() -> None:
-    """From 0.2 m below to 0.6 m above the start of the body, which has moved beyond the picture."""
-    body = pc.RigidBody(pc.Rectangle(0.1, 0.1), (0.0, 0.0))
-    scene = pc.Scene(body, pc.Prismatic(body, None, (1.0, 0.0), lower=-0.2, upper=0.6))
-    shot = films(recorded(scene, [{"rigid_positions": [[0.0, 5.0]]}]), pc.styles.Solids(), CENTERED)[0]
-    columns = np.argwhere(covered(shot)[80:90].any(axis=0)).ravel()
-    assert columns.min() == pytest.approx(80, abs=4)
-    assert columns.max() == pytest.approx(160, abs=4)
-
-
-def test_broken_joints_vanish() -> None:
-    """A joint that bore a force and bears none any more is broken, and one whose anchors have parted. A joint that
-    cannot break stays.
-    """
-    for strength, force in itertools.product((100.0, math.inf), (True, False)):
-        hinge = pc.Hinge(PENDULUM, None, (0.0, 0.0), breaking_force=strength)
-        scene = pc.Scene(PENDULUM, hinge)
-        later = {} if force else {"rigid_positions": [[0.0, -0.3]]}
-        moves = [{"joint_forces": [[0.0, 50.0]]}, {**later, "joint_forces": [[0.0, 0.0 if force else 50.0]]}]
-        first, last = films(recorded(scene, moves), pc.styles.Solids("#800000", marks=False), CENTERED)
-        offset = 0.0 if force else -0.05
-        assert at(first, 0.0, 0.0).min() > 200.0
-        assert (at(last, 0.0, offset).min() > 200.0) == math.isinf(strength)
-
-
-def test_arrows_show_the_forces_of_joints() -> None:
-    """Half the given force makes half the arrow, in its direction, from the anchor."""
-    scene = pc.Scene(PENDULUM, pc.Hinge(PENDULUM, None, (0.0, 0.0)))
-    lengths = []
-    for force in ([[0.0, 5.0]], [[0.0, 10.0]], [[10.0, 0.0]]):
-        recording = recorded(scene, [{"joint_forces": force}])
-        shot, bare = (films(recording, pc.styles.Solids(forces=each), CENTERED)[0] for each in (10.0, False))
-        red = np.argwhere(shot[..., 0] - bare[..., 0] > 30.0)
-        lengths.append((80.0 - red[:, 0].min(), red[:, 1].max() - 100.0))
-    longest = 0.15 * math.sqrt(SIZE[0] * SIZE[1])
-    assert lengths[0][0] == pytest.approx(0.5 * longest, abs=2.0)
-    assert lengths[1][0] == pytest.approx(longest, abs=2.0)
-    assert lengths[2][1] == pytest.approx(longest, abs=2.0)
-
-
-def test_joints_in_space_are_drawn_where_they_are() -> None:
-    """An axle ends in front of the body that it goes through; a ball joint outside of the body is seen."""
-    door = pc.RigidBody(pc.Cuboid(0.6, 0.4, 0.1), (0.2, 0.0, 0.0), name="door")
-    hinge = pc.Hinge(door, None, (0.0, 0.0, 0.0), axis=(0.0, 0.0, 1.0))
-    joint = pc.BallJoint(door, None, (-0.5, 0.0, 0.0))
-    style = pc.styles.Solids("#800000", marks=False)
-    bare = picture(pc.Scene(door, hinge, joint), ABOVE, style=pc.styles.Solids("#800000", marks=False, joints=False))
-    shot = picture(pc.Scene(door, hinge, joint), ABOVE, style=style)
-    for x in (0.0, -0.5):
-        assert at(shot, x, 0.0).min() > at(bare, x, 0.0).min() + 60.0
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:
