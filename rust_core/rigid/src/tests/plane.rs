@@ -103,7 +103,11 @@ fn blocks_on_slopes() {
         let expected = G * (angle.sin() - friction * angle.cos()) * 4.5;
         let turned = lab.world.state.turns[0].orientation.angle + angle;
         let drift = lab.energy() + lab.meters.dissipated - before;
-        println!("{what}: way {way} ({expected}) turned {turned} drift {drift} lost {} ({})", lab.meters.dissipated, 8.0 * friction * G * angle.cos() * expected);
+        println!(
+            "{what}: way {way} ({expected}) turned {turned} drift {drift} lost {} ({})",
+            lab.meters.dissipated,
+            8.0 * friction * G * angle.cos() * expected
+        );
     }
 }
 
@@ -116,6 +120,11 @@ fn a_die_comes_to_rest() {
     let before = lab.energy();
     for k in 0..30 {
         lab.step(1.0 / 500.0, 100);
-        println!("{k} {:?} drift {} lost {}", lab.motions[0].position, lab.energy() + lab.meters.dissipated - before, lab.meters.dissipated);
+        println!(
+            "{k} {:?} drift {} lost {}",
+            lab.motions[0].position,
+            lab.energy() + lab.meters.dissipated - before,
+            lab.meters.dissipated
+        );
     }
 }
