@@ -68,7 +68,9 @@ class Simulation(Measured):
             one system, with one integrator.
         dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene, in small
             scenes AutoStep(resolve=True), which resolves the fastest oscillation; with GaussRadau15() the control of
-            its own; where there are rods AdaptiveStep(), which follows the motion.
+            its own; where there are rods AdaptiveStep(), which follows the motion. Where a scene has several systems,
+            such as bodies and a wave, one whose own limit is below a given time step divides it into equal substeps,
+            and the plan says how many; other rules choose steps that suit all of them.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
             fluid and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The

@@ -33,6 +33,12 @@ impl Interval {
     pub fn time(&self, step: u64, node: f64) -> f64 {
         self.start + ((self.first + step) as f64 + node) * self.h
     }
+
+    /// Interval of the same duration, each step in `parts` equal parts.
+    #[must_use]
+    pub fn in_parts(self, parts: u64) -> Self {
+        Self { first: self.first * parts, h: self.h / parts as f64, steps: self.steps * parts, ..self }
+    }
 }
 
 /// Steps of a batch whose activity is recorded.
@@ -199,6 +205,13 @@ impl Hints {
             lowest_potential: None,
             amplitude: None,
         }
+    }
+
+    /// Hints of steps that consist of `parts` equal parts, each with these hints.
+    #[must_use]
+    pub fn in_parts(self, parts: u64) -> Self {
+        let [most_steps, most_recorded] = [self.most_steps, self.most_recorded].map(|steps| (steps / parts).max(1));
+        Self { most_steps, most_recorded, ..self }
     }
 
     /// Hints of two systems that are advanced together.
