@@ -26,6 +26,25 @@ def test_scenes_have_the_fields_that_the_engine_lists(name):
     assert listed == {name: (run.scene.units.symbol(unit), shape) for name, (unit, shape) in known.items()}
 
 
+LOCATIONS = {"particles": "points", "fluid particles": "points"}
+"""Elements that have another name in the engine, where tracers and vortices are points too."""
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_fields_stand_at_the_same_elements_as_in_the_engine(name):
+    run = SCENES[name].simulation()
+    known = {
+        each: LOCATIONS.get(field.element, field.element)
+        for field in run.scene.fields.values()
+        for each in (field.name, field.integral)
+    }
+    listed = {name: location for name, _, location, *_ in run._world.fields()}
+    found = {field for field, location in listed.items() if location != "whole"}
+    assert {field: listed[field] for field in found} == {field: known[field] for field in found}
+    # With XPBD() there are no tensions, and without bodies no positions.
+    assert {name for name, field in run.scene.fields.items() if name != "tensions" and field.shape[0]} <= found
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_parts_of_all_items_cover_every_field(name):
     """Each row of each field belongs to one item, but for the walls of fluids, which are none."""

@@ -93,6 +93,8 @@ pub struct FieldInfo {
 pub enum Location {
     /// Particles, tracers or vortices.
     Points,
+    /// Particles on wires, wire by wire.
+    Beads,
     /// Cells of a grid.
     Cells,
     /// Springs of all networks, as declared.
@@ -114,6 +116,7 @@ impl Location {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Points => "points",
+            Self::Beads => "beads",
             Self::Cells => "cells",
             Self::Springs => "springs",
             Self::Walls => "walls",
