@@ -199,8 +199,14 @@ class Simulation(Measured):
         its pressure [Pa]; of a boundary, or a body in a fluid, the force of fluids on it [N], without surface tension.
         """
         parts = self._scene.parts(item)
-        fields = {name: self._field(field)[rows] for name, (field, rows) in parts.items()}
+        there = self._listed
+        fields = {name: self._field(field)[rows] for name, (field, rows) in parts.items() if field in there}
         return Part(self.time, self._scene.results(item, fields), lambda values: self._set_part(item, values))
+
+    @property
+    def _listed(self) -> set[str]:
+        """The names of the fields that there are with the integrator."""
+        return {info.name for info in engine.fields(self._world, self._scene)}
 
     def _field(self, name: str) -> FloatArray:
         """The values of a field, with positions within the periodic domain."""
@@ -305,7 +311,7 @@ class Simulation(Measured):
             StabilityWarning: dt was left to be chosen, and the energy balance does not hold to 5 %.
             SceneWarning: this takes more than 10⁷ steps.
         """
-        kept = check_channels(channels, self._scene)
+        kept = check_channels(channels, self._scene, self._listed)
         shown = None if progress is None else flag(progress, "progress")
         watch = self._watch_for(events, kept)
         frames = self._frames(duration, fps, watch)
@@ -319,7 +325,7 @@ class Simulation(Measured):
     def _watch_for(self, events: object, channels: tuple[str, ...] | None) -> Watch | None:
         """A watch that keeps these fields; None without events."""
         given = checked(events, self._scene)
-        kept = check_channels(channels, self._scene)
+        kept = check_channels(channels, self._scene, self._listed)
         self._watch = Watch(given, self._world, self._scene, self._numerics, kept) if given else None
         return self._watch
 
