@@ -14,8 +14,8 @@ from physcore.errors import SceneError
 from physcore.numerics.choices import BODIES, Numerics, Options, check
 from physcore.scene.bodies import Body
 from physcore.scene.fields import FIELDS
-from physcore.scene.items import System
 from physcore.scene.scene import Scene
+from physcore.scene.system import System
 from physcore.simulation import engine
 
 Item = TypeVar("Item", Body, System)
