@@ -308,6 +308,12 @@ def ripples(side: int = 24, **options: Any) -> pc.Scene:
     return pc.Scene(pc.Wave(grid, displacement=hump, sources=sources, **{**medium, **options}))
 
 
+def beside() -> pc.Scene:
+    """Waves beside a net that takes several substeps in each of their steps."""
+    net, waves = network(), ripples()
+    return pc.Scene(*net.bodies, *net.forces, *waves.systems)
+
+
 def string(cells: int = 200, **options: Any) -> pc.Scene:
     """A plucked string in 1D, fixed at one end, which rings."""
     shape = {
@@ -762,6 +768,7 @@ SCENES: dict[str, Case] = {
     "ripples f32": Case(ripples, 0.1, F32, large=lambda: ripples(900)),
     "ripples order 4 RungeKutta4": Case(lambda: ripples(order=4), 0.1, RK4, large=lambda: ripples(500, order=4)),
     "ripples BlanesMoan4": Case(ripples, 0.1, {"integrator": pc.BlanesMoan4()}),
+    "ripples beside a network": Case(beside, 0.15),
     "string": Case(string, 0.002),
     "string by error": Case(
         lambda: string(40, displacement=_hump),

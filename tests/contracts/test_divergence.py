@@ -27,6 +27,7 @@ def limit(name: str) -> float:
 LIMITED = [name for name, case in SCENES.items() if not case.adaptive and 0.0 < limit(name) < math.inf]
 BOUNDED = {
     "network BlanesMoan6": "is unstable between narrow limits only",
+    "ripples beside a network": "takes as many substeps as the limit asks for",
     "swarm star": "flies apart, away from what limits its steps",
     "swarm star f32": "likewise",
     "swarm power": "likewise",

@@ -26,6 +26,25 @@ def test_scenes_have_the_fields_that_the_engine_lists(name):
     assert listed == {name: (run.scene.units.symbol(unit), shape) for name, (unit, shape) in known.items()}
 
 
+LOCATIONS = {"particles": "points", "fluid particles": "points", "rigid bodies": "bodies"}
+"""Elements that have another name in the engine, where tracers and vortices are points too."""
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_fields_stand_at_the_same_elements_as_in_the_engine(name):
+    run = SCENES[name].simulation()
+    known = {
+        source: LOCATIONS.get(field.element, field.element)
+        for field in reversed(run.scene.fields.values())  # rows of rigid bodies follow those of particles
+        for source in (field.source, field.integral)
+    }
+    listed = {name: location for name, _, location, *_ in run._world.fields() if location != "whole"}
+    assert listed == {field: known[field] for field in listed}
+    # With XPBD() there are no tensions, and without bodies no positions.
+    present = {field.source for field in run.scene.fields.values() if field.shape[0]} - {"tensions"}
+    assert present <= listed.keys()
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_parts_of_all_items_cover_every_field(name):
     """Each row of each field belongs to one item, but for the walls of fluids, which are none."""

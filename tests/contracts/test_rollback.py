@@ -84,7 +84,7 @@ def failing(case: Case, time: float) -> pc.Scene:
         pytest.skip("its method refuses functions of the user's")
     force = pc.CustomForce(function, potential=lambda x: 0.0)
     domain = [] if scene.periodic is None else [scene.periodic]
-    return pc.Scene(*scene.bodies, *scene.forces, *scene.boundaries, *scene.constraints, *domain, force)
+    return pc.Scene(*scene.bodies, *scene.forces, *scene.boundaries, *scene.constraints, *scene.systems, *domain, force)
 
 
 @pytest.mark.parametrize("name", SCENES)

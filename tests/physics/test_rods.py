@@ -278,6 +278,20 @@ def test_tensions_are_recorded_of_rods_and_springs_alike(tmp_path):
     assert run[ball].fields.keys() == {"positions", "velocities"}
 
 
+def test_there_are_no_tensions_where_rods_are_projected():
+    """XPBD moves the ends of rods, and has no forces of theirs: what asks for these is told so."""
+    chain = pc.SpringNetwork([[0.0, 0.0], [0.0, -1.0], [0.0, -2.0]], [[0, 1], [1, 2]], INF, fixed=[0])
+    scene, projected = pc.Scene(chain, pc.Gravity((0.0, -10.0))), {"integrator": pc.XPBD(), "dt": 1e-3}
+    recording = pc.simulate(scene, 0.01, **projected)
+    run = pc.Simulation(scene, **projected)
+    assert recording[chain].channels.keys() == run[chain].fields.keys() == {"positions", "velocities"}
+    for asked in (lambda: recording.tensions, lambda: recording[chain].tensions, lambda: run[chain].tensions):
+        with pytest.raises(pc.SceneError, match=r"only networks with rods under RATTLE\(\) have them"):
+            asked()
+    with pytest.raises(pc.SceneError, match="channels: there are no tensions with this integrator: only networks"):
+        pc.simulate(scene, 0.01, channels=("positions", "tensions"), **projected)
+
+
 def test_single_precision_keeps_lengths_to_its_rounding():
     body = still(network(7, 3, fixed=True, elastic=False))
     run = pc.Simulation(pc.Scene(body, pc.Gravity((0.0, 0.0, -9.81))), dt=1e-3, precision="f32")

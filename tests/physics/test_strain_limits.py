@@ -148,3 +148,16 @@ def test_methods_without_impulses_are_refused():
         pc.Simulation(pc.Scene(rope, pc.Gravity((0.0, -9.81))), dt=1e-3, integrator=pc.RungeKutta4())
     with pytest.raises(pc.SceneError, match="Periodic"):
         pc.Simulation(pc.Scene(rope, pc.Periodic((-2.0, -2.0), (2.0, 2.0))))
+
+
+@pytest.mark.parametrize("first", [True, False], ids=["before forces", "after forces"])
+def test_plans_have_constraints_in_the_order_of_their_notes(first: bool):
+    """Walls, then contacts of meshes, then limits: also where all of them stand before the forces."""
+    sheet = pc.cloth((4, 4), 0.1, 100.0, mass=0.01, axes=((1, 0, 0), (0, 1, 0)), strain_limit=0.1)
+    scene = pc.Scene(sheet, pc.SelfContact(sheet, 0.01), pc.Floor(-1.0))
+    plan = pc.Simulation(scene, pc.VelocityVerlet() if first else pc.BackwardEuler(), dt=1e-3).plan
+    held = [stage for stage in plan.stages if stage in ("contacts", "self-contact", "strain limits")]
+    assert held == ["contacts", "self-contact", "strain limits"]
+    assert (plan.stages[0] == "contacts") == first
+    noted = [note.partition(":")[0] for note in plan.notes]
+    assert noted.index("self-contact") < noted.index("strain limits")

@@ -178,6 +178,11 @@ def test_what_a_wire_cannot_hold_is_refused_by_name() -> None:
         pc.Simulation(pc.Scene(beside, pc.Wire(ring, on=beside, closed=True)))
     bead = pc.Particles([[0.0, -1.0]], radius=0.1)
     wire = pc.Wire(ring, on=bead, closed=True)
+    run = pc.Simulation(pc.Scene(bead, wire))
+    before = run.state_hash()
+    with pytest.raises(pc.SceneError, match=r"^set\.positions: expected particles on the wire, .* 0\.8 m beside it$"):
+        run.set(positions=[[0.0, -0.2]])
+    assert run.state_hash() == before
     with pytest.raises(pc.SceneError, match="on which a boundary acts too"):
         pc.Simulation(pc.Scene(bead, wire, pc.Floor(-3.0)))
     with pytest.raises(pc.SceneError, match="one wire for each particle"):

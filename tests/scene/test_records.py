@@ -14,11 +14,11 @@ from physcore.film.looks import look_of
 from physcore.film.looks.base import Look
 from physcore.forces import FORCES
 from physcore.numerics.choices import check
-from physcore.scene.items import System
 from physcore.scene.kernels import KERNELS
 from physcore.scene.polytopes import SHAPES
 from physcore.scene.records import Record, kind_of, parameters
 from physcore.scene.solids import Capsule
+from physcore.scene.system import System
 from physcore.simulation import engine
 from physcore.systems import SYSTEMS
 

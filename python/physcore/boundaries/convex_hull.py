@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 from physcore._core import convex_hull
 from physcore.checks import FloatArray, IntArray, array, frozen
 from physcore.errors import SceneError
-from physcore.scene.items import Boundary, On
+from physcore.scene.items import Boundary
+from physcore.scene.targets import On
 
 MOST = 100
 """Largest number of points. The nearest facet or edge is found by a search of all."""

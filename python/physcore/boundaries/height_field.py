@@ -13,7 +13,8 @@ from physcore import memory
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, items, number, require, shown, span
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
-from physcore.scene.items import Boundary, On
+from physcore.scene.items import Boundary
+from physcore.scene.targets import On
 
 COPIES = 12
 """Peak memory in arrays of the size of the heights: coordinates, the results of the function, and checks."""

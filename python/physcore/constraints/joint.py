@@ -16,8 +16,9 @@ from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.by_value import ByValue
 from physcore.scene.fields import Element
-from physcore.scene.items import Constraint, Places, Target, whole
+from physcore.scene.items import Constraint, Places
 from physcore.scene.selection import Selection
+from physcore.scene.targets import Target, whole
 
 End: TypeAlias = Body | str | Selection | tuple[Body | str, ArrayLike | slice] | tuple[Target, ...] | None
 """A body of one rigid body, its name, (body, index), or None for the world."""

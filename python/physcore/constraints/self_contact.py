@@ -11,9 +11,10 @@ from physcore.arithmetic import lengths
 from physcore.checks import number, shown
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.items import Constraint, chosen
+from physcore.scene.items import Constraint
 from physcore.scene.selection import Selection
 from physcore.scene.surfaces import check_areas
+from physcore.scene.targets import chosen
 
 
 @dataclass(frozen=True)

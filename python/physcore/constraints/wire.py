@@ -16,7 +16,8 @@ from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.by_value import ByValue
 from physcore.scene.fields import Element
-from physcore.scene.items import Constraint, On
+from physcore.scene.items import Constraint
+from physcore.scene.targets import On
 
 NEAREST = 1e-9
 """Least distance of neighboring points, relative to the length of the wire."""

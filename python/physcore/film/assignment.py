@@ -26,7 +26,7 @@ from physcore.film.styles import (
 from physcore.film.styles.base import BodyStyle
 from physcore.film.styles.line import LinePainter
 from physcore.scene.bodies import Body
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.simulation.sources import Source
 
 

@@ -11,9 +11,10 @@ from physcore.checks import FloatArray, IntArray, frozen, number, shown
 from physcore.errors import SceneError
 from physcore.forces.hinge_weights import face_shares
 from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.items import Force, On
+from physcore.scene.items import Force
 from physcore.scene.selection import Selection
 from physcore.scene.surfaces import check_areas
+from physcore.scene.targets import On
 
 
 @dataclass(frozen=True)

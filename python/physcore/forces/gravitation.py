@@ -7,7 +7,7 @@ from typing import Literal
 
 from physcore.checks import number
 from physcore.forces.tree import DistantForce, force_error, opening_angle
-from physcore.scene.items import On
+from physcore.scene.targets import On
 from physcore.units.constants import gravitational_constant
 from physcore.units.systems import Default
 

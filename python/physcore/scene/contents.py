@@ -14,11 +14,12 @@ from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.fields import MATTER, Element, Field, Rows
 from physcore.scene.fluid import Fluid
 from physcore.scene.grid import GridSystem
-from physcore.scene.items import ActingItem, Boundary, Constraint, Force, System
+from physcore.scene.items import ActingItem, Boundary, Constraint, Force
 from physcore.scene.periodic import Periodic
 from physcore.scene.points import PointSystem
 from physcore.scene.probe import Probe
 from physcore.scene.selection import Selection
+from physcore.scene.system import System
 from physcore.spelling import UnknownKey, did_you_mean
 
 BodyKey: TypeAlias = Body | int | str

@@ -105,7 +105,7 @@ MATTER = (
     Field("pressures", "Pa", "fluid particles", owner="a Fluid has"),
     Field("wall_forces", "N", "walls", part="force", value="vector", integral="wall_impulses"),
     Field("probe_pressures", "Pa", "probes", part="pressure", integral="probe_impulses"),
-    Field("tensions", "N", "springs", owner="networks with rods have"),
+    Field("tensions", "N", "springs", owner="networks with rods under RATTLE() have"),
     Field("broken", "1", "springs", owner="networks with a breaking_strain have"),
     Field("wire_forces", "N", "beads", part="force", value="vector"),
 )

@@ -30,7 +30,7 @@ from physcore.checks import (
 from physcore.errors import SceneError
 from physcore.scene.edges import Absorbing, Condition, Sides, Valued, condition
 from physcore.scene.fields import Element
-from physcore.scene.items import System
+from physcore.scene.system import System
 
 AXES = "xyz"
 """Names of the axes."""

@@ -1,79 +1,19 @@
-"""Base classes of scene items other than bodies: forces, systems, constraints and boundaries."""
+"""Base classes of scene items other than bodies and systems: forces, constraints and boundaries."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, ClassVar, Protocol, Self, TypeAlias, TypeVar, cast
+from typing import ClassVar, Protocol, Self, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from physcore.checks import BoolArray, FloatArray, Vector, broadcast, flag, frozen, number, shown, text
-from physcore.errors import SceneError
+from physcore.checks import FloatArray, Vector, flag, frozen, number
 from physcore.scene.bodies import Body
-from physcore.scene.fields import Element, Field
-from physcore.scene.selection import Selection, is_selection
-from physcore.spelling import did_you_mean
+from physcore.scene.fields import Element
+from physcore.scene.selection import Selection
+from physcore.scene.targets import On, Target, chosen, known, require_once, targeted, whole
 from physcore.units.systems import Default, UnitSystem
-
-Target: TypeAlias = Body | str | Selection
-"""A body, its name, or some particles of a body."""
-On: TypeAlias = Target | tuple[Body | str, ArrayLike | slice] | Sequence[object] | None
-"""Bodies, as objects or by name; `(body, indices)`: some particles of a body; or several of these. None: all."""
-T = TypeVar("T")
-
-
-def chosen(on: object, path: str, kinds: tuple[type, ...] = (Body,)) -> tuple[Body | str, ...] | None:
-    """The validated value of `on=`: bodies, or items of other kinds, as objects or names; None: all."""
-    if on is None:
-        return None
-    bodies = (on,) if isinstance(on, (*kinds, str)) else on
-    if not isinstance(bodies, (tuple, list)) or not all(isinstance(body, (*kinds, str)) for body in bodies):
-        raise SceneError(f"{path}: must be a body, its name, or several ([one, two]), got {shown(on)}")
-    return tuple(bodies)
-
-
-def targeted(on: object, path: str) -> tuple[Target, ...] | None:
-    """The validated value of `on=` of a force: bodies, names and selections of particles; None: all."""
-    if on is None:
-        return None
-    one = isinstance(on, (Body, str)) or is_selection(on)
-    several = (on,) if one else on
-    if not isinstance(several, (tuple, list)) or not all(
-        isinstance(each, (Body, str)) or is_selection(each) for each in several
-    ):
-        raise SceneError(
-            f"{path}: must be a body, its name, or several ([one, two]), or some particles of a body "
-            f"((body, [0, 1])), got {shown(on)}"
-        )
-    paths = [path if one else f"{path}[{place}]" for place in range(len(several))]
-    return tuple(_target(each, own) for each, own in zip(several, paths, strict=True))
-
-
-def _target(value: Target | tuple[Body | str, Any], path: str) -> Target:
-    """A body, a name or a selection. A selection of all particles of a body is the body."""
-    if isinstance(value, tuple):
-        value = Selection(*value, path)
-    return value.body if isinstance(value, Selection) and value.is_whole else value
-
-
-def found(keys: Sequence[T | str], items: Iterable[T], path: str) -> tuple[T, ...]:
-    """Items from a list of items and names. A name stands for all items that have it.
-
-    Raises:
-        SceneError: no item has such a name.
-    """
-    named: dict[str, list[T]] = {}
-    for item in items:
-        if getattr(item, "name", None) is not None:
-            named.setdefault(item.name, []).append(item)  # type: ignore[attr-defined]
-    for key in keys:
-        if isinstance(key, str) and key not in named:
-            names = ", ".join(map(repr, named)) or "none that has a name"
-            raise SceneError(f"{path}: nothing is called {shown(key)}; there are {names}{did_you_mean(key, named)}")
-    return tuple(item for key in keys for item in (named[key] if isinstance(key, str) else [key]))
 
 
 @dataclass(frozen=True)
@@ -168,7 +108,7 @@ class ActingItem(SceneItem):
     def __post_init__(self) -> None:
         self._set(**{name: self._targets(name) for name in self.naming})
         for name, targets in self._keys().items():
-            _check_once(targets, f"{type(self).__name__}.{name}")
+            require_once(targets, f"{type(self).__name__}.{name}")
 
     @property
     def by_name(self) -> bool:
@@ -193,7 +133,7 @@ class ActingItem(SceneItem):
         """
         if not self.by_name:
             return self
-        return replace(self, **{name: _known(keys, bodies, f"{path}.{name}") for name, keys in self._keys().items()})
+        return replace(self, **{name: known(keys, bodies, f"{path}.{name}") for name, keys in self._keys().items()})
 
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
         """The bodies that a field names, in whole or in part, each once; None: all. For an item of a scene."""
@@ -224,34 +164,6 @@ class ActingItem(SceneItem):
         Raises:
             SceneError: the item cannot act on them.
         """
-
-
-def whole(target: Target | SceneItem) -> Any:
-    """The body of a target, or its name; another item as it is."""
-    return target.body if isinstance(target, Selection) else target
-
-
-def _known(keys: Sequence[Target], bodies: Sequence[Body], path: str) -> tuple[Body | Selection, ...]:
-    """The targets with the bodies of a scene in place of their names."""
-    where = [f"{path}[{place}]" if len(keys) > 1 else path for place in range(len(keys))]
-    named = [found([whole(key)], bodies, path)[0] for key in keys]
-    return tuple(
-        key.of(body, own) if isinstance(key, Selection) else body
-        for key, body, own in zip(keys, named, where, strict=True)
-    )
-
-
-def _check_once(targets: Sequence[Target], path: str) -> None:
-    """Check that no particle is named twice, as far as the bodies are known."""
-    seen: dict[Body, BoolArray] = {}
-    for place, target in enumerate(targets):
-        body = whole(target)
-        if not isinstance(body, str):
-            own = target.mask if isinstance(target, Selection) else np.ones(len(body), dtype=np.bool_)
-            again = seen.get(body, np.zeros_like(own)) & own
-            if again.any():
-                raise SceneError(f"{path}[{place}]: names particle {np.argmax(again)} of {body!r} again")
-            seen[body] = seen.get(body, own) | own
 
 
 # To add a force: a module in `forces`, a line in `FORCES`, and its counterpart in Rust.
@@ -323,102 +235,6 @@ class Force(ActingItem):
         """
         del dimension
         return None
-
-
-# To add a system: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
-@dataclass(frozen=True)
-class System(SceneItem):
-    """Base class of systems: a state with its own law of motion, in addition to the bodies."""
-
-    section: ClassVar[str] = "systems"
-    default_integrator: ClassVar[str] = "VelocityVerlet"
-    """Name of the default integrator."""
-    derived: ClassVar[tuple[str, ...]] = ()
-    """Names of results that are computed from the others."""
-    has_varying_limit: ClassVar[bool] = False
-    """Whether the limit of stability depends on the values of the fields."""
-
-    name: str | None = field(default=None, kw_only=True)
-    """Name of the system, also a key into results."""
-
-    @property
-    def defaults(self) -> dict[str, Default]:
-        """Arguments with a dimension that were left at their defaults, by name."""
-        return {name: value for name, value in vars(self).items() if isinstance(value, Default)}
-
-    def named(self) -> Mapping[str, tuple[Body | Selection | SceneItem, ...] | None]:
-        """The systems that fields name, by field."""
-        named = {name: getattr(self, name) for name in self.linking}
-        return {name: (value,) for name, value in named.items() if getattr(value, "section", None) == self.section}
-
-    @property
-    @abstractmethod
-    def elements(self) -> Mapping[Element, int]:
-        """The kind of elements that have values, with their number."""
-
-    def fields(self, path: str) -> Iterator[Field]:
-        """The fields of the system in a scene, where its path is `path`."""
-        (element,) = self.elements
-        for name, shape in self.shapes().items():
-            yield Field(f"{path}.{name}", self.units.get(name, "1"), element, shape, name)
-
-    @property
-    def primary(self) -> str:
-        """Name of the field that films show and studies compare."""
-        return next(iter(self.shapes()))
-
-    @property
-    def changing(self) -> str:
-        """Name of the field that studies perturb: the second of the state, or the only one."""
-        return [name for name in self.shapes() if name not in self.derived][:2][-1]
-
-    @property
-    def units(self) -> Mapping[str, str]:
-        """The units of the fields by name; the primary field is first."""
-        return {}
-
-    @property
-    def signed(self) -> bool:
-        """Whether the first field has both signs, so that its color scale is symmetric about zero."""
-        return True
-
-    @property
-    def solid(self) -> BoolArray | None:
-        """Mask of the solid cells that are excluded from the fields; None if there are none."""
-        return None
-
-    @property
-    @abstractmethod
-    def dimension(self) -> int:
-        """The number of dimensions of space."""
-
-    @abstractmethod
-    def shapes(self) -> dict[str, tuple[int, ...]]:
-        """The shapes of the fields by name, as in the engine."""
-
-    def timed(self) -> Iterator[tuple[str, Callable[[float], object]]]:
-        """The functions of time that the system depends on, with their paths within it."""
-        return iter(())
-
-    def unresolved(self, integrator: str) -> list[str]:
-        """Notes on waves and fronts that the system does not resolve with an integrator of this name."""
-        del integrator
-        return []
-
-    def values(self, field: str, value: object, path: str) -> FloatArray:
-        """Validated new values of a field.
-
-        Raises:
-            SceneError: the value is not an array of finite numbers of the field's shape.
-        """
-        return broadcast(value, self.shapes()[field], path)  # type: ignore[arg-type]
-
-    def shown(self, fields: dict[str, FloatArray]) -> dict[str, FloatArray]:
-        """The fields in the form of results, from the form of the engine; with or without a time axis."""
-        return fields
-
-    def __post_init__(self) -> None:
-        self._set(name=None if self.name is None else text(self.name, f"{type(self).__name__}.name"))
 
 
 # To add a constraint: a module in `constraints`, a line in `CONSTRAINTS`, and its counterpart in Rust.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from physcore.checks import DIMENSIONS, BoolArray, FloatArray, array, frozen
 from physcore.errors import SceneError
 from physcore.scene.fields import Element
-from physcore.scene.items import System
+from physcore.scene.system import System
 
 
 # To add a system of points: a module in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.

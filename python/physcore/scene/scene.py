@@ -14,13 +14,15 @@ from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.contents import Contents
 from physcore.scene.fluid import CLOSEST, describe_pair
-from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem, System, whole
+from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem
 from physcore.scene.mistakes import warn_of_mistakes
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.probe import Probe
 from physcore.scene.records import Named, Record, pack
 from physcore.scene.selection import Selection
+from physcore.scene.system import System
+from physcore.scene.targets import whole
 from physcore.storage.archive import Tree, digest
 from physcore.units.systems import SI, UnitSystem
 

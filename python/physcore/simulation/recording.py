@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -43,16 +43,21 @@ TERMS = 8
 """Approximate number of forces and causes of dissipation, each with an energy of its own."""
 
 
-def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
+def check_channels(channels: object, scene: Scene, listed: Collection[str] | None = None) -> tuple[str, ...]:
     """The fields of a scene to record; None: all except those of fluids. "positions" and "velocities" include those of
     rigid bodies.
 
+    Args:
+        channels: the user's choice.
+        scene: the scene.
+        listed: the fields that there are with the integrator, if it is known.
+
     Raises:
-        SceneError: a field is not one of the scene's.
+        SceneError: a field is not one of the scene's, or is not there with the integrator.
     """
     known = tuple(scene.fields)
     if channels is None:
-        return tuple(name for name in known if name not in FLOW)
+        return tuple(name for name in known if name not in FLOW and (listed is None or name in listed))
     if isinstance(channels, (tuple, list)) and scene.has_rigid_bodies:
         # Positions and velocities are those of rigid bodies too.
         more = [name for name in RIGID if any(is_word(each, FIELDS[name].source) for each in channels)]
@@ -62,7 +67,13 @@ def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
         hint = f'; write ("{channels}",)' if channels in known else ""
     elif isinstance(channels, (tuple, list)) and any(is_word(each, name) for each in channels for name in FLOW):
         hint = "" if scene.fluids else "; only a Fluid has densities and pressures"
-    return words(channels, "channels", known, hint)
+    kept = words(channels, "channels", known, hint)
+    for name in kept:
+        if listed is not None and name not in listed:
+            owner = FIELDS[name].owner if name in FIELDS else None
+            whose = "" if owner is None else f": only {owner} them"
+            raise SceneError(f"channels: there are no {name} with this integrator{whose}")
+    return kept
 
 
 @dataclass(frozen=True, eq=False, repr=False)

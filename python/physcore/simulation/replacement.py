@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physcore._core import World
 from physcore.checks import BoolArray, FloatArray
@@ -13,11 +14,13 @@ from physcore.errors import SceneError
 from physcore.numerics.choices import BODIES, Numerics, Options, check
 from physcore.scene.bodies import Body
 from physcore.scene.fields import FIELDS
-from physcore.scene.items import System
 from physcore.scene.scene import Scene
+from physcore.scene.system import System
 from physcore.simulation import engine
 
 Item = TypeVar("Item", Body, System)
+Captured: TypeAlias = "dict[str, NDArray[np.generic]]"
+"""Captured world: arrays by name."""
 _RENAME = "with another name it begins as the scene says"
 
 
@@ -77,8 +80,8 @@ def numerics_for(scene: Scene, before: Scene, numerics: Numerics) -> Numerics:
 def carry(world: World, scene: Scene, old: World, before: Scene) -> None:
     """Carry clock and state over to the world of a changed scene, for which `require_alike` has to hold.
 
-    Fields are written by name. All else is found anew from the state: lists of neighbors, warm starts of constraints,
-    absorbing edges, and what methods keep from earlier steps.
+    Fields are written by name, and equal layers of absorbing edges are copied. All else is found anew from the state:
+    lists of neighbors, warm starts of constraints, other layers, and what methods keep from earlier steps.
 
     Raises:
         SceneError: broken springs have no counterpart, or the state is not possible in the new scene.
@@ -87,6 +90,9 @@ def carry(world: World, scene: Scene, old: World, before: Scene) -> None:
     for name in ("clock", "steps", "taken_back"):
         clock[name] = past[name]
     clock["adaptation"] = np.concatenate([past["adaptation"][:2], clock["adaptation"][2:]])
+    for system, was in _systems(scene, before):
+        if _has_same_layer(system, was):
+            clock |= _arrays(clock, str(scene.system(system)), past, str(before.system(was)))
     world.restore(clock)
     fields = {info.name: engine.read(world, scene, info.name) for info in engine.fields(world, scene) if info.state}
     every: list[tuple[Body | System, Body | System]] = [*_bodies(scene, before), *_systems(scene, before)]
@@ -95,7 +101,22 @@ def carry(world: World, scene: Scene, old: World, before: Scene) -> None:
     try:
         engine.write(world, scene, {name: values for name, values in fields.items() if values.size})
     except SceneError as error:
-        raise SceneError(f"replace.{engine.named(str(error), scene)}") from None
+        raise SceneError(f"replace.{engine.named(str(error), scene).removeprefix('set.')}") from None
+
+
+def _has_same_layer(system: System, known: System) -> bool:
+    """Whether two systems on grids have absorbing edges with the same layer, in which what has left goes on."""
+    names = ("grid", "edges", "absorbing")
+    is_open = getattr(system, "is_open", False)
+    return is_open and all(getattr(system, name, None) == getattr(known, name, None) for name in names)
+
+
+def _arrays(new: Captured, path: str, old: Captured, known: str) -> Captured:
+    """The arrays of a system in a captured world, from another one where it was called `known`; without budgets."""
+    start, before = f"systems/{path}/", f"systems/{known}/"
+    own = {name: f"{before}{name.removeprefix(start)}" for name in new if name.startswith(start)}
+    alike = {name: was for name, was in own.items() if was in old and old[was].shape == new[name].shape}
+    return {name: old[was] for name, was in alike.items() if not name.endswith("/tallies")}
 
 
 def _carry_item(

@@ -68,7 +68,9 @@ class Simulation(Measured):
             one system, with one integrator.
         dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene, in small
             scenes AutoStep(resolve=True), which resolves the fastest oscillation; with GaussRadau15() the control of
-            its own; where there are rods AdaptiveStep(), which follows the motion.
+            its own; where there are rods AdaptiveStep(), which follows the motion. Where a scene has several systems,
+            such as bodies and a wave, one whose own limit is below a given time step divides it into equal substeps,
+            and the plan says how many; other rules choose steps that suit all of them.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
             fluid and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
@@ -197,8 +199,14 @@ class Simulation(Measured):
         its pressure [Pa]; of a boundary, or a body in a fluid, the force of fluids on it [N], without surface tension.
         """
         parts = self._scene.parts(item)
-        fields = {name: self._field(field)[rows] for name, (field, rows) in parts.items()}
+        there = self._listed
+        fields = {name: self._field(field)[rows] for name, (field, rows) in parts.items() if field in there}
         return Part(self.time, self._scene.results(item, fields), lambda values: self._set_part(item, values))
+
+    @property
+    def _listed(self) -> set[str]:
+        """The names of the fields that there are with the integrator."""
+        return {info.name for info in engine.fields(self._world, self._scene)}
 
     def _field(self, name: str) -> FloatArray:
         """The values of a field, with positions within the periodic domain."""
@@ -303,7 +311,7 @@ class Simulation(Measured):
             StabilityWarning: dt was left to be chosen, and the energy balance does not hold to 5 %.
             SceneWarning: this takes more than 10⁷ steps.
         """
-        kept = check_channels(channels, self._scene)
+        kept = check_channels(channels, self._scene, self._listed)
         shown = None if progress is None else flag(progress, "progress")
         watch = self._watch_for(events, kept)
         frames = self._frames(duration, fps, watch)
@@ -317,7 +325,7 @@ class Simulation(Measured):
     def _watch_for(self, events: object, channels: tuple[str, ...] | None) -> Watch | None:
         """A watch that keeps these fields; None without events."""
         given = checked(events, self._scene)
-        kept = check_channels(channels, self._scene)
+        kept = check_channels(channels, self._scene, self._listed)
         self._watch = Watch(given, self._world, self._scene, self._numerics, kept) if given else None
         return self._watch
 

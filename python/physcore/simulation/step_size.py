@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import replace
 
 from physcore._core import World
@@ -38,6 +40,18 @@ SLOWEST = 64
 time step resolves it.
 """
 
+_UNDIVIDED = ContextVar("undivided", default=False)
+
+
+@contextmanager
+def undivided() -> Iterator[None]:
+    """Never divide steps among systems, for runs that measure which steps are stable."""
+    token = _UNDIVIDED.set(True)
+    try:
+        yield
+    finally:
+        _UNDIVIDED.reset(token)
+
 
 class StepSize:
     """Size of the steps of a world, given or chosen from the limit of stability.
@@ -46,6 +60,9 @@ class StepSize:
     directions, as long as no spring is shorter than half its rest length. No automatic time step exceeds it. With
     dt="auto" the certified limit is checked periodically. A time step above it is replaced by a smaller one, and is
     restored when the limit rises again.
+
+    A given time step is divided by each of several systems whose own limit is smaller: the engine then finds how many
+    substeps that system takes, and the limits here are those of the divided step.
     """
 
     def __init__(self, world: World, scene: Scene, numerics: Numerics) -> None:
@@ -61,12 +78,14 @@ class StepSize:
         self._interval = _check_interval(scene, numerics)
 
     def begin(self) -> None:
-        """Find the limits before the first step.
+        """Find the limits before the first step, and divide a given one.
 
         Raises:
             SceneError: no time step is certain to be stable.
         """
         if self.fixed is not None:
+            if not _UNDIVIDED.get():
+                self.world.divide(self.fixed)
             return
         if self.adaptive is None:
             self._limits = (engine.limit(self.world),) * 2

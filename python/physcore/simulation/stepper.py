@@ -87,9 +87,9 @@ class Stepper:
         Raises:
             SceneError: no time step is certain to be stable.
         """
+        self._size.begin()
         if self.fixed is not None:
             self._warnings.of_instability(self.fixed)
-        self._size.begin()
 
     def succeed(self, before: Stepper, earlier: Earlier) -> None:
         """Go on from the stepper of the scene before."""

@@ -18,6 +18,7 @@ from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
+from physcore.simulation.step_size import undivided
 from physcore.simulation.step_warnings import unwarned
 from physcore.studies.state import compared, nudge
 from physcore.units.systems import SI, UnitSystem
@@ -154,7 +155,7 @@ def _bisect(scene: Scene, numerics: Numerics, theory: float) -> float:
 
 def _stable(scene: Scene, numerics: Numerics, dt: float, theory: float) -> bool:
     """Whether a run of 2000 steps is stable."""
-    with unwarned():
+    with unwarned(), undivided():
         run = Simulation(
             scene, numerics.integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH, fluids=numerics.fluids or "auto"
         )

@@ -16,8 +16,8 @@ from physcore.arithmetic import lengths
 from physcore.checks import FloatArray
 from physcore.scene.bodies import Body
 from physcore.scene.fields import RIGID
-from physcore.scene.items import System
 from physcore.scene.scene import Scene
+from physcore.scene.system import System
 from physcore.simulation.simulation import Simulation
 
 State = Mapping[str | Body | None, Mapping[str, FloatArray]]

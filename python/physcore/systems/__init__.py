@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.systems.point_vortices import PointVortices
 from physcore.systems.reaction_diffusion import ReactionDiffusion
 from physcore.systems.schrodinger import Schrodinger

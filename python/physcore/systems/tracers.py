@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from physcore.checks import FloatArray, shown, text
 from physcore.errors import SceneError
-from physcore.scene.items import System
 from physcore.scene.points import PointSystem, points
+from physcore.scene.system import System
 from physcore.systems.flows import FLOWS, Flow, VelocityField
 from physcore.systems.point_vortices import PointVortices
 

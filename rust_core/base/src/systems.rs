@@ -33,6 +33,12 @@ impl Interval {
     pub fn time(&self, step: u64, node: f64) -> f64 {
         self.start + ((self.first + step) as f64 + node) * self.h
     }
+
+    /// Interval of the same duration, each step in `parts` equal parts.
+    #[must_use]
+    pub fn in_parts(self, parts: u64) -> Self {
+        Self { first: self.first * parts, h: self.h / parts as f64, steps: self.steps * parts, ..self }
+    }
 }
 
 /// Steps of a batch whose activity is recorded.
@@ -87,6 +93,8 @@ pub struct FieldInfo {
 pub enum Location {
     /// Particles, tracers or vortices.
     Points,
+    /// Particles on wires, wire by wire.
+    Beads,
     /// Cells of a grid.
     Cells,
     /// Springs of all networks, as declared.
@@ -108,6 +116,7 @@ impl Location {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Points => "points",
+            Self::Beads => "beads",
             Self::Cells => "cells",
             Self::Springs => "springs",
             Self::Walls => "walls",
@@ -199,6 +208,13 @@ impl Hints {
             lowest_potential: None,
             amplitude: None,
         }
+    }
+
+    /// Hints of steps that consist of `parts` equal parts, each with these hints.
+    #[must_use]
+    pub fn in_parts(self, parts: u64) -> Self {
+        let [most_steps, most_recorded] = [self.most_steps, self.most_recorded].map(|steps| (steps / parts).max(1));
+        Self { most_steps, most_recorded, ..self }
     }
 
     /// Hints of two systems that are advanced together.

@@ -264,6 +264,12 @@ impl World {
         Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
 
+    /// Divide steps of dt seconds, and later ones of other sizes, into equal substeps of each system whose own limit is smaller, if
+    /// there are several.
+    fn divide(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        self.change(py, |world| world.divide(dt, &interrupted))
+    }
+
     /// Repeat a diverged step of dt seconds in parts. Return the numbers of equal parts taken, with their sizes [s], and the
     /// exception if this fails as well.
     fn substep(&self, py: Python<'_>, dt: f64) -> (Parts, Option<PyErr>) {

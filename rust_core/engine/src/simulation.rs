@@ -3,6 +3,7 @@
 mod adaptive;
 mod checkpoint;
 mod controlled;
+mod division;
 mod halving;
 mod monitor;
 
@@ -225,8 +226,15 @@ impl Simulation {
     fn take(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let (mut left, mut polled) = (steps, Instant::now());
         while left > 0 {
-            let most = left.min(self.hints.most_steps);
-            left -= self.batch(most, StepSizes::Equal, interrupted).map_err(|error| self.with_hint(error, interrupted))?;
+            let (division, first) = (self.division().cloned(), self.steps);
+            let taken = self.divide_next(interrupted).and_then(|most| {
+                let most = left.min(most).min(self.hints.most_steps);
+                self.batch(most, StepSizes::Equal, interrupted).map_err(|error| self.with_hint(error, interrupted))
+            });
+            if taken.is_err() && self.steps == first {
+                self.set_division(division);
+            }
+            left -= taken?;
             if left > 0 && polled.elapsed() >= POLL {
                 if interrupted() {
                     return Err(Error::Interrupted);

@@ -7,6 +7,8 @@ use crate::shapes::Bounds;
 
 /// Largest number of columns of a box along y or z.
 const WIDEST: f64 = 4.0;
+/// Number of columns along an axis that are too few to cut it.
+const FEW: f64 = 3.0;
 /// Largest number of columns along y or z.
 const COLUMNS: f64 = 1e6;
 
@@ -18,10 +20,11 @@ struct Entry {
     index: u32,
 }
 
-/// Columns of equal width.
+/// Columns of equal width along y and z; a single one along an axis that few would cut.
 struct Columns {
     lower: [f64; 2],
     width: f64,
+    is_cut: [bool; 2],
 }
 
 impl Columns {
@@ -37,18 +40,24 @@ impl Columns {
             sum += size.y.max(size.z);
             count += 1.0;
         }
-        let extent = (upper[0] - lower[0]).max(upper[1] - lower[1]);
-        let width = (2.0 * sum / count.max(1.0)).max(extent / COLUMNS);
-        Self { lower, width: if width > 0.0 { width } else { 1.0 } }
+        let extents = [0, 1].map(|axis| upper[axis] - lower[axis]);
+        let width = (2.0 * sum / count.max(1.0)).max(extents[0].max(extents[1]) / COLUMNS);
+        Self { lower, width, is_cut: extents.map(|extent| width > 0.0 && extent > FEW * width) }
     }
 
     fn place(&self, axis: usize, coordinate: f64) -> u32 {
-        ((coordinate - self.lower[axis]) / self.width) as u32
+        if self.is_cut[axis] { ((coordinate - self.lower[axis]) / self.width) as u32 } else { 0 }
     }
 
     /// First and last column of a box along y and z.
     fn range(&self, one: &Bounds) -> [[u32; 2]; 2] {
         [0, 1].map(|axis| [one.lower, one.upper].map(|corner| self.place(axis, corner[axis + 1])))
+    }
+
+    /// Whether a box is infinite or would cover many columns.
+    fn is_wide(&self, one: &Bounds) -> bool {
+        let size = one.upper - one.lower;
+        !one.is_finite() || [size.y, size.z].iter().zip(self.is_cut).any(|(size, cut)| cut && *size > WIDEST * self.width)
     }
 }
 
@@ -58,8 +67,7 @@ pub fn pairs(bounds: &[Bounds], moves: &[bool], pairs: &mut Vec<[u32; 2]>) {
     let columns = Columns::new(bounds);
     let (mut entries, mut wide) = (Vec::with_capacity(2 * bounds.len()), Vec::new());
     for (index, one) in (0..).zip(bounds) {
-        let size = one.upper - one.lower;
-        if !one.is_finite() || size.y.max(size.z) > WIDEST * columns.width {
+        if columns.is_wide(one) {
             wide.push(index);
             continue;
         }

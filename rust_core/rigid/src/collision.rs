@@ -1,131 +1,85 @@
 //! Contacts and separation of two shapes.
 
-use arrayvec::ArrayVec;
 use glam::DVec3;
 
-use crate::contact::{ContactPoint, Normal};
-use crate::couple::{Couple, as_normal};
+use crate::contact::ContactPoint;
+use crate::couple::{self, Couple};
+use crate::ground::Ground;
 use crate::pose::Pose;
-use crate::shapes::{Form, Part, Shape};
-use crate::{planar, spatial};
+use crate::shapes::{Part, Shape};
+use crate::{planar, spatial, thinning};
+
+/// Shape at a pose.
+type Placed<'a> = (&'a Shape, &'a Pose);
 
 /// Adds the contacts whose gap is at most `reach` [m] between two shapes at their poses. The reach of a fast body may be many
 /// times its size.
-pub fn contacts(first: (&Shape, &Pose), second: (&Shape, &Pose), reach: f64, dimension: usize, points: &mut Vec<ContactPoint>) {
+pub fn contacts(first: Placed, second: Placed, reach: f64, dimension: usize, points: &mut Vec<ContactPoint>) {
     let poses = [first.1, second.1];
     let width = second.0.features;
-    match [&first.0.form, &second.0.form] {
-        [Form::Parts(ones), Form::Parts(others)] => {
-            for one in ones {
-                for other in others {
-                    let couple = Couple::new([one, other], poses, reach, width);
-                    if dimension == 2 { planar::contacts(&couple, points) } else { spatial::contacts(&couple, points) }
-                }
+    let of_pair = |parts: [&Part; 2], points: &mut Vec<ContactPoint>| {
+        if parts.iter().all(|part| part.vertices.len() == 1) {
+            points.extend(couple::of_round(parts, poses, reach, width));
+        } else if !couple::is_apart(parts, poses, reach) {
+            let couple = Couple::new(parts, poses, reach, width);
+            if dimension == 2 { planar::contacts(&couple, points) } else { spatial::contacts(&couple, points) }
+        }
+    };
+    match [first, second].map(|(shape, _)| (shape.single(), shape.is_ground())) {
+        [(Some(one), _), (Some(other), _)] => of_pair([one, other], points),
+        [(_, true), (_, true)] => {}
+        [(_, true), _] => Ground::each(first, second, 0, reach, |ground| ground.add_contacts(reach, width, points)),
+        [_, (_, true)] => Ground::each(second, first, 1, reach, |ground| ground.add_contacts(reach, width, points)),
+        _ => {
+            let start = points.len();
+            each_pair(first, second, reach, |parts| of_pair(parts, points));
+            thinning::thin(points, start, poses, dimension);
+        }
+    }
+}
+
+/// Calls `visit` with the pairs of parts of two shapes whose boxes are within `reach` [m].
+fn each_pair(first: Placed, second: Placed, reach: f64, mut visit: impl FnMut([&Part; 2])) {
+    let in_first = first.1.relative(second.1);
+    let in_second = second.1.relative(first.1);
+    first.0.near(&second.0.bounds(&in_first).grown(reach), &mut |one| {
+        second.0.near(&one.bounds(&in_second).grown(reach), &mut |other| visit([one, other]));
+    });
+}
+
+/// Distance of two convex parts, and the unit normal from the first to the second.
+fn distance(parts: [&Part; 2], poses: [&Pose; 2], dimension: usize) -> (f64, DVec3) {
+    let couple = Couple::new(parts, poses, f64::INFINITY, 0);
+    if dimension == 2 { planar::separation(&couple) } else { spatial::separation(&couple) }
+}
+
+/// Replaces `found` by the distances of all pairs of convex parts that may be within `reach` [m], as those of [`separation`]:
+/// each with its unit normal from the first shape to the second. A plane across the normal separates the two parts.
+pub fn separations(first: Placed, second: Placed, reach: f64, dimension: usize, found: &mut Vec<(f64, DVec3)>) {
+    found.clear();
+    let poses = [first.1, second.1];
+    match [first, second].map(|(shape, _)| shape.is_ground()) {
+        [true, true] => {}
+        [true, false] => Ground::each(first, second, 0, reach, |ground| found.push(ground.distance())),
+        [false, true] => Ground::each(second, first, 1, reach, |ground| found.push(ground.distance())),
+        _ => each_pair(first, second, reach, |parts| {
+            if !couple::is_apart(parts, poses, reach) {
+                found.push(distance(parts, poses, dimension));
             }
-        }
-        [ground, Form::Parts(parts)] => {
-            parts.iter().for_each(|part| on_ground(&Ground { form: ground, owner: 0, poses, part }, reach, width, points));
-        }
-        [Form::Parts(parts), ground] => {
-            parts.iter().for_each(|part| on_ground(&Ground { form: ground, owner: 1, poses, part }, reach, width, points));
-        }
-        _ => {}
+        }),
     }
 }
 
 /// Lower bound of the distance between two shapes [m], exact when small, and the unit normal from the first to the second. Where
-/// they overlap, it is minus the depth along the least axis.
-pub fn separation(first: (&Shape, &Pose), second: (&Shape, &Pose), dimension: usize) -> (f64, DVec3) {
-    let poses = [first.1, second.1];
-    let mut least = (f64::INFINITY, DVec3::X);
-    let mut nearer = |other: (f64, DVec3)| {
-        if other.0 < least.0 {
-            least = other;
-        }
-    };
-    match [&first.0.form, &second.0.form] {
-        [Form::Parts(ones), Form::Parts(others)] => {
-            for one in ones {
-                for other in others {
-                    let couple = Couple::new([one, other], poses, f64::INFINITY, 0);
-                    nearer(if dimension == 2 { planar::separation(&couple) } else { spatial::separation(&couple) });
-                }
-            }
-        }
-        [form, Form::Parts(parts)] => parts.iter().for_each(|part| nearer(Ground { form, owner: 0, poses, part }.distance())),
-        [Form::Parts(parts), form] => parts.iter().for_each(|part| nearer(Ground { form, owner: 1, poses, part }.distance())),
-        _ => {}
+/// they overlap, it is minus the depth along the least axis of two of their convex parts.
+pub fn separation(first: Placed, second: Placed, dimension: usize) -> (f64, DVec3) {
+    if let [Some(one), Some(other)] = [first, second].map(|(shape, _)| shape.single()) {
+        return distance([one, other], [first.1, second.1], dimension);
     }
-    least
-}
-
-/// Part of a body and the half-space or the hollow of another, the `owner`.
-struct Ground<'a> {
-    form: &'a Form,
-    owner: usize,
-    poses: [&'a Pose; 2],
-    part: &'a Part,
-}
-
-impl Ground<'_> {
-    /// Gap of a vertex of the part, and the unit normal into the free side, in the frame of the owner; None for a vertex at the
-    /// center of a hollow.
-    fn gap(&self, point: DVec3) -> (f64, Option<DVec3>) {
-        match *self.form {
-            Form::HalfSpace(normal) => (normal.dot(point) - self.part.radius, Some(normal)),
-            Form::Hollow(radius) => (radius - point.length() - self.part.radius, (-point).try_normalize()),
-            Form::Parts(_) => (f64::INFINITY, None),
-        }
-    }
-
-    /// Gap of the part, its vertex nearest to the ground, and the normal there, in the frame of the owner.
-    fn nearest(&self, into: &Pose) -> (f64, usize, Option<DVec3>) {
-        let gaps = self.part.vertices.iter().map(|vertex| self.gap(into.point(*vertex))).enumerate();
-        let least = gaps.reduce(|one, other| if other.1.0 < one.1.0 { other } else { one });
-        least.map_or((f64::INFINITY, 0, None), |(vertex, (gap, normal))| (gap, vertex, normal))
-    }
-
-    /// Distance of the part, and the unit normal from the first body to the second.
-    fn distance(&self) -> (f64, DVec3) {
-        let [ground, body] = [self.poses[self.owner], self.poses[1 - self.owner]];
-        let (gap, _, normal) = self.nearest(&ground.relative(body));
-        let outward = ground.rotation * normal.unwrap_or(DVec3::X);
-        (gap, if self.owner == 0 { outward } else { -outward })
-    }
-}
-
-/// Adds the contacts of a part with a half-space or a hollow: of the face on which it rests.
-fn on_ground(pair: &Ground, reach: f64, width: u32, contacts: &mut Vec<ContactPoint>) {
-    let Ground { form, owner, poses, part } = *pair;
-    let into = poses[owner].relative(poses[1 - owner]);
-    let (gap, lowest, normal) = pair.nearest(&into);
-    if gap > reach {
-        return;
-    }
-    let up = into.local_vector(normal.unwrap_or(DVec3::X));
-    let resting: ArrayVec<u32, 4> = spatial::resting(part, lowest, up);
-    for vertex in resting {
-        let local = part.vertices[vertex as usize];
-        let point = into.point(local);
-        if pair.gap(point).0 > reach {
-            continue;
-        }
-        let (foot, radius, normal) = match *form {
-            Form::HalfSpace(normal) => (point - normal.dot(point) * normal, 0.0, as_normal(owner, normal)),
-            Form::Hollow(radius) => (DVec3::ZERO, -radius, Normal::Hollow),
-            Form::Parts(_) => continue,
-        };
-        let [high, low] = in_order(owner, [0, part.first + vertex]);
-        contacts.push(ContactPoint {
-            points: in_order(owner, [foot, local]),
-            radii: in_order(owner, [radius, part.radius]),
-            normal,
-            feature: high.wrapping_mul(width).wrapping_add(low),
-        });
-    }
-}
-
-/// Values of a body and of the other, in the order of the bodies.
-fn in_order<T>(body: usize, [own, other]: [T; 2]) -> [T; 2] {
-    if body == 0 { [own, other] } else { [other, own] }
+    let is_ground = first.0.is_ground() || second.0.is_ground();
+    let reach = if is_ground { f64::INFINITY } else { first.0.reach().min(second.0.reach()) };
+    let mut found = Vec::new();
+    separations(first, second, reach, dimension, &mut found);
+    let way = (second.1.position - first.1.position).try_normalize().unwrap_or(DVec3::X);
+    found.into_iter().fold((reach, way), |least, one| if one.0 < least.0 { one } else { least })
 }

@@ -9,6 +9,25 @@ use crate::shapes::Part;
 /// Gap that counts as closed, relative to the size of the parts. Points closer than that have no direction.
 pub(crate) const CLOSED: f64 = 1e-9;
 
+/// Contact of two discs or balls, if they are within reach [m]. `width` is the number of features of the second shape.
+#[inline]
+pub(crate) fn of_round(parts: [&Part; 2], poses: [&Pose; 2], reach: f64, width: u32) -> Option<ContactPoint> {
+    let points = parts.map(|part| part.vertices[0]);
+    let radii = parts.map(|part| part.radius);
+    let distance = (poses[1].point(points[1]) - poses[0].point(points[0])).length_squared();
+    let limit = reach + radii[0] + radii[1];
+    let feature = parts[0].first.wrapping_mul(width).wrapping_add(parts[1].first);
+    (distance <= limit * limit && limit >= 0.0).then_some(ContactPoint { points, radii, normal: Normal::Points, feature })
+}
+
+/// Whether balls around two parts are farther apart than a reach [m].
+#[inline]
+pub(crate) fn is_apart(parts: [&Part; 2], poses: [&Pose; 2], reach: f64) -> bool {
+    let [(one, r1), (other, r2)] = parts.map(|part| part.ball);
+    let limit = r1 + r2 + reach;
+    (poses[1].point(other) - poses[0].point(one)).length_squared() > limit * limit
+}
+
 /// Two convex parts of bodies.
 pub(crate) struct Couple<'a> {
     pub parts: [&'a Part; 2],
@@ -22,7 +41,7 @@ pub(crate) struct Couple<'a> {
 }
 
 /// Face of one core and the nearest vertex of the other along its normal.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FaceGap {
     /// Distance of the cores along the normal [m].
     pub gap: f64,
@@ -57,14 +76,6 @@ impl<'a> Couple<'a> {
         CLOSED * (self.parts[0].ball.1 + self.parts[1].ball.1)
     }
 
-    /// Whether balls around the parts are farther apart than the reach.
-    #[inline]
-    pub fn is_apart(&self) -> bool {
-        let [(one, r1), (other, r2)] = self.parts.map(|part| part.ball);
-        let limit = r1 + r2 + self.reach;
-        (self.poses[1].point(other) - self.poses[0].point(one)).length_squared() > limit * limit
-    }
-
     /// Vertex of the core of a body, in the world [m].
     #[inline]
     pub fn vertex(&self, body: usize, vertex: usize) -> DVec3 {
@@ -72,18 +83,39 @@ impl<'a> Couple<'a> {
     }
 
     /// Face of `owner` that the other core is farthest in front of, the first of equals; none if the core has no face.
+    #[inline]
     pub fn widest(&self, owner: usize) -> Option<FaceGap> {
+        self.widest_of(owner, |_| true)
+    }
+
+    /// Face with the widest gap of those that `accepts`.
+    #[inline]
+    fn widest_of(&self, owner: usize, accepts: impl Fn(&FaceGap) -> bool) -> Option<FaceGap> {
         let [reference, incident] = [self.parts[owner], self.parts[1 - owner]];
         let into = &self.other_in[owner];
         let mut widest: Option<FaceGap> = None;
         for (face, &normal) in reference.normals.iter().enumerate() {
             let (vertex, along) = incident.support(-into.local_vector(normal));
             let gap = normal.dot(into.position - reference.corner(face)) - along;
-            if widest.is_none_or(|widest| gap > widest.gap) {
-                widest = Some(FaceGap { gap, owner, face, vertex });
+            let found = FaceGap { gap, owner, face, vertex };
+            if widest.is_none_or(|widest| gap > widest.gap) && accepts(&found) {
+                widest = Some(found);
             }
         }
         widest
+    }
+
+    /// Whether the normal of a face belongs to the surfaces of both bodies.
+    pub fn shows(&self, FaceGap { owner, face, vertex, .. }: &FaceGap) -> bool {
+        let normal = self.parts[*owner].normals[*face];
+        let against = || -self.other_in[*owner].local_vector(normal);
+        self.parts[*owner].shows_face(*face) && self.parts[1 - owner].shows_vertex(*vertex, against())
+    }
+
+    /// Face with the widest gap whose normal belongs to both surfaces.
+    pub fn widest_shown(&self) -> Option<FaceGap> {
+        let [one, other] = [0, 1].map(|owner| self.widest_of(owner, |gap| self.shows(gap)));
+        [one, other].into_iter().flatten().reduce(|one, other| if other.gap > one.gap { other } else { one })
     }
 
     /// Adds a contact between points of the cores in the frames of `body` and of the other.

@@ -110,10 +110,10 @@ pub struct Meters {
 
 /// First half of a piece, on which the second depends.
 #[derive(Debug, Default)]
-struct FirstHalf {
-    rows: Rows,
+pub struct FirstHalf {
+    pub rows: Rows,
     /// Contact of each row; joint of each bounded row.
-    contacts: Vec<usize>,
+    pub contacts: Vec<usize>,
     bounded: Vec<(usize, usize)>,
     /// Gap of each contact, and error of each joint, that are left at the end of the piece.
     remainders: Vec<f64>,
@@ -121,8 +121,18 @@ struct FirstHalf {
     /// Velocity and angular velocity of each contact after the drift.
     middle: Vec<(DVec3, DVec3)>,
     /// Energies dissipated by contacts, and supplied [J].
-    lost: f64,
-    work: f64,
+    pub lost: f64,
+    pub work: f64,
+}
+
+impl FirstHalf {
+    /// Removes the rows of joints.
+    pub fn clear_joints(&mut self) {
+        self.rows.joints.clear();
+        self.rows.bounds.clear();
+        self.bounded.clear();
+        self.errors.clear();
+    }
 }
 
 /// Group of bodies during a step.
@@ -301,6 +311,11 @@ impl Island {
         }
         first.lost += first.rows.stopped(&start, &v);
         first.work = first.rows.supplied(&start, &v);
+        self.leave_open(first, length, h);
+    }
+
+    /// Leaves a piece open after its drift.
+    pub fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
         // Velocities at the new poses, for the second half.
         let v = Velocities::of(&self.movers);
         self.renew_touches();
@@ -316,7 +331,7 @@ impl Island {
     }
 
     /// Adds the rows of the joints at the start of a piece.
-    fn hold_joints(&self, (length, h): (f64, f64), v: &Velocities, first: &mut FirstHalf) {
+    pub fn hold_joints(&self, (length, h): (f64, f64), v: &Velocities, first: &mut FirstHalf) {
         for (index, held) in self.joints.iter().enumerate() {
             let equations = self.equations(held);
             first.errors.push(equations.iter().map(|(_, error)| error * (1.0 - length / h)).collect());
@@ -401,16 +416,12 @@ impl Island {
         other - one
     }
 
-    /// Takes the second half of a piece, at the velocities after the kick.
-    pub fn end_piece(&mut self) {
-        let first = std::mem::take(&mut self.first);
-        let length = self.open;
-        let start = Velocities::of(&self.movers);
-        let mut rows = Rows { planar: self.planar, ..Rows::default() };
+    /// Adds the rows of the joints at the end of a piece.
+    pub fn hold_joint_velocities(&self, first: &FirstHalf, v: &Velocities, rows: &mut Rows) {
         for (held, past) in self.joints.iter().zip(&first.rows.joints) {
             let equations = self.equations(held).into_iter().zip(&past.rows);
             let equations = equations.map(|((row, _), past)| Row { impulse: past.impulse, ..row });
-            rows.joints.push(JointRows::new(held.bodies, equations.collect(), &start));
+            rows.joints.push(JointRows::new(held.bodies, equations.collect(), v));
         }
         for (past, &(index, _)) in first.rows.bounds.iter().zip(&first.bounded) {
             let held = &self.joints[index];
@@ -423,8 +434,17 @@ impl Island {
             let active = past.row.impulse != 0.0 || held.joint.motor.is_some();
             let bounds = if active { bounds } else { [0.0; 2] };
             let row = Row { target, impulse: past.row.impulse.clamp(bounds[0], bounds[1]), ..row };
-            rows.bounds.extend(BoundedRow::new(past.bodies, row, bounds, &start));
+            rows.bounds.extend(BoundedRow::new(past.bodies, row, bounds, v));
         }
+    }
+
+    /// Takes the second half of a piece, at the velocities after the kick.
+    pub fn end_piece(&mut self) {
+        let first = std::mem::take(&mut self.first);
+        let length = self.open;
+        let start = Velocities::of(&self.movers);
+        let mut rows = Rows { planar: self.planar, ..Rows::default() };
+        self.hold_joint_velocities(&first, &start, &mut rows);
         for (past, &index) in first.rows.contacts.iter().zip(&first.contacts) {
             let contact = &self.contacts[index];
             let Some(mut row) = self.row(contact, &start) else { continue };
@@ -453,11 +473,11 @@ impl Island {
     }
 
     /// Keeps the mean forces of a piece.
-    fn keep_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
+    pub fn keep_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
         self.past.clear();
         self.contacts.iter_mut().for_each(|contact| contact.load = ContactImpulse::default());
-        for ((past, row), &index) in first.rows.contacts.iter().zip(&rows.contacts).zip(&first.contacts) {
-            self.contacts[index].load = past.impulse.plus(&row.impulse).scaled(1.0 / length);
+        for (row, &index) in rows.contacts.iter().zip(&first.contacts) {
+            self.contacts[index].load = row.before.plus(&row.impulse).scaled(1.0 / length);
         }
         for (joint, halves) in self.joints.iter_mut().zip(first.rows.joints.iter().zip(&rows.joints)) {
             for (index, (one, other)) in halves.0.rows.iter().zip(&halves.1.rows).enumerate() {
@@ -470,7 +490,7 @@ impl Island {
     }
 
     /// Adds the impulses of joints in a piece.
-    fn keep_reactions(&mut self, first: &FirstHalf, rows: &Rows) {
+    pub fn keep_reactions(&mut self, first: &FirstHalf, rows: &Rows) {
         let mut add = |joint: usize, row: &Row| {
             let reaction = &mut self.joints[joint].reaction;
             reaction[0] += row.impulse * row.linear;
@@ -494,7 +514,7 @@ fn combined(one: Option<Friction>, other: Option<Friction>) -> Friction {
 }
 
 /// Energy that a contact dissipates in half a piece [J]: by friction, and by the normal impulse if it strikes.
-fn lost(row: &ContactRow, strikes: bool, before: (DVec3, DVec3), after: (DVec3, DVec3)) -> f64 {
+pub fn lost(row: &ContactRow, strikes: bool, before: (DVec3, DVec3), after: (DVec3, DVec3)) -> f64 {
     let normal = 0.5 * row.impulse.normal * row.normal.dot(before.0 + after.0);
     -row.work(before, after) + if strikes { 0.0 } else { normal }
 }

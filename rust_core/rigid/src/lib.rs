@@ -15,6 +15,7 @@ pub mod collision;
 pub mod contact;
 mod couple;
 mod direct;
+mod ground;
 pub mod impacts;
 pub mod island;
 pub mod joints;
@@ -26,6 +27,7 @@ pub mod rows;
 pub mod shapes;
 mod spatial;
 pub mod sweeps;
+mod thinning;
 pub mod world;
 
 #[cfg(test)]

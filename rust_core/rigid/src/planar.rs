@@ -11,53 +11,48 @@ use crate::contact::{ContactPoint, Normal};
 use crate::couple::{Couple, FaceGap, as_normal};
 use crate::shapes::Part;
 
-/// Pair of features of two cores.
+/// Nearest features of two cores.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Nearest {
+enum Nearest {
     /// Vertices of the first and the second core.
     Vertices([usize; 2]),
-    /// Face of one core and vertex of the other.
-    Face(FaceKey),
+    /// Face of one core and vertex of the other, with their distance, or minus their depth.
+    Face(FaceGap),
 }
 
-/// Face of the core of `owner` and vertex of the other.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct FaceKey {
-    pub owner: usize,
-    pub face: usize,
-    pub vertex: usize,
-}
-
-/// Adds the contacts of two parts.
-#[inline]
-pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
-    let [one, other] = couple.parts;
-    if one.vertices.len() == 1 && other.vertices.len() == 1 {
-        add_points(couple, [0, 0], points);
-    } else if !couple.is_apart() {
-        add_polygons(couple, points);
-    }
-}
-
-/// Adds the contact between two vertices.
-#[inline]
-fn add_points(couple: &Couple, vertices: [usize; 2], contacts: &mut Vec<ContactPoint>) {
-    let points = [0, 1].map(|body| couple.parts[body].vertices[vertices[body]]);
-    let distance = couple.poses[0].point(points[0]).distance_squared(couple.poses[1].point(points[1]));
-    let limit = couple.limit();
-    if distance <= limit * limit && limit >= 0.0 {
-        couple.push(0, points, Normal::Points, vertices.map(|vertex| vertex as u32), contacts);
-    }
-}
-
-fn add_polygons(couple: &Couple, contacts: &mut Vec<ContactPoint>) {
+/// Adds the contacts of two parts of which at most one is a disc.
+pub(crate) fn contacts(couple: &Couple, contacts: &mut Vec<ContactPoint>) {
     let Some(widest) = widest(couple) else { return };
     if widest.gap > couple.limit() {
         return;
     }
     match nearest(couple, &widest) {
-        (_, Nearest::Vertices(vertices)) => add_points(couple, vertices, contacts),
-        (_, Nearest::Face(key)) => Clip::new(couple, key).add(couple, contacts),
+        Nearest::Vertices(vertices) if shows(couple, vertices) => add_points(couple, vertices, contacts),
+        Nearest::Face(face) if couple.shows(&face) => Clip::new(couple, &face).add(couple, contacts),
+        // Overlaps are resolved along the surface, of whatever parts it consists.
+        Nearest::Face(face) if face.gap <= couple.closed() => {
+            if let Some(face) = couple.widest_shown() {
+                Clip::new(couple, &face).add(couple, contacts);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Whether the way between two vertices is normal to the surfaces of both bodies.
+fn shows(couple: &Couple, vertices: [usize; 2]) -> bool {
+    let way = (couple.vertex(1, vertices[1]) - couple.vertex(0, vertices[0])).normalize_or_zero();
+    let shows = |body: usize, way: DVec3| couple.parts[body].shows_vertex(vertices[body], couple.poses[body].local_vector(way));
+    shows(0, way) && shows(1, -way)
+}
+
+/// Adds the contact between two vertices, if it is within reach.
+fn add_points(couple: &Couple, vertices: [usize; 2], contacts: &mut Vec<ContactPoint>) {
+    let points = [0, 1].map(|body| couple.parts[body].vertices[vertices[body]]);
+    let distance = couple.vertex(0, vertices[0]).distance_squared(couple.vertex(1, vertices[1]));
+    let limit = couple.limit();
+    if distance <= limit * limit && limit >= 0.0 {
+        couple.push(0, points, Normal::Points, vertices.map(|vertex| vertex as u32), contacts);
     }
 }
 
@@ -69,38 +64,33 @@ fn widest(couple: &Couple) -> Option<FaceGap> {
     }
 }
 
-/// Distance of the cores and their nearest features. If the cores overlap, minus their depth, and the face of the least depth.
-fn nearest(couple: &Couple, widest: &FaceGap) -> (f64, Nearest) {
-    let key = FaceKey { owner: widest.owner, face: widest.face, vertex: widest.vertex };
+/// Nearest features of the cores; of cores that overlap, the face of the least depth.
+fn nearest(couple: &Couple, widest: &FaceGap) -> Nearest {
     let is_flat = couple.parts.iter().all(|part| part.vertices.len() <= 2);
-    if widest.gap <= couple.closed() && !is_flat {
-        return (widest.gap, Nearest::Face(key));
+    // Two segments on a line have no gap along a face.
+    if widest.gap <= couple.closed() && !(is_flat && widest.gap >= -couple.closed()) {
+        return Nearest::Face(*widest);
     }
-    // Two segments cross.
-    if widest.gap < -couple.closed() || Clip::new(couple, key).gap() <= widest.gap + couple.closed() {
-        return (widest.gap, Nearest::Face(key));
+    if Clip::new(couple, widest).gap() <= widest.gap + couple.closed() {
+        return Nearest::Face(*widest);
     }
-    let (distance, features) = closest(couple, key);
-    if distance <= couple.closed() { (widest.gap, Nearest::Face(key)) } else { (distance, features) }
+    let (distance, features) = closest(couple, widest);
+    if distance <= couple.closed() { Nearest::Face(*widest) } else { features }
 }
 
-/// Least distance between a vertex of a core and an edge or vertex of the other, starting from a face and a vertex.
-fn closest(couple: &Couple, key: FaceKey) -> (f64, Nearest) {
-    let from_face = |key: FaceKey| {
-        let [face, point] = [couple.parts[key.owner], couple.parts[1 - key.owner]];
-        let point = couple.other_in[key.owner].point(point.vertices[key.vertex]);
-        let (distance, end) = to_edge(face, key.face, point);
-        let vertices = |end| if key.owner == 0 { [end, key.vertex] } else { [key.vertex, end] };
-        (distance, end.map_or(Nearest::Face(key), |end| Nearest::Vertices(vertices(end))))
-    };
-    let mut best = from_face(key);
+/// Least distance between a vertex of a core and an edge or vertex of the other.
+fn closest(couple: &Couple, widest: &FaceGap) -> (f64, Nearest) {
+    let mut best = (f64::INFINITY, Nearest::Face(*widest));
     for owner in [0, 1] {
-        let [face, point] = [couple.parts[owner], couple.parts[1 - owner]];
-        for index in 0..face.normals.len() {
-            for vertex in 0..point.vertices.len() {
-                let other = from_face(FaceKey { owner, face: index, vertex });
-                if other.0 < best.0 {
-                    best = other;
+        let [polygon, other] = [couple.parts[owner], couple.parts[1 - owner]];
+        for (vertex, local) in other.vertices.iter().enumerate() {
+            let point = couple.other_in[owner].point(*local);
+            for face in 0..polygon.normals.len() {
+                let (gap, end) = to_edge(polygon, face, point);
+                if gap < best.0 {
+                    let vertices = |end| if owner == 0 { [end, vertex] } else { [vertex, end] };
+                    let face = Nearest::Face(FaceGap { gap, owner, face, vertex });
+                    best = (gap, end.map_or(face, |end| Nearest::Vertices(vertices(end))));
                 }
             }
         }
@@ -137,7 +127,7 @@ struct Clip {
 }
 
 impl Clip {
-    fn new(couple: &Couple, FaceKey { owner, face, vertex }: FaceKey) -> Self {
+    fn new(couple: &Couple, &FaceGap { owner, face, vertex, .. }: &FaceGap) -> Self {
         let [reference, incident] = [couple.parts[owner], couple.parts[1 - owner]];
         let into = &couple.other_in[owner];
         let normal = reference.normals[face];
@@ -187,7 +177,7 @@ impl Clip {
     }
 }
 
-/// Ends of the edge at a vertex that looks most against a direction; twice the vertex of a disc.
+/// Ends of the edge at a vertex that looks most against a direction; twice the vertex of a disc, or if the edge is within a body.
 fn facing(part: &Part, vertex: usize, direction: DVec3) -> [usize; 2] {
     let count = part.vertices.len();
     if count == 1 {
@@ -195,7 +185,8 @@ fn facing(part: &Part, vertex: usize, direction: DVec3) -> [usize; 2] {
     }
     let before = (vertex + count - 1) % count;
     let is_before = part.normals[before].dot(direction) < part.normals[vertex].dot(direction);
-    if is_before { [before, vertex] } else { [vertex, (vertex + 1) % count] }
+    let edge = if is_before { before } else { vertex };
+    if part.shows_face(edge) { [edge, (edge + 1) % count] } else { [vertex, vertex] }
 }
 
 /// Distance of two parts, or minus their depth, and the unit normal from the first to the second.
@@ -206,10 +197,10 @@ pub(crate) fn separation(couple: &Couple) -> (f64, DVec3) {
     };
     let Some(widest) = widest(couple) else { return between([0, 0]) };
     match nearest(couple, &widest) {
-        (_, Nearest::Vertices(vertices)) => between(vertices),
-        (distance, Nearest::Face(FaceKey { owner, face, .. })) => {
+        Nearest::Vertices(vertices) => between(vertices),
+        Nearest::Face(FaceGap { gap, owner, face, .. }) => {
             let normal = couple.poses[owner].rotation * couple.parts[owner].normals[face];
-            (distance - couple.rounding(), if owner == 0 { normal } else { -normal })
+            (gap - couple.rounding(), if owner == 0 { normal } else { -normal })
         }
     }
 }

@@ -275,6 +275,8 @@ pub struct ContactRow {
     pub slip: DVec3,
     pub friction: Friction,
     pub impulse: ContactImpulse,
+    /// Part of the normal impulse that yields; 0 for a rigid contact.
+    pub yields: f64,
     /// Impulses that bounds on the sum include.
     pub before: ContactImpulse,
     /// Effective masses along the normal and, at least, along the tangents [kg].
@@ -304,7 +306,19 @@ impl ContactRow {
         }
         let (impulse, before) = (ContactImpulse::default(), ContactImpulse::default());
         let masses = [1.0 / inverse, 1.0 / largest];
-        Some(Self { bodies, arms, normal, least: 0.0, slip: DVec3::ZERO, friction, impulse, before, masses, moments })
+        Some(Self {
+            bodies,
+            arms,
+            normal,
+            least: 0.0,
+            slip: DVec3::ZERO,
+            friction,
+            impulse,
+            yields: 0.0,
+            before,
+            masses,
+            moments,
+        })
     }
 
     /// Copy without impulses, for another least normal velocity [m/s].
@@ -335,7 +349,9 @@ impl ContactRow {
     fn relax(&mut self, v: &mut Velocities) -> f64 {
         let relative = self.velocity(v);
         let along = self.normal.dot(relative);
-        let impulse = (self.impulse.normal + self.masses[0] * (self.least - along)).max(-self.before.normal);
+        let stiff = 1.0 - self.yields;
+        let impulse = stiff * (self.impulse.normal + self.masses[0] * (self.least - along));
+        let impulse = impulse.max(-self.before.normal);
         let mut push = (impulse - self.impulse.normal) * self.normal;
         let mut change = (impulse - self.impulse.normal).abs() / self.masses[0];
         self.impulse.normal = impulse;
@@ -481,7 +497,7 @@ impl Rows {
     }
 
     /// Relaxes all rows once; returns the largest change of a relative velocity [m/s].
-    fn relax_all(&mut self, iteration: usize, v: &mut Velocities) -> f64 {
+    pub fn relax_all(&mut self, iteration: usize, v: &mut Velocities) -> f64 {
         let mut change = 0.0_f64;
         self.joints.iter_mut().for_each(|joint| change = change.max(joint.relax(v)));
         self.bounds.iter_mut().for_each(|bounded| change = change.max(bounded.relax(v)));

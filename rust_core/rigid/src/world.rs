@@ -156,7 +156,7 @@ pub struct ContactSolver {
 
 impl Default for ContactSolver {
     fn default() -> Self {
-        Self { substeps: 4, iterations: 4, large: 33 }
+        Self { substeps: 4, iterations: 2, large: 33 }
     }
 }
 
@@ -316,8 +316,7 @@ impl RigidWorld {
         executor.for_each_block(BlockedSlice::new(&mut self.islands, 1), &|block: BlockedSlice<'_, Island>| {
             for island in block.items {
                 let sized = |mover: &&Mover| !mover.is_fixed() && mover.inertia != Inertia::NONE;
-                let accuracy =
-                    Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
+                let accuracy = Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
                 let sweep = (solver.substeps, accuracy);
                 if island.movers.iter().filter(sized).count() < solver.large {
                     island.advance(shapes, h, sweep);

@@ -17,7 +17,8 @@ from physcore.film.labels.drawing import write
 from physcore.film.labels.text import warn_of_missing
 from physcore.film.styles import Painter
 from physcore.scene.bodies import Body
-from physcore.scene.items import System, chosen, found
+from physcore.scene.system import System
+from physcore.scene.targets import chosen, found
 from physcore.simulation.sources import Source, SourceFrame
 
 Named: TypeAlias = bool | Body | str | Sequence[Body | str]

@@ -19,9 +19,10 @@ from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Color, Theme
 from physcore.scene.bodies import Body
-from physcore.scene.items import On, System, chosen, found
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
+from physcore.scene.system import System
+from physcore.scene.targets import On, chosen, found
 from physcore.simulation.sources import Source, SourceFrame
 
 InkArray = NDArray[np.uint8]

@@ -16,8 +16,8 @@ from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BRIGHT, Painter, SystemPart, SystemStyle
 from physcore.film.styles.typical import MANY
-from physcore.scene.items import System
 from physcore.scene.points import PointSystem
+from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
 
 SPREADS = (0.55, 1.3)

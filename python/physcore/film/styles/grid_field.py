@@ -20,7 +20,7 @@ from physcore.film.looks.box import draw_edges
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.typical import TYPICAL, Typical
 from physcore.scene.grid import GridSystem
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
 
 LOUDEST = 0.2

@@ -20,7 +20,7 @@ from physcore.film.styles.base import Painter, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
 from physcore.scene.bodies import Body
 from physcore.scene.edges import holds_value
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
 
 ASPECT = 0.3

@@ -18,7 +18,7 @@ from physcore.film.looks.base import corners, lines
 from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
 
 SOFT = 0.55

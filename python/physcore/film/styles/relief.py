@@ -20,7 +20,7 @@ from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
 from physcore.film.styles.grid_field import LOUDEST, NEVER, GridPainter
 from physcore.film.styles.typical import Typical
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
 
 RISE = 0.05

@@ -15,7 +15,7 @@ from physcore.film.styles.curve import BETWEEN
 from physcore.film.styles.density import FEW, PointsPainter
 from physcore.film.styles.past import Past
 from physcore.scene.bodies import Body
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
 
 SHARE = 0.3

@@ -8,7 +8,7 @@ import numpy as np
 
 from physcore.arithmetic import dots
 from physcore.checks import FloatArray
-from physcore.scene.items import System
+from physcore.scene.system import System
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from physcore.checks import BoolArray, FloatArray
-from physcore.scene.items import System
 from physcore.scene.scene import Scene
+from physcore.scene.system import System
 from physcore.simulation.simulation import Simulation
 from physcore.studies.lyapunov.neighbors import TINY
 

@@ -10,8 +10,11 @@ pub struct SystemPart {
     pub system: Box<dyn System>,
 }
 
-/// Interaction of different systems, which take steps of one size.
+/// Interaction of different systems.
 pub trait Coupling: Send + Sync {
+    /// Indices of the two systems, which take the same steps.
+    fn systems(&self) -> [usize; 2];
+
     /// Updates what the systems know of each other, in a state that no step led to: at the start, after a rollback, and after a
     /// change of fields.
     fn update(&self, systems: &mut [SystemPart]);

@@ -23,6 +23,7 @@ use super::monitor::StepSizes;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
 use crate::stability::Horizon;
+use crate::systems::several::Division;
 
 /// The rule of the step-size control.
 #[derive(Debug, Clone, Copy)]
@@ -94,6 +95,7 @@ impl Simulation {
             return Err(Error::parameter("interval", "a finite number > 0", interval));
         }
         self.start(interrupted)?;
+        self.set_division(self.division().map(|_| Division::default()));
         match rule.tolerance {
             None => self.advance_in_blocks(course, steps, rule, interrupted),
             Some(tolerance) => {

@@ -42,6 +42,7 @@ impl Simulation {
         (self.segment, self.steps) = (checkpoint.segment, checkpoint.steps);
         self.monitor.restore(checkpoint.monitor);
         self.adaptation = checkpoint.adaptation;
+        self.hints = self.system.hints();
         self.moved = true;
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Several systems in one scene, with one clock, one budget and one divergence monitor.
 //!
-//! Each system takes its own steps of one length, batch by batch, in the order of the scene. Systems meet by [couplings](Coupling)
-//! alone:
+//! Each system takes its own steps, batch by batch, in the order of the scene. In steps of a given size, a system whose own limit
+//! is smaller takes equal substeps: see [`Division`]. Systems meet by [couplings](Coupling) alone:
 //!
 //! ```text
 //!     batch:   system 0 ─ follow ─ system 1 ─ follow ─ …
@@ -10,6 +10,8 @@
 //!
 //! Fields of other systems than matter are named after their items.
 
+mod division;
+
 use super::{Control, Coupling, Element, Fault, FieldInfo, Hints, Interval, RecordedSteps, Sample, System, SystemPart};
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
@@ -17,6 +19,12 @@ use crate::ledger::Ledger;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
+pub use division::Division;
+
+/// Name of the limits of divided steps in archives.
+const DIVISION: &str = "division";
+/// Name of matter in notes.
+const MATTER: &str = "matter";
 
 /// Writes or reads what belongs to a system, under the name of its item.
 fn within<T>(item: &str, archive: &mut Archive, act: impl FnOnce(&mut Archive) -> T) -> T {
@@ -27,6 +35,7 @@ fn within<T>(item: &str, archive: &mut Archive, act: impl FnOnce(&mut Archive) -
 pub struct Several {
     parts: Vec<SystemPart>,
     couplings: Vec<Box<dyn Coupling>>,
+    division: Division,
     /// Sums of the systems' activities [J].
     activity: Vec<f64>,
 }
@@ -34,7 +43,7 @@ pub struct Several {
 impl Several {
     /// Combines several systems into one.
     pub fn new(parts: Vec<SystemPart>, couplings: Vec<Box<dyn Coupling>>) -> Self {
-        Self { parts, couplings, activity: Vec::new() }
+        Self { parts, couplings, division: Division::default(), activity: Vec::new() }
     }
 
     /// Updates what the systems know of each other.
@@ -46,10 +55,21 @@ impl Several {
         self.parts.iter().map(|part| &*part.system)
     }
 
+    /// Systems with the numbers of their substeps.
+    fn divided_systems(&self) -> impl Iterator<Item = (&dyn System, u64)> {
+        self.systems().enumerate().map(|(index, system)| (system, self.division.substeps(index)))
+    }
+
     /// Adds the part's name to an element.
     fn named(part: &SystemPart, element: Element) -> Element {
         let name = if part.name.is_empty() { element.name } else { format!("{} of {}", element.name, part.name) };
         Element { name, ..element }
+    }
+
+    /// Restores systems that were written to, after an error.
+    fn take_back(&mut self, written: Vec<(usize, Archive)>, error: Error) -> Result<()> {
+        written.into_iter().try_for_each(|(index, mut before)| self.parts[index].system.restore(&mut before))?;
+        Err(error)
     }
 
     fn path(part: &SystemPart, field: &str) -> String {
@@ -68,17 +88,18 @@ impl Several {
         None
     }
 
-    /// Sums the activities over all systems, if each recorded the same number; otherwise those after the last step.
+    /// Sums the activities over all systems, if each recorded the same steps; otherwise those after the last step.
     fn add_up(&mut self) {
-        let Self { parts, activity, .. } = self;
-        let recorded = |part: &SystemPart| part.system.activity().len();
-        let steps = parts.iter().map(recorded).min().unwrap_or(0);
-        let steps = if parts.iter().all(|part| recorded(part) == steps) { steps } else { steps.min(1) };
+        let Self { parts, division, activity, .. } = self;
+        let substeps = |index: usize| division.substeps(index) as usize;
+        let recorded = |(index, part): (usize, &SystemPart)| part.system.activity().len().div_ceil(substeps(index));
+        let steps = parts.iter().enumerate().map(recorded).min().unwrap_or(0);
+        let steps = if parts.iter().enumerate().all(|part| recorded(part) == steps) { steps } else { steps.min(1) };
         activity.clear();
         activity.resize(steps, 0.0);
-        for part in parts {
-            let own = part.system.activity();
-            activity.iter_mut().zip(&own[own.len() - steps..]).for_each(|(sum, activity)| *sum += activity);
+        for (index, part) in parts.iter().enumerate() {
+            let own = part.system.activity().iter().rev().step_by(substeps(index));
+            activity.iter_mut().rev().zip(own).for_each(|(sum, activity)| *sum += activity);
         }
     }
 }
@@ -97,24 +118,40 @@ impl History for Several {
         for SystemPart { name, system } in &self.parts {
             within(name, archive, |archive| system.capture(archive));
         }
+        if self.division.h > 0.0 {
+            let Division { h, limits, until } = &self.division;
+            archive.write(DIVISION, [*h, *until as f64].into_iter().chain(limits.iter().copied()));
+        }
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
         let mut parts = self.parts.iter_mut();
         let restored = parts.try_for_each(|SystemPart { name, system }| within(name, archive, |archive| system.restore(archive)));
         self.update();
+        self.division = Division::default();
+        if archive.read(DIVISION).is_ok() {
+            let numbers = archive.read_exactly(DIVISION, 2 + self.parts.len())?;
+            self.division = Division { h: numbers[0], limits: numbers[2..].to_vec(), until: numbers[1] as u64 };
+        }
         restored
     }
 }
 
 impl System for Several {
     fn stages(&self) -> Vec<Stages> {
-        let named = |part: &SystemPart| {
-            let name = part.name.clone();
-            let item = move |own: String| if name.is_empty() { own } else { name.clone() };
-            part.system.stages().into_iter().map(move |stages| Stages { item: item(stages.item.clone()), ..stages })
+        let named = |(index, part): (usize, &SystemPart)| {
+            let name = if part.name.is_empty() { MATTER } else { &part.name };
+            let (note, substeps) = (self.division.note(index, name), self.division.substeps(index) as usize);
+            let item = |own: String| if part.name.is_empty() { own } else { part.name.clone() };
+            let stages = part.system.stages().into_iter().map(|stages| Stages {
+                item: item(stages.item),
+                evaluations: stages.evaluations * substeps,
+                notes: note.iter().cloned().chain(stages.notes).collect(),
+                ..stages
+            });
+            stages.collect::<Vec<_>>()
         };
-        self.parts.iter().flat_map(named).collect()
+        self.parts.iter().enumerate().flat_map(named).collect()
     }
 
     fn bytes(&self) -> usize {
@@ -122,11 +159,12 @@ impl System for Several {
     }
 
     fn cost(&self) -> f64 {
-        self.systems().map(System::cost).sum()
+        self.divided_systems().map(|(system, substeps)| system.cost() * substeps as f64).sum()
     }
 
     fn hints(&self) -> Hints {
-        self.systems().map(System::hints).reduce(Hints::and).unwrap_or(Hints::new(0.0, 1..=1))
+        let hints = self.divided_systems().map(|(system, substeps)| system.hints().in_parts(substeps));
+        hints.reduce(Hints::and).unwrap_or(Hints::new(0.0, 1..=1))
     }
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
@@ -137,7 +175,9 @@ impl System for Several {
 
     fn advance(&mut self, interval: Interval, record: RecordedSteps, executor: &Executor) -> Result<()> {
         for index in 0..self.parts.len() {
-            let outcome = self.parts[index].system.advance(interval, record, executor);
+            let own = interval.in_parts(self.division.substeps(index));
+            let recorded = self.division.recorded(index, interval.steps, record);
+            let outcome = self.parts[index].system.advance(own, recorded, executor);
             if outcome.is_err() {
                 self.parts[..index].iter_mut().for_each(|part| part.system.rollback());
                 self.update();
@@ -154,12 +194,15 @@ impl System for Several {
     }
 
     fn resolvable(&self, time: f64, h: f64) -> f64 {
-        self.systems().map(|system| system.resolvable(time, h)).sum()
+        self.divided_systems().map(|(system, substeps)| system.resolvable(time, h / substeps as f64)).sum()
     }
 
-    /// Smallest limit of each kind over all systems.
+    /// Smallest limit of each kind over all systems, of steps that are divided as at present.
     fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
-        let limits = self.systems().map(|system| system.limit(horizon, time, executor)).collect::<Result<Vec<_>>>()?;
+        let own = |(system, substeps): (&dyn System, u64)| {
+            system.limit(horizon, time, executor).map(|limit| limit.in_parts(substeps as usize))
+        };
+        let limits = self.divided_systems().map(own).collect::<Result<Vec<_>>>()?;
         let binding = limits.iter().min_by(|one, other| one.dt().total_cmp(&other.dt())).copied().unwrap_or(Limit::NONE);
         let least = |of: fn(&Limit) -> f64| limits.iter().map(of).fold(f64::INFINITY, f64::min);
         Ok(Limit {
@@ -250,12 +293,16 @@ impl System for Several {
             let own: Vec<(&str, &[f64])> = own.into_iter().map(|(name, values)| (&name[prefix..], *values)).collect();
             let mut before = Archive::default();
             part.system.capture(&mut before);
-            let outcome = part.system.write(&own, time, executor);
-            if outcome.is_err() {
-                written.into_iter().try_for_each(|(index, mut before)| self.parts[index].system.restore(&mut before))?;
-                return outcome;
+            if let Err(error) = part.system.write(&own, time, executor) {
+                return self.take_back(written, error);
             }
             written.push((index, before));
+        }
+        if self.division.h > 0.0 {
+            match self.divided(self.division.h, 0, time, executor) {
+                Ok(division) => self.division = division,
+                Err(error) => return self.take_back(written, error),
+            }
         }
         self.update();
         Ok(())

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::pose::Pose;
+
 /// Box along the axes; infinite where a body is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
@@ -28,6 +30,23 @@ impl Bounds {
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self { lower: self.lower.min(other.lower), upper: self.upper.max(other.upper) }
+    }
+
+    /// Box around this one at a pose. An infinite one is infinite along all axes that its infinite edges have a part along.
+    #[must_use]
+    pub fn moved(&self, pose: &Pose) -> Self {
+        let mut moved = Self { lower: pose.position, upper: pose.position };
+        for axis in 0..3 {
+            for (along, column) in [pose.rotation.x_axis, pose.rotation.y_axis, pose.rotation.z_axis].into_iter().enumerate() {
+                // An infinite end times zero is no number.
+                if column[axis] != 0.0 {
+                    let ends = [self.lower[along] * column[axis], self.upper[along] * column[axis]];
+                    moved.lower[axis] += ends[0].min(ends[1]);
+                    moved.upper[axis] += ends[0].max(ends[1]);
+                }
+            }
+        }
+        moved
     }
 
     /// Box with a margin on all sides [m].

@@ -4,7 +4,8 @@ use glam::{DMat3, DQuat, DVec3};
 use physcore_base::error::{Error, Result};
 use physcore_base::scene::{Item, Value, unknown};
 
-use super::{MassProperties, Part, Planar, hull};
+use super::outline::Outline;
+use super::{MassProperties, Part, hull, mesh};
 use crate::pose::Pose;
 
 /// Convex parts and mass properties of a shape, in the given coordinates.
@@ -38,6 +39,7 @@ pub(super) fn parts(item: &Item, dimension: usize) -> Result<(Vec<Part>, MassPro
             let mass = MassProperties::polyhedron(part.triangles());
             one(part, mass)
         }
+        ("MeshShape", 3) => mesh::parts(item),
         ("Compound", _) => compound(item, dimension),
         _ => {
             let known = if dimension == 2 {
@@ -132,20 +134,23 @@ fn orientations(item: &Item, count: usize) -> Result<Vec<DQuat>> {
     }
 }
 
-/// Convex polygon of the item's `vertices`, in either order.
+/// Polygon of the item's `vertices`, in either order, cut into convex parts.
 fn polygon(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
-    let mut vertices = finite_rows(item, "vertices", 2)?;
+    let wrong = |expected: &str, found: String| Err(Error::parameter(item.path_of("vertices"), expected, found));
+    let mut vertices = Outline::distinct(&finite_rows(item, "vertices", 2)?);
     if vertices.len() < 3 {
-        return Err(Error::parameter(item.path_of("vertices"), "at least 3 vertices", vertices.len()));
+        return wrong("at least 3 different vertices", vertices.len().to_string());
+    }
+    if let Some([one, other]) = Outline::crossing(&vertices) {
+        return wrong("a polygon that does not meet itself", format!("edges {one} and {other} that cross or touch"));
     }
     let mut mass = MassProperties::polygon(&vertices);
     if mass.size < 0.0 {
         vertices.reverse();
         mass = MassProperties::polygon(&vertices);
     }
-    let edge = |index: usize| vertices[(index + 1) % vertices.len()] - vertices[index % vertices.len()];
-    if let Some(index) = (0..vertices.len()).find(|&index| edge(index).across(edge(index + 1)) <= 0.0) {
-        return Err(Error::parameter(item.path_of("vertices"), "a convex polygon", format!("a corner {index} that is not")));
+    match Outline::new(vertices) {
+        Some(outline) => Ok((outline.parts(), mass)),
+        None => wrong("vertices that span an area", "flat ones".to_owned()),
     }
-    Ok((vec![Part::polygon(vertices, 0.0)], mass))
 }

@@ -10,14 +10,22 @@ mod bounds;
 mod declared;
 mod hull;
 mod mass;
+mod mesh;
+mod outline;
 mod part;
+mod parts;
 mod plane;
+mod skin;
+mod terrain;
+mod tree;
 mod walls;
 
 pub use bounds::Bounds;
 pub use mass::MassProperties;
 pub(crate) use part::Part;
+pub(crate) use parts::Parts;
 use plane::Planar;
+pub(crate) use terrain::Terrain;
 pub use walls::{Wall, walls};
 
 /// Shape of a body in its frame.
@@ -33,11 +41,13 @@ pub struct Shape {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Form {
     /// Union of convex parts.
-    Parts(Vec<Part>),
+    Parts(Parts),
     /// All points below the plane through the origin with this unit normal.
     HalfSpace(DVec3),
     /// All points beyond a sphere of this radius about the origin [m].
     Hollow(f64),
+    /// All points below a height field.
+    Terrain(Terrain),
 }
 
 impl Shape {
@@ -71,6 +81,11 @@ impl Shape {
         Self { form: Form::Hollow(radius), features: 1, reach: f64::INFINITY }
     }
 
+    /// Ground below a height field. Only for fixed bodies.
+    pub(crate) fn terrain(terrain: Terrain) -> Self {
+        Self { features: terrain.features(), form: Form::Terrain(terrain), reach: f64::INFINITY }
+    }
+
     /// Union of convex parts.
     pub(crate) fn of(parts: impl IntoIterator<Item = Part>) -> Self {
         let mut features = 0;
@@ -84,7 +99,7 @@ impl Shape {
             .collect();
         let farthest = |part: &Part| part.vertices.iter().map(|vertex| vertex.length()).fold(0.0, f64::max) + part.radius;
         let reach = parts.iter().map(farthest).fold(0.0, f64::max);
-        Self { form: Form::Parts(parts), features, reach }
+        Self { form: Form::Parts(Parts::new(parts)), features, reach }
     }
 
     /// Largest distance of a point of the surface from the origin [m]; infinite for a half-space.
@@ -94,22 +109,40 @@ impl Shape {
 
     /// Whether the shape is a disc or a ball about the origin, which turning does not change.
     pub fn is_round(&self) -> bool {
-        matches!(&self.form, Form::Parts(parts) if matches!(parts[..], [Part { ref vertices, .. }] if vertices[..] == [DVec3::ZERO]))
+        matches!(&self.form, Form::Parts(parts) if matches!(parts.all[..], [Part { ref vertices, .. }] if vertices[..] == [DVec3::ZERO]))
     }
 
-    /// Box along the axes around the shape at a pose. In 2D it is flat.
-    pub fn bounds(&self, pose: &Pose) -> Bounds {
+    /// Calls `visit` with the convex parts whose boxes overlap another, in the frame of the body; a half-space and a hollow have
+    /// none.
+    pub(crate) fn near(&self, bounds: &Bounds, visit: &mut dyn FnMut(&Part)) {
         match &self.form {
-            Form::Parts(parts) => parts.iter().map(|part| part_bounds(part, pose)).fold(Bounds::NOWHERE, Bounds::union),
-            Form::HalfSpace(normal) => half_space_bounds(pose.rotation * *normal, pose.position),
-            Form::Hollow(_) => Bounds::EVERYWHERE,
+            Form::Parts(parts) => parts.near(bounds, visit),
+            Form::Terrain(terrain) => terrain.near(bounds, visit),
+            Form::HalfSpace(_) | Form::Hollow(_) => {}
         }
     }
-}
 
-fn part_bounds(part: &Part, pose: &Pose) -> Bounds {
-    let corners = part.vertices.iter().map(|vertex| pose.point(*vertex));
-    corners.map(|corner| Bounds { lower: corner, upper: corner }).fold(Bounds::NOWHERE, Bounds::union).grown(part.radius)
+    /// Part of a shape that consists of one alone.
+    #[inline]
+    pub(crate) fn single(&self) -> Option<&Part> {
+        if let Form::Parts(parts) = &self.form { parts.single() } else { None }
+    }
+
+    /// Whether the shape is a half-space or a hollow, without parts.
+    #[inline]
+    pub(crate) fn is_ground(&self) -> bool {
+        matches!(self.form, Form::HalfSpace(_) | Form::Hollow(_))
+    }
+
+    /// Box along the axes around the shape at a pose.
+    pub fn bounds(&self, pose: &Pose) -> Bounds {
+        match &self.form {
+            Form::Parts(parts) => parts.bounds(pose),
+            Form::HalfSpace(normal) => half_space_bounds(pose.rotation * *normal, pose.position),
+            Form::Hollow(_) => Bounds::EVERYWHERE,
+            Form::Terrain(terrain) => terrain.bounds().moved(pose),
+        }
+    }
 }
 
 /// Box around a half-space, infinite except above a plane along the axes.

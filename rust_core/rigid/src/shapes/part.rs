@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
+use super::Bounds;
 use super::plane::Planar;
+use super::skin::Skin;
 use crate::pose::Pose;
 
 /// Convex core with a rounding radius, in the frame of a body. A core of one vertex is a disc or a ball, of two a capsule.
@@ -18,6 +20,8 @@ pub(crate) struct Part {
     pub radius: f64,
     /// Mean of the vertices [m], and the radius of a ball around it that contains the part [m].
     pub ball: (DVec3, f64),
+    /// Surface that the part belongs to; None if all of its own surface is one.
+    pub skin: Option<Box<Skin>>,
     /// Number of the first feature of the part among those of its shape: vertices, then edges, then faces.
     pub first: u32,
 }
@@ -123,6 +127,43 @@ impl Part {
         Self::polyhedron(corners.iter().map(|&corner| points[corner as usize]).collect(), &faces)
     }
 
+    /// Triangle with two sides, of which the first has this normal.
+    pub fn leaf(vertices: Vec<DVec3>, normal: DVec3) -> Self {
+        let edge = |ends: [u32; 2], faces: [u32; 2]| Edge { ends, faces };
+        let net = Net {
+            corners: vec![0, 1, 2, 0, 2, 1],
+            starts: vec![0, 3, 6],
+            edges: vec![edge([0, 1], [0, 1]), edge([1, 2], [0, 1]), edge([2, 0], [0, 1])],
+        };
+        Self::new(vertices, vec![normal, -normal], net, 0.0)
+    }
+
+    /// Upright prism of the vertices of a triangle and of those below them. Its faces are the triangle, the bottom, and the sides
+    /// from each vertex to the next.
+    pub fn prism(vertices: Vec<DVec3>) -> Self {
+        let at = |corner: usize| vertices[corner];
+        let top = (at(1) - at(0)).cross(at(2) - at(0)).normalize();
+        let side = |from: usize| {
+            let way = at((from + 1) % 3) - at(from);
+            DVec3::new(way.y, -way.x, 0.0).normalize()
+        };
+        let normals = vec![top, DVec3::NEG_Z, side(0), side(1), side(2)];
+        let edge = |from: u32| {
+            let (next, before) = ((from + 1) % 3, (from + 2) % 3);
+            [
+                Edge { ends: [from, next], faces: [0, 2 + from] },
+                Edge { ends: [from, from + 3], faces: [2 + from, 2 + before] },
+                Edge { ends: [from + 3, next + 3], faces: [2 + from, 1] },
+            ]
+        };
+        let net = Net {
+            corners: vec![0, 1, 2, 3, 5, 4, 1, 0, 3, 4, 2, 1, 4, 5, 0, 2, 5, 3],
+            starts: vec![0, 3, 6, 10, 14, 18],
+            edges: [0, 1, 2].into_iter().flat_map(edge).collect(),
+        };
+        Self::new(vertices, normals, net, 0.0)
+    }
+
     /// Box with these half edges.
     pub fn cuboid(half: DVec3) -> Self {
         let corner =
@@ -135,7 +176,7 @@ impl Part {
     }
 
     fn new(vertices: Vec<DVec3>, normals: Vec<DVec3>, net: Net, radius: f64) -> Self {
-        let mut part = Self { vertices, normals, net, radius, ball: (DVec3::ZERO, 0.0), first: 0 };
+        let mut part = Self { vertices, normals, net, radius, ball: (DVec3::ZERO, 0.0), skin: None, first: 0 };
         part.surround();
         part
     }
@@ -152,6 +193,9 @@ impl Part {
     pub fn moved(mut self, pose: &Pose) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = pose.point(*vertex));
         self.normals.iter_mut().for_each(|normal| *normal = pose.rotation * *normal);
+        if let Some(skin) = &mut self.skin {
+            skin.turn(&pose.rotation);
+        }
         self.surround();
         self
     }
@@ -161,6 +205,12 @@ impl Part {
         let faces = (0..self.normals.len()).map(|face| self.net.face(face));
         let fans = faces.flat_map(|corners| corners.windows(2).skip(1).map(|side| [corners[0], side[0], side[1]]));
         fans.map(|corners| corners.map(|corner| self.vertices[corner as usize]))
+    }
+
+    /// Box along the axes around the part at a pose.
+    pub fn bounds(&self, pose: &Pose) -> Bounds {
+        let corners = self.vertices.iter().map(|vertex| pose.point(*vertex));
+        corners.map(|corner| Bounds { lower: corner, upper: corner }).fold(Bounds::NOWHERE, Bounds::union).grown(self.radius)
     }
 
     /// Number of features.
@@ -182,6 +232,12 @@ impl Part {
     #[inline]
     pub fn corner(&self, face: usize) -> DVec3 {
         if self.net.starts.is_empty() { self.vertices[face] } else { self.vertices[self.net.face(face)[0] as usize] }
+    }
+
+    /// Ends of an edge [m]; of a core without edges, twice its vertex.
+    #[inline]
+    pub fn edge(&self, edge: usize) -> [DVec3; 2] {
+        self.net.edges.get(edge).map_or([self.vertices[0]; 2], |edge| edge.ends.map(|end| self.vertices[end as usize]))
     }
 
     /// Vertex farthest along a direction, the first of equals, and its product with the direction.

@@ -5,7 +5,7 @@ use physcore_base::error::Result;
 use physcore_base::scene::{Item, Value, unknown};
 
 use super::declared::{finite_rows, hull, planar_hull, positive};
-use super::{Part, Shape};
+use super::{Part, Shape, Terrain};
 use crate::pose::Pose;
 
 /// Fixed shape of a boundary.
@@ -50,6 +50,10 @@ pub fn walls(item: &Item, boundary: usize, dimension: usize) -> Result<Vec<Wall>
             let points: Vec<DVec3> = points.into_iter().map(|point| point - middle).collect();
             let part = if dimension == 2 { planar_hull(item, &points)? } else { hull(item, &points)? };
             vec![(Shape::of([part]), middle)]
+        }
+        "HeightField" => {
+            let (terrain, corner) = Terrain::declared(item, dimension)?;
+            vec![(Shape::terrain(terrain), corner)]
         }
         _ => return Err(unknown(item, "a boundary for rigid bodies: Plane, Box, Sphere, Capsule, ConvexHull or HeightField")),
     };

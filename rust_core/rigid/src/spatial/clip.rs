@@ -16,6 +16,9 @@ const FLAT: f64 = 0.95;
 /// Relative excess by which a later point must be better than an earlier one, so that rounding changes no choice.
 const BETTER: f64 = 1e-3;
 
+/// Difference of gaps that count as equal, relative to the size of the face.
+const LEVEL: f64 = 1e-6;
+
 /// Corner of the clipped face.
 #[derive(Debug, Clone, Copy)]
 struct Corner {
@@ -185,7 +188,7 @@ impl<'a> Manifold<'a> {
         let within = |corner: &&Corner| reference.gap(corner.point) <= couple.limit();
         let near: Vec<Corner> = corners.iter().filter(within).copied().collect();
         let places: Vec<(DVec3, f64)> = near.iter().map(|corner| (corner.point, reference.gap(corner.point))).collect();
-        for place in spread(&places, reference.normal) {
+        for place in spread(&places, reference.normal, 3) {
             let (point, gap) = places[place];
             let local = couple.other_in[reference.owner].local_point(point);
             let foot = point - gap * reference.normal;
@@ -195,25 +198,33 @@ impl<'a> Manifold<'a> {
     }
 }
 
-/// At most four of the points with their gaps: the one of the smallest gap, the one farthest from it, and on each side of the
-/// line between them the one farthest from it.
-pub(super) fn spread(points: &[(DVec3, f64)], normal: DVec3) -> ArrayVec<usize, MOST> {
-    if points.len() <= MOST {
+/// Well-spread points with their gaps, at most four, or two in 2D: the outermost of those with the smallest gap, the one farthest
+/// from it, and on each side of the line between them the one farthest from it.
+pub(crate) fn spread(points: &[(DVec3, f64)], normal: DVec3, dimension: usize) -> ArrayVec<usize, MOST> {
+    let most = 2 * (dimension - 1);
+    if points.len() <= most {
         return (0..points.len()).collect();
     }
-    let best = |measure: &dyn Fn(usize) -> f64, margin: f64| {
-        (1..points.len()).fold(0, |best, one| if measure(one) > measure(best) + margin { one } else { best })
-    };
     let size = points.iter().map(|point| point.0.distance(points[0].0)).fold(0.0, f64::max);
-    let first = best(&|index| -points[index].1, BETTER * BETTER * size);
+    let best = |measure: &dyn Fn(usize) -> f64| {
+        let least = f64::NEG_INFINITY;
+        let better = |best: (usize, f64), one: usize| {
+            let found = measure(one);
+            if found > best.1 + BETTER * size { (one, found) } else { best }
+        };
+        (0..points.len()).fold((0, least), better).0
+    };
+    let middle = points.iter().map(|point| point.0).sum::<DVec3>() / points.len() as f64;
+    let lowest = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    let is_low = |index: usize| points[index].1 <= lowest + LEVEL * size;
+    let first = best(&|index| if is_low(index) { points[index].0.distance(middle) } else { f64::NEG_INFINITY });
     let from = points[first].0;
-    let second = best(&|index| points[index].0.distance(from), BETTER * size);
+    let second = best(&|index| points[index].0.distance(from));
     let across = normal.cross(points[second].0 - from).normalize_or_zero();
-    let third = best(&|index| across.dot(points[index].0 - from), BETTER * size);
-    let fourth = best(&|index| -across.dot(points[index].0 - from), BETTER * size);
-    let mut chosen = ArrayVec::new();
-    for index in [first, second, third, fourth] {
-        if !chosen.contains(&index) {
+    let mut chosen = ArrayVec::from_iter([first]);
+    let sides = [1.0, -1.0].map(|side| best(&|index| side * across.dot(points[index].0 - from)));
+    for index in [second, sides[0], sides[1]] {
+        if chosen.len() < most && !chosen.contains(&index) {
             chosen.push(index);
         }
     }

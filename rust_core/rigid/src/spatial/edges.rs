@@ -21,6 +21,14 @@ pub(super) struct EdgeGap {
     pub is_exact: bool,
 }
 
+impl EdgeGap {
+    /// Whether the normal belongs to the surfaces of both bodies.
+    pub fn is_shown(&self, couple: &Couple) -> bool {
+        let against = -couple.other_in[0].local_vector(self.normal);
+        couple.parts[0].shows_edge(self.edges[0], self.normal) && couple.parts[1].shows_edge(self.edges[1], against)
+    }
+}
+
 /// Edge in the frame of the first body.
 #[derive(Debug, Clone, Copy)]
 struct Ridge {
@@ -29,6 +37,14 @@ struct Ridge {
     way: DVec3,
     /// Normals of the faces on the left and on the right.
     normals: [DVec3; 2],
+}
+
+impl Ridge {
+    /// Direction between the normals, even if they are opposite.
+    fn outward(&self) -> DVec3 {
+        let [left, right] = self.normals;
+        (left + right) * self.way.length() + self.way.cross(left - right)
+    }
 }
 
 /// Edges of a part that may separate it from a ball around `center` more than `least`.
@@ -92,8 +108,8 @@ fn between(one: &Ridge, other: &Ridge, least: f64) -> Option<EdgeGap> {
     let apart = other.start - one.start;
     // Sign of the cross product along the outward normals of the first, or against those of the second.
     let sign = match is_segment {
-        [false, _] => across.dot(one.normals[0] + one.normals[1]),
-        [true, false] => -across.dot(other.normals[0] + other.normals[1]),
+        [false, _] => across.dot(one.outward()),
+        [true, false] => -across.dot(other.outward()),
         [true, true] => across.dot(apart),
     };
     let outward = if sign < 0.0 { -across } else { across };

@@ -15,30 +15,38 @@ mod clip;
 mod edges;
 mod nearest;
 
+pub(crate) use clip::spread;
 use edges::EdgeGap;
 use nearest::Pair;
 
 /// Adds the contacts of two parts.
-#[inline]
 pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
-    if couple.is_apart() {
+    let add_pair = |pair: &Pair, points: &mut Vec<ContactPoint>| {
+        if pair.is_shown(couple) {
+            nearest::add_pair(couple, pair, points);
+        }
+    };
+    let Some(axis) = axis(couple) else { return add_pair(&nearest::of_segments(couple), points) };
+    if axis.gap() > couple.limit() {
         return;
     }
-    match axis(couple) {
-        None => nearest::add_pair(couple, &nearest::of_segments(couple), points),
-        Some(axis) if axis.gap() > couple.limit() => {}
-        Some(Axis::Face(face)) => {
-            let manifold = clip::of_face(couple, face);
-            let is_exact = face.gap <= couple.closed() || manifold.gap() <= face.gap + couple.closed();
-            match (!is_exact).then(|| Axis::Face(face).nearest(couple)).flatten() {
-                Some(pair) => nearest::add_pair(couple, &pair, points),
-                None => clip::add_face(couple, face, &manifold, points),
+    let manifold = match axis {
+        Axis::Face(face) => Some(clip::of_face(couple, face)),
+        Axis::Edges(_) => None,
+    };
+    let is_exact = manifold.as_ref().is_some_and(|manifold| manifold.gap() <= axis.gap() + couple.closed());
+    let pair = if is_exact { None } else { axis.nearest(couple) };
+    match (axis, pair, manifold) {
+        (_, Some(pair), _) => add_pair(&pair, points),
+        (Axis::Face(face), _, Some(manifold)) if couple.shows(&face) => clip::add_face(couple, face, &manifold, points),
+        (Axis::Edges(edges), ..) if edges.is_shown(couple) => clip::add_edges(couple, edges, points),
+        // Overlaps are resolved along the surface, of whatever parts it consists.
+        _ if axis.gap() <= couple.closed() => {
+            if let Some(face) = couple.widest_shown() {
+                clip::add_face(couple, face, &clip::of_face(couple, face), points);
             }
         }
-        Some(Axis::Edges(edges)) => match Axis::Edges(edges).nearest(couple) {
-            Some(pair) => nearest::add_pair(couple, &pair, points),
-            None => clip::add_edges(couple, edges, points),
-        },
+        _ => {}
     }
 }
 
@@ -130,7 +138,7 @@ pub(crate) fn resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4>
     let corners = part.net.face(face);
     let places: Vec<(DVec3, f64)> =
         corners.iter().map(|&corner| part.vertices[corner as usize]).map(|x| (x, x.dot(up))).collect();
-    clip::spread(&places, part.normals[face]).into_iter().map(|place| corners[place]).collect()
+    clip::spread(&places, part.normals[face], 3).into_iter().map(|place| corners[place]).collect()
 }
 
 /// Vertices of the edge on which a polygon or a segment rests.

@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use crate::contact::{ContactPoint, Normal};
 use crate::couple::Couple;
-use crate::shapes::Part;
 
 /// Sine of the angle of two edges below which they touch along a line.
 const PARALLEL: f64 = 0.05;
@@ -21,13 +20,6 @@ pub(super) struct Pair {
     edges: [usize; 2],
     /// Places of the points along the edges, from 0 to 1.
     along: [f64; 2],
-}
-
-impl Part {
-    /// Ends of an edge [m]; of a core without edges, twice its vertex.
-    pub fn edge(&self, edge: usize) -> [DVec3; 2] {
-        self.net.edges.get(edge).map_or([self.vertices[0]; 2], |edge| edge.ends.map(|end| self.vertices[end as usize]))
-    }
 }
 
 impl Pair {
@@ -67,6 +59,24 @@ impl Pair {
             _ if !is_close => way.normalize(),
             _ => ways.into_iter().find_map(DVec3::try_normalize).unwrap_or(DVec3::Z).any_orthonormal_vector(),
         }
+    }
+
+    /// Whether the normal belongs to the surfaces of both bodies.
+    pub fn is_shown(&self, couple: &Couple) -> bool {
+        if couple.parts.iter().all(|part| part.skin.is_none()) {
+            return true;
+        }
+        let normal = self.normal(couple);
+        let shows = |body: usize, normal: DVec3| {
+            let (part, direction) = (couple.parts[body], couple.poses[body].local_vector(normal));
+            let Some(edge) = part.net.edges.get(self.edges[body]) else { return part.shows_vertex(0, direction) };
+            match self.along[body] {
+                0.0 => part.shows_vertex(edge.ends[0] as usize, direction),
+                1.0 => part.shows_vertex(edge.ends[1] as usize, direction),
+                _ => part.shows_edge(self.edges[body], direction),
+            }
+        };
+        shows(0, normal) && shows(1, -normal)
     }
 
     /// Features of the points: vertices or edges.

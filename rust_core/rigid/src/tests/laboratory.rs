@@ -89,9 +89,8 @@ impl Laboratory {
 
     /// Kinetic and potential energy [J].
     pub fn energy(&self) -> f64 {
-        let of = |(motion, mass): (&Motion, &f64)| {
-            mass * (0.5 * motion.velocity.length_squared() - self.gravity.dot(motion.position))
-        };
+        let of =
+            |(motion, mass): (&Motion, &f64)| mass * (0.5 * motion.velocity.length_squared() - self.gravity.dot(motion.position));
         self.motions.iter().zip(&self.masses).map(of).sum::<f64>() + self.world.rotational_energy()
     }
 }

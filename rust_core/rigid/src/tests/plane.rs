@@ -103,7 +103,11 @@ fn blocks_on_slopes() {
         let expected = G * (angle.sin() - friction * angle.cos()) * 4.5;
         let turned = lab.world.state.turns[0].orientation.angle + angle;
         let drift = lab.energy() + lab.meters.dissipated - before;
-        println!("{what}: way {way} ({expected}) turned {turned} drift {drift} lost {} ({})", lab.meters.dissipated, 8.0 * friction * G * angle.cos() * expected);
+        println!(
+            "{what}: way {way} ({expected}) turned {turned} drift {drift} lost {} ({})",
+            lab.meters.dissipated,
+            8.0 * friction * G * angle.cos() * expected
+        );
     }
 }
 
@@ -116,7 +120,12 @@ fn a_die_comes_to_rest() {
     let before = lab.energy();
     for k in 0..30 {
         lab.step(1.0 / 500.0, 100);
-        println!("{k} {:?} drift {} lost {}", lab.motions[0].position, lab.energy() + lab.meters.dissipated - before, lab.meters.dissipated);
+        println!(
+            "{k} {:?} drift {} lost {}",
+            lab.motions[0].position,
+            lab.energy() + lab.meters.dissipated - before,
+            lab.meters.dissipated
+        );
     }
 }
 
@@ -152,7 +161,12 @@ fn pile(large: usize) {
         let drift = lab.energy() + lab.meters.dissipated - before;
         let time = start.elapsed().as_secs_f64();
         if (drift - last).abs() > 0.1 || time > 0.1 || step % 60 == 59 {
-            println!("{large} {step} overlap {:.1e} drift {drift} dissipated {} energy {} {time} s", lab.overlap(), lab.meters.dissipated, lab.energy());
+            println!(
+                "{large} {step} overlap {:.1e} drift {drift} dissipated {} energy {} {time} s",
+                lab.overlap(),
+                lab.meters.dissipated,
+                lab.energy()
+            );
         }
         last = drift;
     }
@@ -177,6 +191,10 @@ fn many_discs() {
         lab.step(1.0 / 60.0, 60);
         let time = start.elapsed().as_secs_f64() * 1e3 / 60.0;
         let drift = (lab.energy() + lab.meters.dissipated - before) / before;
-        println!("{second} overlap {:.1e} drift {drift:.2e} lost {:.3} {time} ms a step", lab.overlap(), lab.meters.dissipated / before);
+        println!(
+            "{second} overlap {:.1e} drift {drift:.2e} lost {:.3} {time} ms a step",
+            lab.overlap(),
+            lab.meters.dissipated / before
+        );
     }
 }

@@ -205,6 +205,7 @@ fn sequence(
     }
     for ConstraintStage { name, note, last } in constraints.iter().flat_map(|about| &about.stages) {
         stages.insert(if *last { stages.len() } else { place }, (*name).to_owned());
+        place += usize::from(!last);
         notes.extend(note.iter().map(|note| format!("{name}: {note}")));
     }
     (stages, notes)

@@ -1,4 +1,5 @@
-//! Two systems in one simulation equal two separate simulations; couplings are told of steps and of other new states.
+//! Two systems in one simulation equal two separate simulations, also in substeps; couplings are told of steps and of other new
+//! states.
 
 use std::sync::{Arc, Mutex};
 
@@ -13,8 +14,13 @@ use crate::systems::{Location, matter};
 
 /// Rope of `count` particles that swings about its first one.
 fn rope(count: u32) -> Scene {
+    stiff_rope(count, 50.0)
+}
+
+/// Rope with springs of a stiffness [N/m].
+fn stiff_rope(count: u32, stiffness: f64) -> Scene {
     let at = |index: u32| DVec3::new(0.11 * f64::from(index), 0.0, 0.0);
-    let spring = |index: u32| Spring { ends: [index, index + 1], stiffness: 50.0, damping: 0.1, rest_length: 0.1 };
+    let spring = |index: u32| Spring { ends: [index, index + 1], stiffness, damping: 0.1, rest_length: 0.1 };
     let body = Body {
         positions: (0..count).map(at).collect(),
         velocities: (0..count).map(|index| DVec3::new(0.0, f64::from(index), 0.0)).collect(),
@@ -28,7 +34,11 @@ fn rope(count: u32) -> Scene {
 }
 
 fn system(count: u32) -> Box<dyn System> {
-    let mut system = matter::build(&rope(count), &"VelocityVerlet".into(), "f64", &SERIAL).unwrap();
+    begun(&rope(count))
+}
+
+fn begun(scene: &Scene) -> Box<dyn System> {
+    let mut system = matter::build(scene, &"VelocityVerlet".into(), "f64", &SERIAL).unwrap();
     system.begin(0.0, &SERIAL).unwrap();
     system
 }
@@ -119,10 +129,119 @@ fn the_limit_is_that_of_the_stiffest_system() {
     assert_eq!((both.stability, both.term), (one.stability.min(other.stability), "springs"));
 }
 
+/// A stiff rope beside a soft one. Its limit of stability is √(20000/50) = 20 times smaller.
+fn stiff() -> Several {
+    let part = |name: &str, scene: &Scene| SystemPart { name: name.to_owned(), system: begun(scene) };
+    Several::new(vec![part("", &rope(4)), part("tail", &stiff_rope(4, 20_000.0))], Vec::new())
+}
+
+/// Limit of stability of the soft rope's steps [s].
+fn soft_limit() -> f64 {
+    system(4).limit(Horizon::Certified, 0.0, &SERIAL).unwrap().dt()
+}
+
+/// Divides steps of `h` seconds; returns the numbers of substeps.
+fn divide(systems: &mut Several, h: f64) -> [u64; 2] {
+    let division = systems.divided(h, 0, 0.0, &SERIAL).unwrap();
+    systems.divide(division);
+    [0, 1].map(|index| systems.division().substeps(index))
+}
+
+#[test]
+fn the_stiffer_system_has_the_bits_of_shorter_steps() {
+    let (mut both, h) = (stiff(), 0.5 * soft_limit());
+    let (mut soft, mut tail) = (system(4), begun(&stiff_rope(4, 20_000.0)));
+    let [one, substeps] = divide(&mut both, h);
+    assert_eq!((one, substeps), (1, 10));
+    let interval = Interval { start: 0.3, first: 7, h, steps: 6 };
+    let shorter = Interval { first: 70, h: h / 10.0, steps: 60, ..interval };
+    both.advance(interval, RecordedSteps::EveryStep, &SERIAL).unwrap();
+    soft.advance(interval, RecordedSteps::EveryStep, &SERIAL).unwrap();
+    tail.advance(shorter, RecordedSteps::EveryStep, &SERIAL).unwrap();
+    let numbers = captured(&both).into_arrays().filter(|(name, _)| name != DIVISION).flat_map(|(_, numbers)| numbers);
+    let apart = [&*soft, &*tail].into_iter().flat_map(|system| captured(system).into_arrays().flat_map(|(_, numbers)| numbers));
+    assert_eq!(numbers.collect::<Vec<_>>(), apart.collect::<Vec<_>>());
+    // One activity for each step of the whole, at its end.
+    let ends = tail.activity().chunks_exact(10).map(|substeps| substeps[9]);
+    let sums: Vec<f64> = soft.activity().iter().zip(ends).map(|(one, other)| 0.0 + one + other).collect();
+    assert_eq!(both.activity(), sums);
+    // A long step records its end alone.
+    for system in [&mut both as &mut dyn System, &mut *soft] {
+        system.advance(Interval { first: 13, steps: 1, ..interval }, RecordedSteps::EveryStep, &SERIAL).unwrap();
+    }
+    tail.advance(Interval { first: 130, steps: 10, ..shorter }, RecordedSteps::EveryStep, &SERIAL).unwrap();
+    assert_eq!(both.activity(), [0.0 + soft.activity()[0] + tail.activity()[9]]);
+    assert_eq!(both.cost(), soft.cost() + 10.0 * tail.cost());
+}
+
+#[test]
+fn limits_are_those_of_divided_steps() {
+    let (mut both, h) = (stiff(), 0.5 * soft_limit());
+    let limit = |systems: &Several| systems.limit(Horizon::Certified, 0.0, &SERIAL).unwrap().dt();
+    let whole = limit(&both);
+    assert_eq!(divide(&mut both, whole), [1, 1]);
+    divide(&mut both, h);
+    assert_eq!(limit(&both), (10.0 * whole).min(soft_limit()));
+    assert!(both.stages()[0].notes.iter().all(|note| !note.contains("substeps")));
+    let expected = format!("tail takes 10 equal substeps per step of {h:.3e} s: its own limit is {whole:.3e} s");
+    assert_eq!(both.stages()[1].notes[0], expected);
+    assert_eq!([both.stages()[0].evaluations, both.stages()[1].evaluations], [1, 10]);
+    // A system takes undivided steps up to its limit for the present directions of the springs.
+    let sharp = begun(&stiff_rope(4, 20_000.0)).limit(Horizon::Sharp, 0.0, &SERIAL).unwrap().dt();
+    assert!(sharp > 1.05 * whole);
+    assert_eq!([divide(&mut both, sharp), divide(&mut both, 1.001 * sharp)], [[1, 1], [1, 2]]);
+}
+
+#[test]
+fn a_division_is_rolled_back_captured_and_found_anew_after_a_write() {
+    let (mut first, mut second, h) = (stiff(), stiff(), 0.5 * soft_limit());
+    divide(&mut first, h);
+    let interval = Interval { start: 0.0, first: 0, h, steps: 4 };
+    first.advance(interval, RecordedSteps::EveryStep, &SERIAL).unwrap();
+    let after = captured(&first);
+    first.rollback();
+    first.advance(interval, RecordedSteps::LastStep, &SERIAL).unwrap();
+    assert_eq!(captured(&first), after);
+    second.restore(&mut after.clone()).unwrap();
+    assert_eq!(second.division(), first.division());
+    for systems in [&mut first, &mut second] {
+        systems.advance(Interval { first: 4, ..interval }, RecordedSteps::LastStep, &SERIAL).unwrap();
+    }
+    assert_eq!(captured(&first), captured(&second));
+    // Springs of a third of their rest length are stiffer across their direction than along it.
+    let short: Vec<f64> = (0..4).flat_map(|index| [0.033 * f64::from(index), 0.0]).collect();
+    first.write(&[("tail.positions", &short)], 0.0, &SERIAL).unwrap();
+    assert!(first.division().limits[1] < 0.9 * second.division().limits[1]);
+    assert_eq!(first.division().limits[0], f64::INFINITY);
+    second.restore(&mut captured(&stiff())).unwrap();
+    assert_eq!(second.division().substeps(1), 1);
+}
+
+#[test]
+fn a_limit_that_has_fallen_is_followed_at_once_and_one_that_has_risen_from_its_double_on() {
+    let (mut both, h) = (stiff(), 0.5 * soft_limit());
+    divide(&mut both, h);
+    let found = both.division().limits[1];
+    for (earlier, expected) in [(1.1 * found, found), (0.6 * found, 0.6 * found), (0.5 * found, found)] {
+        both.divide(Division { limits: vec![f64::INFINITY, earlier], ..both.division().clone() });
+        let further = both.divided_further(5, 0.0, &SERIAL).unwrap();
+        assert_eq!((further.limits, further.until), (vec![f64::INFINITY, expected], 6));
+    }
+    // The limits of springs vary; they are found again the later, the larger they are.
+    for (steps, until) in [(1.0, 2), (2.5, 5), (100.0, 8)] {
+        divide(&mut both, found / steps);
+        assert_eq!(both.division().until, until);
+    }
+}
+
 /// Coupling that notes its calls: the system that has advanced, or None for another new state.
 struct Noted(Arc<Mutex<Vec<Option<usize>>>>);
 
 impl Coupling for Noted {
+    fn systems(&self) -> [usize; 2] {
+        [0, 1]
+    }
+
     fn update(&self, _systems: &mut [SystemPart]) {
         self.0.lock().unwrap().push(None);
     }
@@ -146,4 +265,11 @@ fn a_coupling_follows_each_system_and_learns_of_every_other_new_state() {
     both.restore(&mut archive).unwrap();
     both.write(&[("velocities", &[0.0; 8])], 0.1, &SERIAL).unwrap();
     assert_eq!(noted(), [None; 3]);
+}
+
+#[test]
+fn coupled_systems_take_the_same_steps() {
+    let mut both = Several { couplings: vec![Box::new(Noted(Arc::default()))], ..stiff() };
+    assert_eq!(divide(&mut both, 0.5 * soft_limit()), [1, 1]);
+    assert_eq!(both.division().until, u64::MAX);
 }

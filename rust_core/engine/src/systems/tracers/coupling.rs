@@ -36,6 +36,10 @@ impl<T: Real> VortexCoupling<T> {
 }
 
 impl<T: Real> Coupling for VortexCoupling<T> {
+    fn systems(&self) -> [usize; 2] {
+        [self.vortices, self.tracers]
+    }
+
     fn update(&self, systems: &mut [SystemPart]) {
         if let Some((points, _, induced)) = self.pair(systems) {
             induced.present.copy_from(points);

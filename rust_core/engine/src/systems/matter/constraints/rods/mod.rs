@@ -86,7 +86,7 @@ impl Rods {
             *vector = step.matter.exact_position(particle as usize);
         }
         let length = |_: usize, rod: &Rod, _: DVec3, ends: [DVec3; 2]| rod.excess(ends, epsilon);
-        self.network.project(length).map_err(|unsolved| self.located(unsolved))?;
+        self.network.project(length, step.executor).map_err(|unsolved| self.located(unsolved))?;
         for ((&vector, &change), &particle) in self.network.vectors.iter().zip(&self.network.changes).zip(&self.particles) {
             // From the change: the rounding of positions would be divided by h.
             step.pull(particle as usize, change);
@@ -121,20 +121,24 @@ impl Rods {
             }
             _ => Ok(false),
         };
-        if touches.map_err(|unsolved| self.located(unsolved))? { Ok(()) } else { self.hold_velocities(step.matter) }
+        if touches.map_err(|unsolved| self.located(unsolved))? {
+            Ok(())
+        } else {
+            self.hold_velocities(step.matter, step.executor)
+        }
     }
 
     /// Removes velocities along rods from a state. A is factorized at its positions.
     ///
     /// # Errors
     /// If the iterations do not converge.
-    fn hold_velocities<V: Vector>(&mut self, matter: &mut Matter<V>) -> std::result::Result<(), Unsolved> {
+    fn hold_velocities<V: Vector>(&mut self, matter: &mut Matter<V>, executor: &Executor) -> std::result::Result<(), Unsolved> {
         let epsilon = V::Scalar::EPSILON.to_f64();
         for (vector, &particle) in self.network.vectors.iter_mut().zip(&self.particles) {
             *vector = matter.velocity.get(particle as usize).widen();
         }
         let along = |_: usize, _: &Rod, direction: DVec3, ends: [DVec3; 2]| network::along(direction, ends, epsilon);
-        self.network.project(along).map_err(|unsolved| self.located(unsolved))?;
+        self.network.project(along, executor).map_err(|unsolved| self.located(unsolved))?;
         for (&vector, &particle) in self.network.vectors.iter().zip(&self.particles) {
             matter.velocity.set(particle as usize, V::narrow(vector));
         }
@@ -179,7 +183,7 @@ impl Rods {
             }
         }
         // If the iterations stop above rounding, the multipliers are those of the last one.
-        let _ = self.network.project(along);
+        let _ = self.network.project(along, &SERIAL);
         self.network.multipliers
     }
 
@@ -266,7 +270,7 @@ impl<V: Space> Constraint<V> for Rods {
         self.hold_positions(step).map_err(unsolved)?;
         let before = self.kinetic(step.matter);
         self.turn_to(step.matter, step.executor);
-        self.hold_velocities(step.matter).map_err(unsolved)?;
+        self.hold_velocities(step.matter, step.executor).map_err(unsolved)?;
         let removed = before - self.kinetic(step.matter);
         if removed > 1e-9 * before {
             self.removed += removed;

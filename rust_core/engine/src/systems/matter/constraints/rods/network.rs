@@ -119,15 +119,23 @@ impl Network {
     }
 
     /// Adds impulses along the directions until the residual of every rod vanishes. The function `residual` returns the
-    /// residual of a rod and its rounding error, from the rod's index, its direction, and the vectors at its ends.
+    /// residual of a rod and its rounding error, from the rod's index, its direction, and the vectors at its ends. Ends early on an
+    /// interrupt.
     ///
     /// # Errors
     /// If the iterations do not converge; the particle is an index of the network.
-    pub fn project(&mut self, residual: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64)) -> Result<(), Unsolved> {
+    pub fn project(
+        &mut self,
+        residual: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64),
+        executor: &Executor,
+    ) -> Result<(), Unsolved> {
         self.multipliers.fill(0.0);
         self.changes.fill(DVec3::ZERO);
         let (mut before, mut worst) = (f64::INFINITY, (0, 0.0));
         for iteration in 0..MOST_ITERATIONS {
+            if executor.stopped() {
+                return Ok(());
+            }
             worst = (0, 0.0);
             for (index, rod) in self.links.iter().enumerate() {
                 let ends = rod.ends.map(|end| self.vectors[end as usize]);

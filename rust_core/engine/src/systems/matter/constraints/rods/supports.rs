@@ -301,11 +301,12 @@ impl Supports {
                 network.directions[contact.row] = contact.normal;
             }
             network.factorize(shift, executor);
-            outcome = network.project(|index, link, direction, ends| match contacts.get(places[index]) {
+            let residual = |index: usize, link: &Rod, direction, ends: [DVec3; 2]| match contacts.get(places[index]) {
                 Some(contact) if contact.active => row(contact, ends[1]),
                 _ if index < *rods => rod(index, link, direction, ends),
                 _ => (0.0, 1.0),
-            });
+            };
+            outcome = network.project(residual, executor);
             let mut settled = true;
             for contact in contacts.iter_mut() {
                 let pulls = contact.active && network.multipliers[contact.row] > 0.0 && round < MOST_ROUNDS / 2;

@@ -1,0 +1,53 @@
+//! Unions of convex parts.
+
+use super::tree::Tree;
+use super::{Bounds, Part};
+use crate::pose::Pose;
+
+/// Number of parts from which on a tree finds those near a place.
+const MANY: usize = 8;
+
+/// Convex parts of a shape, at least one.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Parts {
+    pub all: Vec<Part>,
+    /// Boxes of the parts in the frame of the body, and a tree of them; empty if there are few parts.
+    boxes: Vec<Bounds>,
+    tree: Tree,
+}
+
+impl Parts {
+    pub fn new(all: Vec<Part>) -> Self {
+        let boxes: Vec<Bounds> =
+            if all.len() < MANY { Vec::new() } else { all.iter().map(|part| part.bounds(&Pose::WORLD)).collect() };
+        let tree = Tree::new(&boxes);
+        Self { all, boxes, tree }
+    }
+
+    /// The part, if there is one alone.
+    #[inline]
+    pub fn single(&self) -> Option<&Part> {
+        if let [part] = &self.all[..] { Some(part) } else { None }
+    }
+
+    /// Calls `visit` with the parts whose boxes overlap another, in the frame of the body.
+    pub fn near(&self, bounds: &Bounds, visit: &mut dyn FnMut(&Part)) {
+        if self.boxes.is_empty() {
+            self.all.iter().for_each(visit);
+            return;
+        }
+        self.tree.near(bounds, |index| {
+            if self.boxes[index].overlaps(bounds) {
+                visit(&self.all[index]);
+            }
+        });
+    }
+
+    /// Box around the parts at a pose: around their own, or around that of their union if they are many.
+    pub fn bounds(&self, pose: &Pose) -> Bounds {
+        match self.tree.bounds() {
+            Some(bounds) => bounds.moved(pose),
+            None => self.all.iter().map(|part| part.bounds(pose)).fold(Bounds::NOWHERE, Bounds::union),
+        }
+    }
+}
