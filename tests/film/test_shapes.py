@@ -89,6 +89,22 @@ def test_a_compound_is_drawn_about_its_center_of_mass() -> None:
     assert math.atan2(side[1], side[0]) == pytest.approx(0.3)
 
 
+def test_a_polygon_that_is_not_convex_is_cut_at_its_ears() -> None:
+    """A star and a comb: the parts are convex, have the area of the polygon together and its sides as their outline."""
+    turn = 0.2 * math.pi * np.arange(10)
+    star = np.where(np.arange(10) % 2, 0.15, 0.4)[:, np.newaxis] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    teeth = [(0.1 * k, 0.3 if k % 2 else 0.1) for k in range(8, -1, -1)]
+    for polygon in (star, np.array([(0.0, 0.0), (0.8, 0.0), *teeth])):
+        parts = planar.convex_parts(polygon)
+        after = np.roll(polygon, -1, axis=0)
+        whole = 0.5 * float((polygon[:, 0] * after[:, 1] - polygon[:, 1] * after[:, 0]).sum())
+        face = planar.face_of([planar.Core(part, 0.0) for part in parts], SCALE)
+        assert area(face.points, face.triangles) == pytest.approx(whole, rel=1e-12)
+        assert all(area(part, np.array([[0, k, k + 1]])) > 0.0 for part in parts for k in range(1, len(part) - 1))
+        ways = face.points[face.rim[:, 1]] - face.points[face.rim[:, 0]]
+        assert float(np.hypot(*ways.T).sum()) == pytest.approx(float(np.hypot(*(after - polygon).T).sum()), rel=1e-6)
+
+
 def test_parts_of_segments_beyond_a_square_are_left() -> None:
     """A line through a unit square loses the part within; one beside it is whole; one within is gone."""
     square = planar.SQUARE / 2.0

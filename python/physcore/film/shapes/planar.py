@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from physcore.checks import FloatArray, IntArray
+from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.film.shapes.parts import parts_of
 from physcore.scene.polytopes import Polygon
 from physcore.scene.solids import Capsule, Disc, Rectangle, Shape
@@ -40,7 +40,7 @@ class Core:
         if count == 1:
             turns = np.arange(4 * quarter) * (0.5 * np.pi / quarter)
             return self.vertices + self.radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-        sides = np.roll(self.vertices, -1, axis=0) - self.vertices
+        sides = _sides(self.vertices)
         headings = np.arctan2(sides[:, 1], sides[:, 0]) - 0.5 * np.pi
         arcs = []
         for vertex, before, after in zip(self.vertices, np.roll(headings, 1), headings, strict=True):
@@ -50,13 +50,13 @@ class Core:
         return np.concatenate(arcs)
 
 
-CORES: dict[type[Shape], Callable[[Any], Core]] = {
-    Disc: lambda disc: Core(np.zeros((1, 2)), disc.radius),
-    Rectangle: lambda box: Core(0.5 * np.array([box.width, box.height]) * SQUARE, 0.0),
-    Capsule: lambda capsule: Core(0.5 * capsule.length * np.array([[-1.0, 0.0], [1.0, 0.0]]), capsule.radius),
-    Polygon: lambda polygon: Core(counterclockwise(polygon.vertices), 0.0),
+CORES: dict[type[Shape], Callable[[Any], list[Core]]] = {
+    Disc: lambda disc: [Core(np.zeros((1, 2)), disc.radius)],
+    Rectangle: lambda box: [Core(0.5 * np.array([box.width, box.height]) * SQUARE, 0.0)],
+    Capsule: lambda capsule: [Core(0.5 * capsule.length * np.array([[-1.0, 0.0], [1.0, 0.0]]), capsule.radius)],
+    Polygon: lambda polygon: [Core(part, 0.0) for part in convex_parts(counterclockwise(polygon.vertices))],
 }
-"""Convex core of each class of shapes in 2D, in its own coordinates."""
+"""Convex cores of each class of shapes in 2D, in its own coordinates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +77,7 @@ def cores_of(shape: Shape) -> list[Core]:
     """The convex cores of a shape, about its center of mass."""
     cores = []
     for part in parts_of(shape, 2):
-        core = CORES[type(part.shape)](part.shape)
-        cores.append(Core(part.placed(core.vertices), core.radius))
+        cores += [Core(part.placed(core.vertices), core.radius) for core in CORES[type(part.shape)](part.shape)]
     return cores
 
 
@@ -129,7 +128,7 @@ def outer_parts(segments: FloatArray, polygons: Sequence[FloatArray]) -> FloatAr
     for polygon in polygons:
         start, way = segments[:, 0], segments[:, 1] - segments[:, 0]
         shifted = start + OUTSIDE * float(np.ptp(polygon, axis=0).max()) * _outward(way)
-        normals = _outward(np.roll(polygon, -1, axis=0) - polygon)
+        normals = _outward(_sides(polygon))
         heights, rates = shifted @ normals.T - (polygon * normals).sum(axis=1), way @ normals.T
         with np.errstate(divide="ignore", invalid="ignore"):
             crossing = -heights / rates
@@ -170,6 +169,33 @@ def counterclockwise(points: FloatArray) -> FloatArray:
     after = np.roll(points, -1, axis=0)
     area = float((points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]).sum())
     return points if area > 0.0 else points[::-1]
+
+
+def convex_parts(polygon: FloatArray) -> list[FloatArray]:
+    """A simple polygon (K, 2), counterclockwise, as convex parts: itself, or triangles cut off at its ears."""
+    left, parts = polygon, list[FloatArray]()
+    while True:
+        before, after = left - np.roll(left, 1, axis=0), np.roll(left, -1, axis=0) - left
+        turns = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        if len(left) == 3 or (turns >= 0.0).all():
+            return [*parts, left]
+        ears = (k for k in np.flatnonzero(turns > 0.0).tolist() if _is_ear(left, k))
+        ear = next(ears, int(np.argmax(turns)))  # by rounding there may be none
+        parts.append(left[[ear - 1, ear, (ear + 1) % len(left)]])
+        left = np.delete(left, ear, axis=0)
+
+
+def _is_ear(polygon: FloatArray, corner: int) -> bool:
+    """Whether no other corner of a polygon is in the triangle of a corner and its neighbors."""
+    triangle = polygon[[corner - 1, corner, (corner + 1) % len(polygon)]]
+    heights = [(polygon - start) @ normal for start, normal in zip(triangle, -_outward(_sides(triangle)), strict=True)]
+    others: BoolArray = ~(polygon[:, np.newaxis] == triangle).all(axis=2).any(axis=1)
+    return not (np.min(heights, axis=0) >= 0.0)[others].any()
+
+
+def _sides(polygon: FloatArray) -> FloatArray:
+    """The vectors from each corner of a polygon to the next one (K, 2)."""
+    return np.roll(polygon, -1, axis=0) - polygon
 
 
 def _heading(cores: Sequence[Core]) -> FloatArray:
