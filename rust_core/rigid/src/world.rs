@@ -150,13 +150,13 @@ pub struct ContactSolver {
     pub substeps: usize,
     /// Iterations of each of its solves.
     pub iterations: usize,
-    /// Number of bodies of a large group.
-    pub large: usize,
+    /// Number of bodies of the largest group whose impacts are taken at their times.
+    pub sequential: usize,
 }
 
 impl Default for ContactSolver {
     fn default() -> Self {
-        Self { substeps: 4, iterations: 2, large: 33 }
+        Self { substeps: 4, iterations: 2, sequential: 32 }
     }
 }
 
@@ -319,7 +319,7 @@ impl RigidWorld {
                 let sized = |mover: &&Mover| !mover.is_fixed() && mover.inertia != Inertia::NONE;
                 let accuracy = Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
                 let sweep = (solver.substeps, accuracy);
-                if island.movers.iter().filter(sized).count() < solver.large {
+                if island.movers.iter().filter(sized).count() <= solver.sequential {
                     island.advance(shapes, h, sweep);
                 } else {
                     island.sweep(shapes, h, sweep);
