@@ -162,7 +162,7 @@ class Composition:
     def _inset(self, layout: Layout, index: int) -> float:
         """Distance of the motion from a panel's edge [pixels]."""
         pixels = layout.pixels(index)
-        return layout.margin(index) + max(painter.inset(pixels) for painter in self._painters[index])
+        return layout.margin(index) + max((painter.inset(pixels) for painter in self._painters[index]), default=0.0)
 
     def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
         """Divide the picture into panels and fit the common camera."""
