@@ -56,6 +56,8 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
 def shown(source: Source, styles: Sequence[Style]) -> Source:
     """A source as it is drawn: in 3D if one of the styles draws plane objects as a relief."""
     raises = any(each.raises and any(each.draws(item) for item in _items(source)) for each in styles)
+    if raises and source.scene.has_rigid_bodies:
+        raise SceneError("style: a Relief shows a scene of 2D in 3D, where its rigid bodies have no shape; use Field()")
     return Raised(source) if raises else source
 
 

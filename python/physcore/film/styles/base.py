@@ -212,6 +212,8 @@ class Painter(ABC):
     """Value at the upper end of the color scale. Panels with equal styles and quantities share it."""
     low: float = 0.0
     """Value at the lower end of the color scale, likewise."""
+    domain: Periodic | None = None
+    """The periodic domain as it is shown in the frame to be painted; None without one."""
     parts: Sequence[Part] = ()
     """The bodies that the painter draws."""
     fixed: FloatArray | None = None
@@ -266,6 +268,16 @@ class Painter(ABC):
     def landmarks(self) -> FloatArray | None:
         """Points (P, D) [m] that belong in the picture, if the drawn object is at rest; otherwise None."""
         return None
+
+    @property
+    def scenery(self) -> list[tuple[FloatArray, float]]:
+        """Points (P, D) [m] of bodies at rest, each with a margin [m], which belong in the picture if they are near."""
+        return []
+
+    @property
+    def reach(self) -> float:
+        """Extent of rigid bodies beyond their centers [m]."""
+        return 0.0
 
     def places(self, frame: SourceFrame) -> FloatArray | None:
         """Points (P, D) [m] of a frame that belong in the picture, in addition to the particles."""

@@ -42,6 +42,8 @@ LONGEST = 0.15
 """Length of the longest arrow of a force, relative to the square root of a panel's area."""
 LEAST = 0.03
 """Arrows shorter than this fraction of the longest are not drawn."""
+CLEAR = 199
+"""Opacity of arrows, which cast no shadows."""
 APART = 5e-3
 """Distance of the anchors of a broken joint, relative to the distance of the bodies from them."""
 NEVER = 1e-300
@@ -127,7 +129,7 @@ class JointMarks:
         """Queue what is behind the bodies in 2D: rails, and arms from anchors to the centers of bodies."""
         if not len(self):
             return
-        theme, radius, intact = self._theme, _radius(pixels), self._intact(frame)
+        theme, radius, intact = self._theme, pin_radius(pixels), self._intact(frame)
         self._paint_rails(canvas, frame, view, radius, intact)
         arm = mixed(theme.edge, theme.background, 0.25)
         for end in self._ends:
@@ -138,7 +140,7 @@ class JointMarks:
         """Queue bars, springs, pins and arrows."""
         if not len(self):
             return
-        theme, radius, intact = self._theme, _radius(pixels), self._intact(frame)
+        theme, radius, intact = self._theme, pin_radius(pixels), self._intact(frame)
         one, other = (end.at(frame) for end in self._ends)
         bars, coils = intact & (self._kinds == "bar"), intact & (self._kinds == "coil")
         self._lines(canvas, view, one[bars], other[bars], mixed(theme.edge, theme.text, 0.35), 1.3 * radius)
@@ -174,8 +176,10 @@ class JointMarks:
         """Queue the axles of hinges in 3D, which reach through their bodies."""
         axles = intact & (self._kinds == "axle")
         middle, axis = self._ends[0].at(frame)[axles], self._axes.at(frame)[axles]
-        half = (self._axes.reach[axles] + 2.0 * radius / view.scale)[:, np.newaxis] * axis
+        half = (self._axes.reach[axles] + radius / view.scale)[:, np.newaxis] * axis
+        ends = np.concatenate([middle - half, middle + half])
         self._lines(canvas, view, middle - half, middle + half, self._theme.text, 1.8 * radius)
+        self._paint_pins(canvas, view, ends, np.full(len(ends), radius))
 
     def _paint_coils(self, canvas: Canvas, view: View, one: FloatArray, other: FloatArray, radius: float) -> None:
         """Queue springs as zigzag lines in the plane of the picture."""
@@ -221,7 +225,11 @@ class JointMarks:
         (tails, depth, _), (tips, there, _) = view.project(start), view.project(start + way)
         corners = heads(tails, tips, np.float32(0.5 * longest))
         ink = _ink(self._theme.stretched, len(tails))
+        ink[:, 3] = CLEAR
         widths = np.full(len(tails), max(0.028 * longest, 1.4), dtype=np.float32)
+        if depth is not None and there is not None:  # in front of the bodies that they act on
+            near = (2.0 * (self._ends[0].size + self._ends[1].size)[shown]).astype(np.float32)
+            depth, there = depth - near, there - near
         both = None if depth is None or there is None else np.stack([depth, there], axis=1)
         canvas.lines(np.concatenate([tails, corners[:, 1:].mean(axis=1)], axis=1), widths, ink, both)
         three = np.tile(ink, 3)
@@ -240,7 +248,7 @@ class JointMarks:
             canvas.lines(*divided(lines, widths, ink, near, far - near))
 
 
-def _radius(pixels: float) -> float:
+def pin_radius(pixels: float) -> float:
     """The radius of a pin in a panel of so many pixels [pixels]."""
     share, least, most = PIN
     return min(max(share * math.sqrt(pixels), least), most)

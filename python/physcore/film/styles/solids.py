@@ -5,26 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, cast
+from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physcore._core import Canvas, norms
-from physcore.checks import FloatArray, flag, is_word
+from physcore.checks import BoolArray, FloatArray, IntArray, flag, is_word
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import ColormapName, look_up, sequential, varied
-from physcore.film.colors.themes import Color, Theme
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale
 from physcore.film.styles.coloring import Coloring, checked
-from physcore.film.styles.joints import JointMarks
+from physcore.film.styles.joints import JointMarks, pin_radius
 from physcore.film.styles.solids_planar import PlanarSolids
 from physcore.film.styles.solids_spatial import SpatialSolids
 from physcore.film.styles.typical import Typical
-from physcore.scene.bodies import Body
-from physcore.scene.items import System
+from physcore.scene.periodic import Periodic
 from physcore.scene.rigid import RigidBodies
+from physcore.scene.solids import Shape
 from physcore.simulation.sources import Source, SourceFrame
 
 WORDS = ("body", "speed", "index")
@@ -86,49 +87,69 @@ class Solids(BodyStyle):
         return SolidsPainter(self, source, parts, theme)
 
 
+@dataclass(frozen=True, eq=False)
+class Group:
+    """All bodies of one shape, which are drawn at once."""
+
+    solids: PlanarSolids | SpatialSolids
+    index: IntArray
+    """Indices among the bodies that the painter draws, shape (M,)."""
+
+
 class SolidsPainter(Painter):
     """Painter of rigid bodies."""
 
     def __init__(self, style: Solids, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme, self.parts = style, style, theme, parts
-        kind = PlanarSolids if source.scene.dimension == 2 else SpatialSolids
-        self._turns = "angles" if source.scene.dimension == 2 else "orientations"
-        self._solids = [kind(cast("RigidBodies", part.body).shape, theme, marks=style.marks) for part in parts]
+        self._flat = source.scene.dimension == 2
+        self._turns = "angles" if self._flat else "orientations"
+        bodies = [cast("RigidBodies", part.body) for part in parts]
         self._joints = JointMarks(source, parts if style.joints else (), theme, style.forces)
-        counts = [len(part.body) for part in parts]
-        self._ends = np.cumsum([0, *counts]).tolist()
+        self._rows = _joined([np.arange(part.where.start, part.where.stop) for part in parts])
+        self._moving = _joined([_moving(body) for body in bodies])
+        self._groups, self._own = self._grouped(bodies)
         self._table = sequential(style.colormap, theme.part, "Solids.colormap")
         self._coloring: Coloring | None = None
+        self._plain = np.zeros(len(self._rows), dtype=np.bool_)
         if is_word(style.color, "index"):
-            self._shades = look_up(self._table, (np.arange(sum(counts)) + 0.5) / max(sum(counts), 1))
+            self._shades = look_up(self._table, (np.arange(len(self._rows)) + 0.5) / max(len(self._rows), 1))
         elif not is_word(style.color, "speed"):
-            chosen = cast("Chosen | str", style.color)
-            self._coloring = Coloring(chosen, self._table, "Solids.color", source, parts, theme)
-            self.fixed = self._coloring.fixed
-            if self.fixed is not None:
-                self._shades = self._own(source, counts)
+            self._coloring = Coloring(
+                cast("Chosen | str", style.color), self._table, "Solids.color", source, parts, theme
+            )
+            if self._coloring.fixed is not None:
+                self._choose(self._coloring.fixed.copy(), bodies)
         self.low, self.top = 0.0, style.top or 0.0
         if self._coloring is not None:
             self.low, self.top = self._coloring.low, self._coloring.top
         self._typical = Typical()
 
-    def _own(self, source: Source, counts: Sequence[int]) -> FloatArray:
-        """The constant colors of all bodies (N, 3): shades of the color of an item, and that of boundaries."""
-        assert self.fixed is not None
-        index = np.concatenate([np.arange(count) for count in counts]) if counts else np.empty(0)
-        shade = 2.0 * ((0.5 + GOLDEN * index) % 1.0) - 1.0
-        plain = is_word(self._style.color, "body")
-        colors = varied(self.fixed, shade) if plain or not isinstance(self._style.color, PerParticle) else self.fixed
-        if plain:
-            held = np.concatenate([part.body.fixed for part in self.parts]) if counts else np.empty(0, dtype=bool)
-            flat = source.scene.dimension == 2
-            colors[held] = self._theme.surface if flat else self._theme.solid
-        return colors
+    def _grouped(self, bodies: Sequence[RigidBodies]) -> tuple[list[Group], list[PlanarSolids | SpatialSolids]]:
+        """The bodies by shape, and the solids of each item."""
+        solids: dict[Shape, PlanarSolids | SpatialSolids] = {}
+        members: dict[Shape, list[IntArray]] = {}
+        first = 0
+        for body in bodies:
+            kind = PlanarSolids if self._flat else SpatialSolids
+            if body.shape not in solids:
+                solids[body.shape] = kind(body.shape, self._theme, marks=self._style.marks)
+            members.setdefault(body.shape, []).append(np.arange(first, first + len(body)))
+            first += len(body)
+        groups = [Group(each, np.concatenate(members[shape])) for shape, each in solids.items()]
+        return groups, [solids[body.shape] for body in bodies]
 
-    @property
-    def legend(self) -> list[tuple[Body | System, Color]]:
-        """The items that are drawn in shades of one color, each with this color."""
-        return super().legend
+    def _choose(self, colors: FloatArray, bodies: Sequence[RigidBodies]) -> None:
+        """Set the constant colors: shades of that of an item; those of boundaries for fixed bodies without a choice."""
+        choice = self._style.color
+        if is_word(choice, "body") or isinstance(choice, PerBody):
+            chosen = [isinstance(choice, PerBody) and choice.of(body) is not None for body in bodies]
+            fixed = [body.fixed & ~own for body, own in zip(bodies, chosen, strict=True)]
+            self._plain = _joined(fixed).astype(np.bool_)
+        self.fixed = colors.copy()
+        self.fixed[self._plain] = self._theme.edge if self._flat else self._theme.solid  # visible in a legend
+        colors[self._plain] = self._theme.surface if self._flat else self._theme.solid
+        shade = 2.0 * ((0.5 + GOLDEN * _joined([np.arange(len(body)) for body in bodies])) % 1.0) - 1.0
+        self._shades = colors if isinstance(choice, PerParticle) else varied(colors, np.where(self._plain, 0.0, shade))
 
     @property
     def settled(self) -> bool:
@@ -148,44 +169,63 @@ class SolidsPainter(Painter):
         return Scale("speed", "m/s", (0.0, self.top), self._table) if speed else None
 
     def observe(self, frame: SourceFrame) -> None:
-        """Update the ends of the color scale by a frame."""
+        """Update the joints and the ends of the color scale by a frame."""
         self._joints.observe(frame)
-        if self._coloring is None:
-            if not is_word(self._style.color, "speed") or self._style.top is not None:
-                return
-            self.top = self._typical.add(self._speeds(frame))
-        else:
+        if self._coloring is not None:
             self._coloring.observe(frame)
             self.low, self.top = self._coloring.low, self._coloring.top
+        elif is_word(self._style.color, "speed") and self._style.top is None:
+            self.top = self._typical.add(self._speeds(frame))
 
     def inset(self, pixels: float) -> float:
-        """Half the width of a rim."""
-        del pixels
-        return 1.5
+        """Half the width of a rim, or the radius of a pin."""
+        return 1.5 if len(self._joints) == 0 else 1.5 + pin_radius(pixels)
 
     def places(self, frame: SourceFrame) -> FloatArray | None:
-        """The corners of all bodies, points around round ones, and the anchors of joints."""
-        found = [
-            solids.extremes(self._at("rigid_positions", frame, part), self._at(self._turns, frame, part))
-            for part, solids in zip(self.parts, self._solids, strict=True)
-        ]
-        return np.concatenate([*found, self._joints.places(frame)]) if found else None
+        """The corners of all moving bodies, points around round ones, and the anchors of joints."""
+        positions, turns = self._at("rigid_positions", frame), self._at(self._turns, frame)
+        found = [self._joints.places(frame)]
+        for group in self._groups:
+            moving = group.index[self._moving[group.index]]
+            found.append(group.solids.extremes(positions[moving], turns[moving]))
+        return np.concatenate(found)
+
+    @property
+    def scenery(self) -> list[tuple[FloatArray, float]]:
+        """The corners of bodies at rest."""
+        found = []
+        for part, solids in zip(self.parts, self._own, strict=True):
+            body = cast("RigidBodies", part.body)
+            held, turns = ~_moving(body), body.angles if body.angles is not None else body.orientations
+            if held.any() and turns is not None:
+                found.append((solids.extremes(body.positions[held], turns[held]), 0.0))
+        return found
+
+    @property
+    def reach(self) -> float:
+        """The largest distance of a point of a moving body from its center [m]."""
+        reaches = (group.solids.reach for group in self._groups if self._moving[group.index].any())
+        return max(reaches, default=0.0)
 
     def spread(self, part: Part, frame: SourceFrame) -> tuple[FloatArray, FloatArray]:
         """The positions of the bodies, with the reach of their shape."""
-        reach = next(solids.reach for solids, own in zip(self._solids, self.parts, strict=True) if own is part)
-        return self._at("rigid_positions", frame, part), np.full(len(part.body), reach)
+        reach = next(each.reach for each, own in zip(self._own, self.parts, strict=True) if own is part)
+        return frame.fields["rigid_positions"][part.where], np.full(len(part.body), reach)
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Queue the bodies and their joints."""
-        colors = self._colors(frame)
+        colors, positions, turns = self._colors(frame), self._at("rigid_positions", frame), self._at(self._turns, frame)
+        seen: BoolArray = np.isfinite(positions).all(axis=1)
         self._joints.paint_behind(canvas, frame, view, pixels)
-        for index, (part, solids) in enumerate(zip(self.parts, self._solids, strict=True)):
-            own = colors[self._ends[index] : self._ends[index + 1]]
-            positions, turns = self._at("rigid_positions", frame, part), self._at(self._turns, frame, part)
-            whole = np.isfinite(positions).all(axis=1)
-            if whole.any():
-                solids.paint(canvas, view, positions[whole], turns[whole], own[whole])
+        for plain in (True, False):
+            for group in self._groups:
+                index = group.index[seen[group.index] & (self._plain[group.index] == plain)]
+                places = positions[index]
+                if self.domain is not None:  # bodies across a face of the domain are seen on both sides
+                    places, origins = images(self.domain, places, group.solids.reach)
+                    index = index[origins]
+                if len(index):
+                    group.solids.paint(canvas, view, places, turns[index], colors[index], plain=plain)
         self._joints.paint(canvas, frame, view, pixels)
 
     def _colors(self, frame: SourceFrame) -> FloatArray:
@@ -198,10 +238,37 @@ class SolidsPainter(Painter):
 
     def _speeds(self, frame: SourceFrame) -> FloatArray:
         """The speeds of all bodies (N,) [m/s]."""
-        return norms(np.concatenate([self._at("rigid_velocities", frame, part) for part in self.parts]))
+        return norms(self._at("rigid_velocities", frame))
 
-    @staticmethod
-    def _at(name: str, frame: SourceFrame, part: Part) -> FloatArray:
-        """The values of a field for the bodies of an item."""
-        values: FloatArray = frame.fields[name][part.where]
+    def _at(self, name: str, frame: SourceFrame) -> FloatArray:
+        """The values of a field for all bodies (N, …)."""
+        values: FloatArray = frame.fields[name][self._rows]
         return values
+
+
+def _joined(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Arrays joined; an empty array of integers if there are none."""
+    return np.concatenate([np.empty(0, dtype=np.int64), *arrays]) if len(arrays) == 0 else np.concatenate(arrays)
+
+
+def _moving(body: RigidBodies) -> BoolArray:
+    """Whether each of some rigid bodies can move (N,)."""
+    spins = body.angular_velocities.reshape(len(body), -1)
+    moving: BoolArray = ~body.fixed | (body.velocities != 0.0).any(axis=1) | (spins != 0.0).any(axis=1)
+    return moving
+
+
+def images(domain: Periodic, positions: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
+    """Points (N, D) followed by the periodic images of those within `reach` of a face, beyond the opposite face [m].
+
+    Returns:
+        The points (M, D), and the index of the original of each (M,).
+    """
+    points, origins = positions, np.arange(len(positions))
+    for axis, length in enumerate(domain.lengths.tolist()):
+        if math.isfinite(length):
+            low, high = points[:, axis] < domain.lower[axis] + reach, points[:, axis] > domain.upper[axis] - reach
+            beyond = np.concatenate([points[low], points[high]])
+            beyond[:, axis] += np.repeat([length, -length], [low.sum(), high.sum()])
+            points, origins = np.concatenate([points, beyond]), np.concatenate([origins, origins[low], origins[high]])
+    return points, origins

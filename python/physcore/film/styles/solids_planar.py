@@ -40,30 +40,44 @@ class PlanarSolids:
             points.append((centers[:, np.newaxis] + around).reshape(-1, 2) if core.radius else centers)
         return np.concatenate(points)
 
-    def paint(self, canvas: Canvas, view: View, positions: FloatArray, turns: FloatArray, colors: FloatArray) -> None:
-        """Queue the bodies at positions (N, 2) with angles (N,), in colors (N, 3)."""
+    def paint(
+        self,
+        canvas: Canvas,
+        view: View,
+        positions: FloatArray,
+        turns: FloatArray,
+        colors: FloatArray,
+        *,
+        plain: bool = False,
+    ) -> None:
+        """Queue the bodies at positions (N, 2) with angles (N,), in colors (N, 3); plain ones look like boundaries."""
         theme, reach = self._theme, self.reach * view.scale
         share, least, most = RIM
         width = min(max(share * reach, least), most)
-        fill = mixed_with(colors, theme.background, FILL)
-        rim, mark = mixed_with(colors, theme.text, EDGE), varied(fill, np.full(len(fill), MARK))
+        fill = colors if plain else mixed_with(colors, theme.background, FILL)
+        rim = (
+            np.tile(np.array(theme.edge, dtype=float), (len(colors), 1))
+            if plain
+            else mixed_with(colors, theme.text, EDGE)
+        )
         places, round_ = (positions, planar_rotations(turns)), len(self.cores) == 1 and len(self.cores[0].vertices) < 3
-        marked = self._marks and reach > SMALL
+        marked = self._marks and not plain and reach > SMALL / 2.0
+        mark = varied(fill, np.full(len(fill), MARK)) if marked else fill
         if round_:
             self._paint_round(canvas, view, self.cores[0], places, (fill, rim), width)
-        if marked or not round_:
+        if (marked and reach > SMALL) or not round_:
             face = self._face(view.scale)
             points = view.project(_placed(face.points, *places))[0]
             starts = len(face.points) * np.arange(len(positions))
             if not round_:
                 _triangles(canvas, points, starts, face.triangles, fill, theme)
-            if marked:
+            if marked and reach > SMALL:
                 _triangles(canvas, points, starts, face.painted, mark, theme)
             if not round_:
                 ends = points[starts[:, np.newaxis, np.newaxis] + face.rim].reshape(-1, 4)
                 ink = np.repeat(inks(rim, theme, None), len(face.rim), axis=0)
                 canvas.lines(np.ascontiguousarray(ends), np.full(len(ends), width, dtype=np.float32), ink)
-        if self._marks and SMALL / 2.0 < reach <= SMALL:
+        if marked and reach <= SMALL:
             self._paint_spokes(canvas, view, *places, mark)
 
     def _face(self, scale: float) -> Face:

@@ -38,8 +38,17 @@ class SpatialSolids:
             found.append((centers[:, np.newaxis] + radius * AROUND).reshape(-1, 3) if radius else centers)
         return np.concatenate(found)
 
-    def paint(self, canvas: Canvas, view: View, positions: FloatArray, turns: FloatArray, colors: FloatArray) -> None:
-        """Queue the bodies at positions (N, 3) with orientations (N, 4), in colors (N, 3)."""
+    def paint(
+        self,
+        canvas: Canvas,
+        view: View,
+        positions: FloatArray,
+        turns: FloatArray,
+        colors: FloatArray,
+        *,
+        plain: bool = False,
+    ) -> None:
+        """Queue the bodies at positions (N, 3) with orientations (N, 4), in colors (N, 3); plain ones have no marks."""
         if isinstance(self._shape, Ball) and self._shape.radius * view.scale < SMALL:
             centers, depth, scale = view.project(positions)
             assert depth is not None  # views in 3D have depths
@@ -60,7 +69,8 @@ class SpatialSolids:
         normals = (mesh.normals @ (rotations @ view.axes.T)).reshape(-1, 3)[index]
         normals[:, 2] = np.maximum(normals[:, 2], 0.0)
         body, point = np.divmod(index, len(mesh.points))
-        tinted = np.clip(colors[body] * mesh.tones[point, np.newaxis], 0.0, 255.0)
+        tones = np.ones(len(point)) if plain else mesh.tones[point]
+        tinted = np.clip(colors[body] * tones[:, np.newaxis], 0.0, 255.0)
         ink = inks(lit(tinted, normals), self._theme, view.farness(depth[index]))
         canvas.triangles(
             np.ascontiguousarray(pixels[corners].reshape(-1, 6)),
