@@ -11,9 +11,10 @@ import numpy as np
 from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.film.shapes.parts import planar_rotations, spatial_rotations
 from physcore.film.shapes.spatial import core_of
-from physcore.scene.items import Constraint, whole
+from physcore.scene.items import Constraint
 from physcore.scene.scene import Scene
 from physcore.scene.selection import Selection
+from physcore.scene.targets import whole
 from physcore.simulation.sources import SourceFrame
 
 
