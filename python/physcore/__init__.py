@@ -53,6 +53,7 @@ from physcore.forces import (
     Wind,
 )
 from physcore.numerics.choices import AdaptiveStep, AutoStep
+from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FluidMethod, WeaklyCompressible
 from physcore.numerics.integrators import (
     BDF2,
@@ -162,6 +163,7 @@ __all__ = [
     "Capsule",
     "CentralForce",
     "Compound",
+    "ContactSolver",
     "ConvexHull",
     "Corotating",
     "Coulomb",

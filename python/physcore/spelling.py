@@ -28,6 +28,7 @@ SYNONYMS = {
     "soft_body": ("jelly", "softbody"),
     "Fluid": ("water", "liquid"),
     "WeaklyCompressible": ("sph", "wcsph", "fluid method"),
+    "ContactSolver": ("solver iterations", "rigid solver", "constraint solver"),
     "Gravitation": ("nbody", "newtonian gravity", "self gravity"),
     "SoftSpheres": ("repulsion", "collisions", "dem", "hertz", "granular"),
     "LennardJones": ("lj", "atoms", "van der waals"),

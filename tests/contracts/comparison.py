@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 import physcore as pc
+from contracts import rigid
 from contracts.scenes import SCENES, STEPS
 from contracts.transforms import Array
 from physcore.scene.points import PointSystem
@@ -18,9 +19,12 @@ SMALL = 1e-7
 
 
 def state(run: pc.Simulation) -> tuple[Array, Array]:
-    """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each; without bodies, those
-    of all tracers, the fields of the system, or both parts of a wave function.
+    """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each, of rigid bodies those
+    of points that move with them; without bodies, those of all tracers, the fields of the system, or both parts of a
+    wave function.
     """
+    if run.scene.has_rigid_bodies:
+        return rigid.material(run)
     if run.scene.bodies:
         return run.positions, run.velocities
     if isinstance(run.scene.systems[0], PointSystem):
@@ -35,6 +39,9 @@ def state(run: pc.Simulation) -> tuple[Array, Array]:
 
 def put(run: pc.Simulation, x: Array, v: Array) -> None:
     """Set a run to a state."""
+    if run.scene.has_rigid_bodies:
+        rigid.put(run, x, v)
+        return
     if run.scene.bodies:
         run.set(x, v)
         return
@@ -67,7 +74,9 @@ def growth(name: str) -> float:
     x, v = state(shaken)
     rng = np.random.default_rng(1)
     bodies = shaken.scene.bodies
-    free = ~np.concatenate([body.fixed for body in bodies])[:, None] if bodies else np.bool_(True)
+    # The center of a rigid body and the tips of its arrows are fixed together.
+    fixed = [np.tile(body.fixed, body.dimension if body.is_rigid else 1) for body in bodies]
+    free = ~np.concatenate(fixed)[:, None] if bodies else np.bool_(True)
     speed = max(np.abs(v).max(), np.abs(x).max())  # where all is at rest, that of one size per second
     put(
         shaken,

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 import physcore as pc
+from contracts import rigid_scenes
 from physcore.integrators import INTEGRATORS
 from physcore.systems.kinetics import Kinetics
 
@@ -45,7 +46,7 @@ class Case:
     @property
     def is_double(self) -> bool:
         """Whether it is refused in single precision."""
-        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15)
+        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15) or self.scene().has_rigid_bodies
 
     @property
     def duration(self) -> float:
@@ -636,6 +637,22 @@ RADAU = {"integrator": pc.GaussRadau15()}
 F32 = {"precision": "f32"}
 LARGE = {pc.VelocityVerlet: _large_network, pc.SemiImplicitEuler: _large_network, pc.DormandPrince5: _large_network}
 
+RIGID: dict[str, Case] = {
+    "tumbling": Case(rigid_scenes.tumbling, 0.02),
+    "spinning of order 4": Case(rigid_scenes.spinning, 0.04, {"integrator": pc.RATTLE(4)}),
+    "tumbling adaptive": Case(rigid_scenes.tumbling, 0.02, {"dt": pc.AdaptiveStep()}),
+    "discs": Case(rigid_scenes.discs, 0.01, large=lambda: rigid_scenes.discs(66)),
+    "stack": Case(rigid_scenes.stack, 0.002),
+    "die": Case(rigid_scenes.die, 0.0025),
+    "linkage": Case(rigid_scenes.linkage, 0.005),
+    "frame": Case(rigid_scenes.frame, 0.005),
+    "machine": Case(rigid_scenes.machine, 0.005),
+    "struck": Case(rigid_scenes.struck, 0.005),
+    "paddle": Case(rigid_scenes.paddle, 0.005),
+    "heap": Case(rigid_scenes.heap, 0.005, rigid_scenes.pile()),
+}
+"""Scenes with rigid bodies."""
+
 SCENES: dict[str, Case] = {
     **{
         f"network {kind.__name__}": Case(
@@ -832,4 +849,5 @@ SCENES: dict[str, Case] = {
     "bottle exact": Case(bottle, 0.05, {"integrator": pc.Boris(exact_angle=True)}),
     "by function": Case(by_function, 0.02),
     "drop": Case(drops, 1e-3, {"fluids": pc.WeaklyCompressible(sound_speed=20.0)}, large=lambda: drops(spacing=0.0125)),
+    **RIGID,
 }

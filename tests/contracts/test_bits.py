@@ -33,7 +33,8 @@ def _of_case(case: Case) -> list[np.ndarray]:
     energy = run.energy()
     budget = [run.time, energy.kinetic, *energy.by_term.values(), energy.internal, *energy.dissipated_by.values()]
     fields = [values for system in run.scene.systems for values in run[system].fields.values()]
-    return [run.positions, run.velocities, *fields, np.array([*budget, energy.work])]
+    turned = [values for body in run.scene.bodies if body.is_rigid for values in run[body].fields.values()]
+    return [run.positions, run.velocities, *fields, *turned, np.array([*budget, energy.work])]
 
 
 def _slanted() -> list[np.ndarray]:

@@ -11,7 +11,7 @@ import pytest
 
 import physcore as pc
 from contracts.comparison import state
-from contracts.scenes import SCENES
+from contracts.scenes import RIGID, SCENES
 from physcore.scene.fields import GAUGES
 
 TOTAL = 300
@@ -67,6 +67,7 @@ BOUNDED = {
     ),
     "wires of order 4": "is limited by accuracy, and never leaves its wires",
     **dict.fromkeys(("wires XPBD", "wires ProjectiveDynamics"), "likewise"),
+    **dict.fromkeys(RIGID, "is limited by accuracy, as far as bodies turn and fall in a step"),
     "layers": "is limited as if the heaviest fluid pushed all of the net",
 }
 """Who comes through three times the limit."""

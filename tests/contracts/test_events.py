@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
+from contracts.rigid import material
 from contracts.scenes import SCENES, STEPS
 from contracts.transforms import Array
 from physcore.scene.points import PointSystem
@@ -16,6 +17,8 @@ from physcore.scene.points import PointSystem
 def values(state: pc.Simulation | pc.Snapshot) -> Array:
     """All positions; without bodies, those of all tracers, or the first field of the system. One number each."""
     scene = state.scene
+    if scene.has_rigid_bodies:
+        return material(state)[0].ravel()
     if scene.bodies:
         return state.positions.ravel()
     if isinstance(scene.systems[0], PointSystem):

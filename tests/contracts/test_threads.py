@@ -18,7 +18,7 @@ def after(case: Case, threads: int) -> tuple[str, dict[str, object]]:
     assert case.large is not None
     run = case.simulation(case.large(), dt=case.dt / 10.0, threads=threads)
     cells = sum(values.size for system in run.scene.systems for values in run[system].fields.values())
-    assert run.scene.particles + cells > BLOCK
+    assert sum(map(len, run.scene.bodies)) + cells > BLOCK
     assert run.plan.threads == threads
     run.step(SHARED_STEPS)
     return run.state_hash(), vars(run.energy())

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import physcore as pc
+from contracts import rigid
 from physcore.scene.bodies import Body
 from physcore.scene.edges import Condition, Valued
 from physcore.scene.grid import GridSystem
@@ -119,6 +120,22 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.Sphere: {"center": point, "radius": scalar(1)},
     pc.Capsule: {"start": point, "end": point, "radius": scalar(1)},
     pc.ConvexHull: {"points": Transform.points},
+    **dict.fromkeys((pc.Hinge, pc.BallJoint, pc.Weld), {"anchor": point, "breaking_force": scalar(1, -2, 1)}),
+    pc.Prismatic: {
+        "anchor": point,
+        "axis": vector(),
+        "lower": scalar(1),
+        "upper": scalar(1),
+        "breaking_force": scalar(1, -2, 1),
+    },
+    pc.Rod: {"anchors": Transform.points, "breaking_force": scalar(1, -2, 1)},
+    pc.SpringJoint: {
+        "anchors": Transform.points,
+        "stiffness": scalar(0, -2, 1),
+        "damping": RESISTANCE,
+        "rest_length": scalar(1),
+        "breaking_force": scalar(1, -2, 1),
+    },
     pc.Particles: MASSES,
     pc.SpringNetwork: {**MASSES, "stiffness": scalar(0, -2, 1), "damping": RESISTANCE, "rest_length": scalar(1)},
     pc.Fluid: {
@@ -145,6 +162,8 @@ def _changed(item: Any, values: dict[str, Any], t: Transform) -> dict[str, Any]:
 
 def _body(body: Body, t: Transform, order: NDArray[np.int64]) -> Body:
     """Its particles in another order: particle k is the one that was particle order[k]."""
+    if isinstance(body, pc.RigidBodies):
+        return rigid.bodies(body, t, order)
     values = {entry.name: getattr(body, entry.name) for entry in fields(body)}
     if isinstance(body, pc.Fluid):
         values = {name: value for name, value in values.items() if name not in ("mass", "charge", "radius", "fixed")}
@@ -162,8 +181,8 @@ def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body], orders: dict
         return bodies[given]
 
     given = {name: item.targets(name) for name in item.naming}
-    named = {name: None if own is None else tuple(map(target, own)) for name, own in given.items()}
-    on = named["on"]
+    named = {name: tuple(map(target, own)) if own else None for name, own in given.items()}
+    on = named.get("on")
     if isinstance(item, pc.CustomForce):
         return _custom(item, t, on)
     if isinstance(item, pc.ElectromagneticField):
@@ -175,7 +194,7 @@ def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body], orders: dict
         shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
         return pc.Plane(tuple(t.points(item.height * up)), tuple(t.directions(up)), **shared)
     values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.init and entry.name not in named}
-    return type(item)(**_changed(item, values, t), **named)
+    return type(item)(**rigid.joint(item, _changed(item, values, t), t), **named)
 
 
 def _custom(force: pc.CustomForce, t: Transform, on: Any) -> pc.CustomForce:
@@ -508,7 +527,10 @@ def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] |
     orders = orders or [np.arange(len(body)) for body in scene.bodies]
     bodies = {body: _body(body, t, order) for body, order in zip(scene.bodies, orders, strict=True)}
     order_of = dict(zip(scene.bodies, orders, strict=True))
-    items = [_item(item, t, bodies, order_of) for item in (*scene.forces, *scene.boundaries, *scene.constraints)]
+    acting = [item for item in (*scene.forces, *scene.boundaries, *scene.constraints) if not isinstance(item, pc.Motor)]
+    made = {item: _item(item, t, bodies, order_of) for item in acting}
+    motors = [rigid.motor(item, made[item.joint], t) for item in scene.constraints if isinstance(item, pc.Motor)]
+    items = [*made.values(), *motors]
     domain = scene.periodic
     domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
     found = {system: SYSTEMS[type(system)](system, t) for system in scene.systems if not system.named()}

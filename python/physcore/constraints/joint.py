@@ -17,6 +17,7 @@ from physcore.scene.bodies import Body
 from physcore.scene.by_value import ByValue
 from physcore.scene.fields import Element
 from physcore.scene.items import Constraint, Places
+from physcore.scene.rotations import ROUNDING
 from physcore.scene.selection import Selection
 from physcore.scene.targets import Target, whole
 
@@ -199,13 +200,18 @@ def limits(lower: object, upper: object, kind: str, what: str) -> dict[str, floa
 
 
 def direction(value: object, path: str) -> tuple[float, ...]:
-    """A vector of length 1 in the direction of one that is not zero."""
+    """A vector of length 1 in the direction of one that is not zero. Vectors of unit length, up to rounding, keep their
+    bits.
+    """
     given = array(value, path)
     largest = np.abs(given).max(initial=0.0)
     if given.shape not in ((2,), (3,)) or largest == 0.0:
         raise SceneError(f"{path}: must be a vector that is not zero, with 2 or 3 components, got {shown(value)}")
     near = given / largest
-    return tuple((near / lengths(near)).tolist())
+    size = float(lengths(near))
+    if abs(largest * size - 1.0) <= ROUNDING:
+        return tuple(given.tolist())
+    return tuple((near / size).tolist())
 
 
 def _row(end: Target) -> tuple[Any, int]:

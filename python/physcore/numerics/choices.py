@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias, TypedDict
 
 from physcore.checks import MOST, count, flag, is_word, number, shown, span, word
 from physcore.errors import SceneError
+from physcore.numerics.contacts import Contacts, ContactSolver, contact_solver
 from physcore.numerics.defaults import default_integrator, is_magnetic, is_small
 from physcore.numerics.fluids import FluidMethod, Fluids, fluid_methods
 from physcore.numerics.integrators import (
@@ -138,6 +139,7 @@ class Options(TypedDict, total=False):
     max_energy_growth: float | None
     on_divergence: DivergenceRule
     fluids: Fluids
+    contacts: Contacts
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,8 @@ class Numerics:
     """Where not all are the same: that of each system by its path, of the bodies by the key "bodies"; else empty."""
     fluids: Mapping[str, FluidMethod] = field(default_factory=dict)
     """The method of each fluid by its path."""
+    contacts: ContactSolver | None = None
+    """The solver of the contacts of rigid bodies, if there are any."""
 
     @property
     def adaptive(self) -> AdaptiveStep | None:
@@ -208,6 +212,7 @@ def check(options: Options, scene: Scene) -> Numerics:
         max_energy_growth=MAX_ENERGY_GROWTH[rule] if growth is None else number(growth, "max_energy_growth", above=0.0),
         on_divergence=rule,
         fluids=fluid_methods(options.get("fluids", "auto"), scene),
+        contacts=contact_solver(options.get("contacts", "auto"), scene),
     )
 
 

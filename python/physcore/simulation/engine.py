@@ -52,16 +52,17 @@ def build(scene: Scene, numerics: Numerics) -> World:
 def named(message: str, scene: Scene) -> str:
     """A message of the engine with what it does not know: names of bodies, their methods, and the scene's units."""
     message = re.sub(r"\bbodies\[\d+\]\.method\b", "fluids", message)
+    message = re.sub(r"\bbodies\[\d+\]\.contacts\b", "contacts", message)
     message = re.sub(r"\bbodies\[(\d+)\]", lambda found: scene.path(int(found[1])), message)
     return scene.units.reworded(message)
 
 
 def describe(scene: Scene, numerics: Numerics) -> dict[str, object]:
-    """A scene as plain dictionaries, numbers and arrays: the records of its items, of fluids with their method."""
+    """A scene as plain dictionaries, numbers and arrays: the records of its items, of fluids and rigid bodies with their methods."""
     methods = [numerics.fluids.get(scene.path(index)) for index in range(len(scene.bodies))]
     return {
         "dimension": scene.dimension,
-        "bodies": [_body(body, method) for body, method in zip(scene.bodies, methods, strict=True)],
+        "bodies": [_body(body, method, numerics) for body, method in zip(scene.bodies, methods, strict=True)],
         "forces": [_item(force, scene) for force in scene.forces],
         "boundaries": [_item(boundary, scene) for boundary in scene.boundaries],
         "constraints": [_item(constraint, scene) for constraint in scene.constraints],
@@ -235,12 +236,12 @@ def _summary(system: StagesRecord) -> str:
     )
 
 
-def _body(body: Body, method: FluidMethod | None) -> dict[str, Any]:
-    """A body; a fluid with its method."""
+def _body(body: Body, method: FluidMethod | None, numerics: Numerics) -> dict[str, Any]:
+    """A body; a fluid with its method, rigid bodies with the solver of their contacts."""
     described: dict[str, Any] = Record.of(body).described()
-    if method is None:
-        return described
-    return {**described, "values": {**described["values"], "method": Record.of(method).described()}}
+    added = {"method": method, "contacts": numerics.contacts if body.is_rigid else None}
+    records = {name: Record.of(each).described() for name, each in added.items() if each is not None}
+    return {**described, "values": {**described["values"], **records}}
 
 
 def _item(item: SceneItem, scene: Scene) -> dict[str, object]:

@@ -73,6 +73,7 @@ def numerics_for(scene: Scene, before: Scene, numerics: Numerics) -> Numerics:
         max_energy_growth=numerics.max_energy_growth,
         on_divergence=numerics.on_divergence,
         fluids=fluids or "auto",
+        contacts=numerics.contacts if numerics.contacts is not None and scene.has_rigid_bodies else "auto",
     )
     return check(options, scene)
 

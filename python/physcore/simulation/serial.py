@@ -14,6 +14,7 @@ from physcore.constraints import CONSTRAINTS
 from physcore.errors import FileError, SceneError
 from physcore.forces import FORCES
 from physcore.numerics.choices import AdaptiveStep, AutoStep, Numerics, Options
+from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FLUID_METHODS
 from physcore.numerics.integrators import INTEGRATORS
 from physcore.scene.bodies import Body, Particles, SpringNetwork
@@ -33,7 +34,7 @@ from physcore.systems import SYSTEMS
 from physcore.units.systems import Unit, UnitSystem
 
 _BODIES = (Particles, SpringNetwork, Fluid, RigidBodies)
-_RULES = (*INTEGRATORS, *FLUID_METHODS, AutoStep, AdaptiveStep)
+_RULES = (*INTEGRATORS, *FLUID_METHODS, ContactSolver, AutoStep, AdaptiveStep)
 _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {
     "forces": FORCES,
     "boundaries": BOUNDARIES,
@@ -87,6 +88,8 @@ def pack_numerics(numerics: Numerics) -> Tree:
     methods = {path: pack(method) for path, method in own.pop("fluids").items()}
     one = next(iter(methods.values()), None)
     fluids = {"fluids": one if len(set(numerics.fluids.values())) == 1 else methods} if methods else {}
+    if numerics.contacts is None:
+        own.pop("contacts")
     return {**own, "integrator": several or own["integrator"], **fluids}
 
 
@@ -96,9 +99,14 @@ def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
     Raises:
         FileError: the tree is not that of numerical options.
     """
-    known = {entry.name: anything for entry in fields(Numerics) if entry.name not in ("integrators", "fluids")}
-    content = record({"fluids": anything}, **known)(tree, path)
-    kinds: dict[str, tuple[type[Any], ...]] = {"integrator": INTEGRATORS, "fluids": FLUID_METHODS}
+    optional = {"fluids": anything, "contacts": anything}
+    known = {entry.name: anything for entry in fields(Numerics) if entry.name not in ("integrators", *optional)}
+    content = record(optional, **known)(tree, path)
+    kinds: dict[str, tuple[type[Any], ...]] = {
+        "integrator": INTEGRATORS,
+        "fluids": FLUID_METHODS,
+        "contacts": (ContactSolver,),
+    }
     values = {name: _unpack_choice(value, f"{path}.{name}", kinds.get(name)) for name, value in content.items()}
     return cast(Options, values)
 

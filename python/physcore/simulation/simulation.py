@@ -22,6 +22,7 @@ from physcore.numerics.choices import (
     StepRule,
     check,
 )
+from physcore.numerics.contacts import Contacts
 from physcore.numerics.fluids import Fluids, check_flows
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
@@ -82,6 +83,7 @@ class Simulation(Measured):
             "ignore": go on until a position or velocity is not finite; energies, which are squares, cease to be before.
         fluids: how fluids are computed, such as WeaklyCompressible(…), one method for all or a mapping
             `{water: method}`, by fluids or their names; "auto": WeaklyCompressible().
+        contacts: how contacts and joints of rigid bodies are solved, ContactSolver(…); "auto": ContactSolver().
 
     Raises:
         SceneError: a choice is not valid, dt="auto" finds no stable step, a particle starts outside a boundary, or the
@@ -104,6 +106,7 @@ class Simulation(Measured):
         max_energy_growth: float | None = None,
         on_divergence: DivergenceRule = "raise",
         fluids: Fluids = "auto",
+        contacts: Contacts = "auto",
     ) -> None:
         require_scene(scene)
         options = Options(
@@ -114,6 +117,7 @@ class Simulation(Measured):
             max_energy_growth=max_energy_growth,
             on_divergence=on_divergence,
             fluids=fluids,
+            contacts=contacts,
         )
         with scene.units.worded():
             self._build(scene, check(options, scene))

@@ -70,7 +70,7 @@ def simulate(
         events: events to look for, such as `pc.Event.crossing("ball", "y", 0.5)`, for `Recording.events`. A terminal
             one ends the run; the last frame is at or before it. With `accuracy` or `energy_drift`, the chosen run is
             repeated for them.
-        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, as in Simulation. dt
+        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, contacts, as in Simulation. dt
             must not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for each item, no
             other is tried.
 
@@ -130,6 +130,7 @@ def _search(
         on_divergence=numerics.on_divergence,
         integrators=given if isinstance(given, Mapping) else None,
         fluids=options.get("fluids", "auto"),
+        contacts=options.get("contacts", "auto"),
     )
 
     def record(choice: Choice) -> Trial:

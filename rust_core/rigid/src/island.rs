@@ -18,6 +18,7 @@ use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BoundedRow, ContactImpulse, ContactRow, Friction, JointRows, MOST_ROWS, Row, Rows, Velocities};
 use crate::shapes::Shape;
+use crate::sweeps::Sweep;
 
 /// Numerical parameters of contacts and joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,6 +165,11 @@ pub struct Island {
     /// Length of the step, and of the last piece, which is left open [s].
     pub step: f64,
     pub open: f64,
+    /// Buffers of a sweep, and whether its last piece is open.
+    sweep: Sweep,
+    is_swept: bool,
+    /// Buffer of contacts.
+    known: Vec<Contact>,
     /// Loads of the contacts of the last step.
     past: Vec<(ContactKey, ContactImpulse)>,
     first: FirstHalf,
@@ -184,9 +190,25 @@ impl Island {
             meters: Meters::default(),
             step: 0.0,
             open: 0.0,
+            sweep: Sweep::default(),
+            is_swept: false,
+            known: Vec::new(),
             past: Vec::new(),
             first: FirstHalf::default(),
         }
+    }
+
+    /// Removes all bodies, and keeps the buffers.
+    pub fn clear(&mut self) {
+        self.movers.clear();
+        self.members.clear();
+        self.surfaces.clear();
+        self.pairs.clear();
+        self.contacts.clear();
+        self.joints.clear();
+        self.past.clear();
+        self.meters = Meters::default();
+        self.accuracy = Accuracy::FINE;
     }
 
     /// Largest speed of a surface point [m/s].
@@ -197,10 +219,11 @@ impl Island {
 
     /// Takes over the loads of contacts from the last step, which are in the order of their keys.
     pub fn remember(&mut self, loads: &[(ContactKey, ContactImpulse)]) {
-        self.past = Vec::new();
+        self.past.clear();
+        let mut place = 0;
         for pair in &self.pairs {
-            let first = loads.partition_point(|(key, _)| (key.0, key.1) < pair.key);
-            let own = loads[first..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
+            place = seek(loads, place, pair.key);
+            let own = loads[place..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
             self.past.extend(own);
         }
     }
@@ -208,9 +231,9 @@ impl Island {
     /// Finds the contacts within `reach` of each pair [m]. Contacts that were there before keep their loads.
     pub fn find_contacts(&mut self, shapes: &[Shape], reach: impl Fn(&Self, &Pair) -> f64) {
         let poses: Vec<Pose> = self.movers.iter().map(Mover::pose).collect();
-        let before = std::mem::take(&mut self.contacts);
+        let before = std::mem::replace(&mut self.contacts, std::mem::take(&mut self.known));
         let mut points = Vec::new();
-        let mut known = 0;
+        let (mut known, mut place) = (0, 0);
         for (index, pair) in self.pairs.iter().enumerate() {
             let [one, other] = pair.bodies;
             let [first, second] = pair.bodies.map(|body| &self.surfaces[body]);
@@ -221,6 +244,7 @@ impl Island {
             while known < before.len() && before[known].pair < index {
                 known += 1;
             }
+            place = seek(&self.past, place, pair.key);
             let past = before[known..].iter().take_while(|contact| contact.pair == index);
             let between = poses[other].position - poses[one].position;
             for &point in &points {
@@ -237,9 +261,8 @@ impl Island {
                     restitution: first.restitution.max(second.restitution),
                     load: last.map_or_else(
                         || {
-                            let key = (pair.key.0, pair.key.1, point.feature);
-                            let place = self.past.binary_search_by_key(&key, |(past, _)| *past);
-                            place.map_or_else(|_| ContactImpulse::default(), |place| self.past[place].1)
+                            let mut own = self.past[place..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
+                            own.find(|(key, _)| key.2 == point.feature).map_or_else(ContactImpulse::default, |own| own.1)
                         },
                         |contact| contact.load,
                     ),
@@ -249,6 +272,8 @@ impl Island {
                 });
             }
         }
+        self.known = before;
+        self.known.clear();
     }
 
     /// Row of a contact at the present poses.
@@ -327,8 +352,18 @@ impl Island {
         self.leave_open(first, length, h);
     }
 
+    /// Buffers of a sweep.
+    pub fn take_sweep(&mut self) -> Sweep {
+        std::mem::take(&mut self.sweep)
+    }
+
+    /// Leaves the last piece of a sweep open.
+    pub fn open_sweep(&mut self, sweep: Sweep, length: f64, h: f64) {
+        (self.sweep, self.is_swept, self.open, self.step) = (sweep, true, length, h);
+    }
+
     /// Leaves a piece open after its drift.
-    pub fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
+    fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
         // Velocities at the new poses, for the second half.
         let v = Velocities::of(&self.movers);
         self.renew_touches();
@@ -455,6 +490,12 @@ impl Island {
 
     /// Takes the second half of a piece, at the velocities after the kick.
     pub fn end_piece(&mut self) {
+        if std::mem::take(&mut self.is_swept) {
+            let mut sweep = std::mem::take(&mut self.sweep);
+            self.end_sweep(&mut sweep);
+            self.sweep = sweep;
+            return;
+        }
         let first = std::mem::take(&mut self.first);
         let length = self.open;
         let start = Velocities::of(&self.movers);
@@ -488,12 +529,17 @@ impl Island {
     }
 
     /// Keeps the mean forces of a piece.
-    pub fn keep_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
+    fn keep_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
         self.past.clear();
         self.contacts.iter_mut().for_each(|contact| contact.load = ContactImpulse::default());
         for (row, &index) in rows.contacts.iter().zip(&first.contacts) {
             self.contacts[index].load = row.before.plus(&row.impulse).scaled(1.0 / length);
         }
+        self.keep_joint_loads(first, rows, length);
+    }
+
+    /// Keeps the mean forces of joints in a piece.
+    pub fn keep_joint_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
         for (joint, halves) in self.joints.iter_mut().zip(first.rows.joints.iter().zip(&rows.joints)) {
             for (index, (one, other)) in halves.0.rows.iter().zip(&halves.1.rows).enumerate() {
                 joint.loads[index] = (one.impulse + other.impulse) / length;
@@ -512,6 +558,14 @@ impl Island {
             half.bounds.iter().zip(&first.bounded).for_each(|(bounded, &(joint, _))| add(joint, &bounded.row));
         }
     }
+}
+
+/// Place from `place` on of the first load of a pair, or of the next one, in ascending order.
+fn seek(loads: &[(ContactKey, ContactImpulse)], place: usize, pair: (u32, u32)) -> usize {
+    const NEAR: usize = 8;
+    let below = |(key, _): &(ContactKey, ContactImpulse)| (key.0, key.1) < pair;
+    let near = loads[place..].iter().take(NEAR).take_while(|load| below(load)).count();
+    if near < NEAR { place + near } else { place + loads[place..].partition_point(below) }
 }
 
 /// Friction between two surfaces: the geometric mean of Coulomb's coefficients, the larger lever arms.

@@ -28,14 +28,38 @@ impl Velocities {
     /// Velocities of movers in their present orientations.
     pub fn of(movers: &[Mover]) -> Self {
         let mut velocities = Self::default();
+        velocities.fill(movers);
+        velocities
+    }
+
+    /// Replaces all velocities, inverse masses and inertias by those of movers.
+    pub fn fill(&mut self, movers: &[Mover]) {
+        self.linear.clear();
+        self.angular.clear();
+        self.inverse_mass.clear();
+        self.inverse_inertia.clear();
         for mover in movers {
             let inverse_inertia = mover.inverse_inertia();
-            velocities.linear.push(mover.velocity);
-            velocities.angular.push(if mover.is_fixed() { mover.spin } else { inverse_inertia * mover.spin });
-            velocities.inverse_mass.push(mover.inverse_mass);
-            velocities.inverse_inertia.push(inverse_inertia);
+            self.linear.push(mover.velocity);
+            self.angular.push(if mover.is_fixed() { mover.spin } else { inverse_inertia * mover.spin });
+            self.inverse_mass.push(mover.inverse_mass);
+            self.inverse_inertia.push(inverse_inertia);
         }
-        velocities
+    }
+
+    /// Applies the forces on movers for `h` seconds.
+    pub fn kick(&mut self, movers: &[Mover], h: f64) {
+        for (body, mover) in movers.iter().enumerate().filter(|(_, mover)| !mover.is_fixed()) {
+            self.linear[body] += h * mover.acceleration;
+            if mover.torque != DVec3::ZERO {
+                self.angular[body] += self.inverse_inertia[body] * (h * mover.torque);
+            }
+        }
+    }
+
+    /// Velocity [m/s] and angular velocity [rad/s] of a body.
+    pub fn of_body(&self, body: usize) -> [DVec3; 2] {
+        [self.linear[body], self.angular[body]]
     }
 
     /// Velocity of a point of a body at an arm from its center [m/s].

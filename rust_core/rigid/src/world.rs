@@ -154,13 +154,13 @@ pub struct ContactSolver {
     pub substeps: usize,
     /// Iterations of each of its solves.
     pub iterations: usize,
-    /// Number of bodies of a large group.
-    pub large: usize,
+    /// Number of bodies of the largest group whose impacts are taken at their times.
+    pub sequential: usize,
 }
 
 impl Default for ContactSolver {
     fn default() -> Self {
-        Self { substeps: 4, iterations: 2, large: 33 }
+        Self { substeps: 4, iterations: 2, sequential: 32 }
     }
 }
 
@@ -179,8 +179,9 @@ pub struct RigidWorld {
     pub wall_names: Vec<String>,
     pub solver: ContactSolver,
     pub state: RigidState,
-    /// Groups of the present step.
+    /// Groups of the present step, and cleared ones.
     islands: Vec<Island>,
+    spare: Vec<Island>,
     /// Springs of the present step.
     pub(crate) springs: SpringStep,
     /// Energies of the present step [J].
@@ -330,7 +331,7 @@ impl RigidWorld {
                 let sized = |mover: &&Mover| !mover.is_fixed() && mover.inertia != Inertia::NONE;
                 let accuracy = Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
                 let sweep = (solver.substeps, accuracy);
-                if island.movers.iter().filter(sized).count() < solver.large {
+                if island.movers.iter().filter(sized).count() <= solver.sequential {
                     island.advance(shapes, h, sweep);
                 } else {
                     island.sweep(shapes, h, sweep);
@@ -404,7 +405,7 @@ impl RigidWorld {
     }
 
     /// Groups of movers that pairs and joints connect, in the order of their first members.
-    fn groups(&self, movers: &[Mover], surfaces: &[Surface], pairs: &[[u32; 2]], points: &[Point]) -> Vec<Island> {
+    fn groups(&mut self, movers: &[Mover], surfaces: &[Surface], pairs: &[[u32; 2]], points: &[Point]) -> Vec<Island> {
         let mut roots: Vec<u32> = (0..movers.len() as u32).collect();
         let free = |index: usize| !movers[index].is_fixed();
         let joints: Vec<(usize, [usize; 2])> = self.joints(movers.len(), points);
@@ -414,13 +415,14 @@ impl RigidWorld {
             roots[a.max(b) as usize] = a.min(b);
         }
         let mut islands: Vec<Island> = Vec::new();
+        let mut spare = std::mem::take(&mut self.spare);
         let mut number = vec![u32::MAX; movers.len()];
         for link in links {
             let end = if free(link[0]) { link[0] } else { link[1] };
             let root = root(&mut roots, end as u32) as usize;
             if number[root] == u32::MAX {
                 number[root] = islands.len() as u32;
-                islands.push(Island::new(self.planar, Accuracy::FINE));
+                islands.push(spare.pop().unwrap_or_else(|| Island::new(self.planar, Accuracy::FINE)));
             }
         }
         // The island of each free mover, and the places of movers in the island that is filled.
@@ -477,6 +479,7 @@ impl RigidWorld {
                 island.pairs.push(Pair { bodies: local, key: (name(ends[0]), name(ends[1])), size });
             }
         }
+        self.spare = spare;
         islands.iter_mut().for_each(|island| island.remember(&self.state.loads));
         islands
     }
@@ -518,7 +521,8 @@ impl RigidWorld {
         });
         self.meters = Meters::default();
         self.state.loads.clear();
-        for island in std::mem::take(&mut self.islands) {
+        let mut islands = std::mem::take(&mut self.islands);
+        for island in &islands {
             for (mover, &member) in island.movers.iter().zip(&island.members).filter(|(mover, _)| !mover.is_fixed()) {
                 if member < count {
                     bodies[member].velocity = mover.velocity;
@@ -544,6 +548,8 @@ impl RigidWorld {
             }
         }
         self.state.loads.sort_unstable_by_key(|(key, _)| *key);
+        islands.iter_mut().for_each(Island::clear);
+        self.spare.append(&mut islands);
         self.meter_springs(h, bodies, others);
         self.meters
     }

@@ -11,6 +11,7 @@ from physcore.checks import shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film import film as film_recordings
 from physcore.film.writers import WRITERS
+from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.simulation.simulation import Simulation
@@ -107,17 +108,17 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
     return axes
 
 
-Variant = tuple[str, float | None, FluidMethod | None]
-"""Key of a color: the label of an integrator, a resolution, and a method of fluids."""
+Variant = tuple[str, float | None, FluidMethod | ContactSolver | None]
+"""Key of a color: the label of an integrator, a resolution, and a method of fluids or a solver of contacts."""
 
 
 def _variant(row: Row) -> Variant:
-    return row.label, row.resolution, row.fluids
+    return row.label, row.resolution, row.method
 
 
 def _name(variant: Variant) -> str:
-    label, resolution, fluids = variant
-    parts = [label, "" if resolution is None else f"{resolution:g}", "" if fluids is None else differences(fluids)]
+    label, resolution, method = variant
+    parts = [label, "" if resolution is None else f"{resolution:g}", "" if method is None else differences(method)]
     return ", ".join(filter(None, parts))
 
 
@@ -166,8 +167,8 @@ def _series(trade: Measurements) -> dict[tuple[Variant, str], list[Row]]:
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
     """Film a row beside the reference; see `Tradeoff.film`."""
     writable(path, WRITERS)
-    position = list(dict.fromkeys((each.fluids, each.resolution) for each in trade.rows)).index(
-        (row.fluids, row.resolution)
+    position = list(dict.fromkeys((each.method, each.resolution) for each in trade.rows)).index(
+        (row.method, row.resolution)
     )
     experiment, reference = trade.experiments[position], trade.references[position]
     chosen = Simulation(experiment.scene, **row.numerics).record(trade.duration, fps)
@@ -178,6 +179,7 @@ def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float
         "f64",
         experiment.threads,
         fluids=experiment.fluids,
+        contacts=experiment.contacts,
     ).record(trade.duration, fps)
     meter = trade.scene.units.suffix("m")
     titles = [f"{row.label}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e}{meter}"]

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from physcore.checks import FloatArray, array
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.numerics.choices import DivergenceRule
+from physcore.numerics.contacts import Contacts
 from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
 from physcore.scene.contents import ItemKey
@@ -102,6 +103,8 @@ class Experiment:
     """Integrators of the items, if given; the integrator of a choice is then that of the first item."""
     fluids: Fluids = "auto"
     """Methods of fluids, as in Simulation."""
+    contacts: Contacts = "auto"
+    """Solver of the contacts of rigid bodies, as in Simulation."""
     scales: tuple[float, ...] = ()
     """Largest change of each compared item, if there are several, in a run with the default numerics. The run is made
     unless the changes are given.
@@ -146,6 +149,7 @@ class Experiment:
                 max_energy_growth=self.max_energy_growth,
                 on_divergence=self.on_divergence,
                 fluids=self.fluids,
+                contacts=self.contacts,
             )
 
     def observe(self, simulation: Simulation) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Labels of integrators and of methods of fluids."""
+"""Labels of integrators and of methods of fluids, and solvers of contacts."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
+from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 
@@ -25,13 +26,15 @@ def labels(integrators: Iterable[Integrator]) -> dict[Integrator, str]:
     return named
 
 
-def differences(method: FluidMethod) -> str:
-    """The label of a method of fluids, with all parameters that are not default: "WeaklyCompressible(shifting=6.0)"."""
+def differences(method: FluidMethod | ContactSolver) -> str:
+    """The label of a method of fluids or a solver of contacts, with all parameters that are not default:
+    "WeaklyCompressible(shifting=6.0)".
+    """
     default = {entry.name: entry.default for entry in fields(method)}
     other = [f"{name}={value}" for name, value in parameters(method).items() if value != default[name]]
     return f"{type(method).__name__}({', '.join(other)})"
 
 
-def parameters(method: Integrator | FluidMethod) -> dict[str, Any]:
+def parameters(method: Integrator | FluidMethod | ContactSolver) -> dict[str, Any]:
     """The parameters of a method by name."""
     return {entry.name: getattr(method, entry.name) for entry in fields(method)}

@@ -13,6 +13,7 @@ from physcore.checks import FloatArray, count, flag, items, number, shown, span,
 from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.numerics.choices import MOST_THREADS, suited
+from physcore.numerics.contacts import Contacts, ContactSolver, contact_solver
 from physcore.numerics.fluids import FluidMethod, WeaklyCompressible, fluid_method, fluid_methods
 from physcore.numerics.integrators import INTEGRATORS, INTEGRATORS_BY_NAME, Integrator, made
 from physcore.progress import Progress
@@ -45,6 +46,7 @@ def tradeoff(
     dts: Sequence[float] | None = None,
     resolutions: Sequence[float] | None = None,
     fluids: Sequence[FluidMethod | str] | None = None,
+    contacts: Sequence[Contacts] | None = None,
     observe: Observer | None = None,
     budget: float = 30.0,
     threads: int | None = None,
@@ -79,6 +81,8 @@ def tradeoff(
         fluids: the methods of fluids or their names; None: the default only. Errors of time steps are relative to the
             reference of the same method. With `resolutions`, the errors include those of the methods, each relative to
             the limit of its own resolutions.
+        contacts: solvers of the contacts of rigid bodies; None: the default only. Errors are relative to the reference
+            of the same solver. With short steps all of them have the same limit.
         observe: function of the simulation that returns the compared values, an array of numbers. None: the positions
             of all particles [m], or with `resolutions` the centers of the bodies; without particles, the first field of
             the first system. The first fields of further systems are compared too, scaled so that their largest
@@ -116,9 +120,15 @@ def tradeoff(
         if observer is None:
             needed = 8 * COPIES * (SAMPLES + 1) * size(each)
             refuse_if_too_large(SAMPLES + 1, each, needed, "observe fewer numbers: observe=…")
-    methods = (None,) if fluids is None else _fluids(fluids, scenes[0])
+    methods = [
+        (flow, solver)
+        for flow in ((None,) if fluids is None else _fluids(fluids, scenes[0]))
+        for solver in ((None,) if contacts is None else _contacts(contacts, scenes[0]))
+    ]
     experiments = [
-        Experiment(each, interval, team, observer, fluids=method or "auto") for method in methods for each in scenes
+        Experiment(each, interval, team, observer, fluids=flow or "auto", contacts=solver or "auto")
+        for flow, solver in methods
+        for each in scenes
     ]
     with Progress(round(TICKS * patience), "measuring", bars) as bar:
         diagrams = _diagrams(experiments, chosen, kinds, steps, random, patience, bar)
@@ -127,7 +137,7 @@ def tradeoff(
         own = diagrams[index * len(scenes) : (index + 1) * len(scenes)]
         errors = _discretization(own, resolutions)
         for diagram, resolution, error in zip(own, resolutions or (None,), errors, strict=True):
-            rows += diagram.rows(resolution, error, method)
+            rows += diagram.rows(resolution, error, *method)
     notes = dict.fromkeys(note for diagram in diagrams for note in diagram.notes)
     return Tradeoff(
         rows=tuple(rows),
@@ -215,6 +225,17 @@ def _fluids(methods: Sequence[FluidMethod | str], scene: Scene) -> tuple[FluidMe
     for method in found:
         fluid_methods(method, scene)
     return found
+
+
+def _contacts(solvers: Sequence[Contacts], scene: Scene) -> tuple[ContactSolver, ...]:
+    """The requested solvers of contacts, without repetitions."""
+    given = items(solvers, "contacts", "solvers")
+    if not given:
+        raise SceneError("contacts: must not be empty")
+    found = [contact_solver(each, scene, f"contacts[{index}]") for index, each in enumerate(given)]
+    if None in found:
+        raise SceneError("contacts: there are no rigid bodies in this scene")
+    return tuple(dict.fromkeys(solver for solver in found if solver is not None))
 
 
 def _centers(simulation: Simulation) -> FloatArray:

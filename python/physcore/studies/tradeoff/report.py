@@ -69,14 +69,14 @@ def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
     """
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
-    compared = trade.rows and trade.rows[0].fluids is not None
+    compared = "fluids" if trade.rows and trade.rows[0].fluids is not None else "contacts"
     units = trade.scene.units
     header = [
         "",
         "integrator",
         units.label("dt", "s"),
         "",
-        *(["fluids"] if compared else []),
+        *([compared] if trade.rows and trade.rows[0].method is not None else []),
         *(["resolution"] if resolved else []),
     ]
     header += ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
@@ -129,7 +129,7 @@ def _cells(row: Row, on_front: bool) -> list[str]:
         row.label,
         f"{row.dt:.4g}",
         row.precision,
-        *([differences(row.fluids)] if row.fluids is not None else []),
+        *([differences(row.method)] if row.method is not None else []),
         *([f"{row.resolution:g}"] if row.resolution is not None else []),
         f"{row.seconds:.3g}{'?' if row.noisy else ' '}",
         str(row.evaluations),
@@ -298,6 +298,7 @@ def document(trade: Measurements) -> dict[str, Any]:
                 **{name: _plain(value) for name, value in asdict(row).items() if name != "units"},
                 **_method(row.integrator),
                 "fluids": None if row.fluids is None else differences(row.fluids),
+                "contacts": None if row.contacts is None else differences(row.contacts),
             }
             for row in trade.rows
         ],

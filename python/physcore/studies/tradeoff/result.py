@@ -9,6 +9,7 @@ from physcore.checks import number
 from physcore.errors import PhyscoreError, SceneError
 from physcore.markup import Printed
 from physcore.numerics.choices import Options
+from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
@@ -81,6 +82,8 @@ class Row(Printed):
     """Prediction of a held-out row."""
     fluids: FluidMethod | None = None
     """Method of fluids, if methods are compared."""
+    contacts: ContactSolver | None = None
+    """Solver of contacts, if solvers are compared."""
     units: UnitSystem = SI
     """Units of the scene."""
 
@@ -88,7 +91,16 @@ class Row(Printed):
     def numerics(self) -> Options:
         """Keyword arguments for `Simulation`."""
         chosen = Options(integrator=self.integrator, dt=self.dt, precision=self.precision, threads=self.threads)
-        return chosen if self.fluids is None else {**chosen, "fluids": self.fluids}
+        if self.fluids is not None:
+            chosen["fluids"] = self.fluids
+        if self.contacts is not None:
+            chosen["contacts"] = self.contacts
+        return chosen
+
+    @property
+    def method(self) -> FluidMethod | ContactSolver | None:
+        """The method of fluids or the solver of contacts, if these are compared."""
+        return self.fluids if self.contacts is None else self.contacts
 
     @property
     def total_error(self) -> float:
@@ -112,7 +124,7 @@ class Row(Printed):
 
     def __str__(self) -> str:
         at = "" if self.resolution is None else f", resolution {self.resolution:g}"
-        at = at if self.fluids is None else f"{at}, {self.fluids}"
+        at = at if self.method is None else f"{at}, {self.method}"
         error = f"{self.total_error:.2g}" if self.status != "diverged" else "—"
         return (
             f"{self.label}, dt = {self.dt:.4g}{self.units.suffix('s')}, {self.precision}{at}: "

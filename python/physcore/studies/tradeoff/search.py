@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
+from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.studies import clock
@@ -117,7 +118,11 @@ class WorkPrecisionDiagram:
         return max(2, int(np.sum(self.chaos.times <= self.chaos.horizon)))
 
     def rows(
-        self, resolution: float | None = None, discretization_error: float = 0.0, fluids: FluidMethod | None = None
+        self,
+        resolution: float | None = None,
+        discretization_error: float = 0.0,
+        fluids: FluidMethod | None = None,
+        contacts: ContactSolver | None = None,
     ) -> list[Row]:
         """The rows; `time` must be called before."""
         return [
@@ -141,6 +146,7 @@ class WorkPrecisionDiagram:
                 discretization_error=discretization_error,
                 bias=measurement.bias,
                 fluids=fluids,
+                contacts=contacts,
                 units=self.experiment.scene.units,
                 prediction=series.prediction(measurement) if measurement.held_out else None,
             )

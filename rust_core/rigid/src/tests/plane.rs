@@ -137,14 +137,14 @@ fn random(seed: &mut u64) -> f64 {
 
 #[test]
 fn a_pile_settles() {
-    for large in [1000, 1] {
-        pile(large);
+    for sequential in [1000, 0] {
+        pile(sequential);
     }
 }
 
-fn pile(large: usize) {
+fn pile(sequential: usize) {
     let mut lab = Laboratory::new(2, DOWN);
-    lab.world.solver.large = large;
+    lab.world.solver.sequential = sequential;
     lab.add_plane(DVec3::Y, 0.5, 0.2);
     lab.add_wall(DVec3::X, DVec3::new(-0.6, 0.0, 0.0), 0.5, 0.2);
     lab.add_wall(-DVec3::X, DVec3::new(0.6, 0.0, 0.0), 0.5, 0.2);
@@ -162,7 +162,7 @@ fn pile(large: usize) {
         let time = start.elapsed().as_secs_f64();
         if (drift - last).abs() > 0.1 || time > 0.1 || step % 60 == 59 {
             println!(
-                "{large} {step} overlap {:.1e} drift {drift} dissipated {} energy {} {time} s",
+                "{sequential} {step} overlap {:.1e} drift {drift} dissipated {} energy {} {time} s",
                 lab.overlap(),
                 lab.meters.dissipated,
                 lab.energy()

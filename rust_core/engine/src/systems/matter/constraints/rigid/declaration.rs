@@ -7,7 +7,7 @@ use physcore_rigid::mover::Mover;
 use physcore_rigid::rotation::{Inertia, Orientation};
 use physcore_rigid::rows::Friction;
 use physcore_rigid::shapes::{self, MassProperties, Shape};
-use physcore_rigid::world::{FixedSolid, Motion, Point, RigidWorld, Solid, Turn, WORLD, WorldJoint};
+use physcore_rigid::world::{ContactSolver, FixedSolid, Motion, Point, RigidWorld, Solid, Turn, WORLD, WorldJoint};
 
 use super::RigidBodies;
 use crate::error::{Error, Result};
@@ -38,6 +38,7 @@ impl RigidBodies {
             return Err(Error::parameter(&fluid.item.path, "no fluid in a scene with rigid bodies", &fluid.item.kind));
         }
         let mut world = RigidWorld::new(scene.dimension == 2);
+        world.solver = solver(&first.item)?;
         let engine = properties.engine();
         let mut particles = Vec::new();
         let mut places = vec![None; scene.count()];
@@ -85,6 +86,23 @@ impl RigidBodies {
         }
         Ok(())
     }
+}
+
+/// Numerics of contacts, which stand in the record of the first rigid bodies; the default where there is none.
+fn solver(item: &Item) -> Result<ContactSolver> {
+    if !item.values.contains_key("contacts") {
+        return Ok(ContactSolver::default());
+    }
+    let record = item.record("contacts")?;
+    let whole = |name: &str, least: f64| match record.number(name)? {
+        number if number >= least && number.fract() == 0.0 => Ok(number as usize),
+        _ => Err(record.wrong(name, &format!("a whole number ≥ {least}"), record.values.get(name))),
+    };
+    Ok(ContactSolver {
+        substeps: whole("substeps", 1.0)?,
+        iterations: whole("iterations", 1.0)?,
+        sequential: whole("sequential", 0.0)?,
+    })
 }
 
 /// Adds the rigid bodies of an item.

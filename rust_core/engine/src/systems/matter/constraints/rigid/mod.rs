@@ -9,7 +9,7 @@ use glam::DVec3;
 use physcore_rigid::mover::Mover;
 use physcore_rigid::pose::Pose;
 use physcore_rigid::rotation::Orientation;
-use physcore_rigid::world::{Motion, Point, RigidState, RigidWorld, Turn, WORLD};
+use physcore_rigid::world::{ContactSolver, Motion, Point, RigidState, RigidWorld, Turn, WORLD};
 
 use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::error::{Error, Result};
@@ -150,6 +150,12 @@ impl<V: Space> Constraint<V> for RigidBodies {
         }
         if !self.points.is_empty() {
             note += &format!(", {} may meet them", counted(self.points.len(), "particle", "particles"));
+        }
+        let ContactSolver { substeps, iterations, sequential } = self.world.solver;
+        if self.particles.len() > sequential {
+            let pieces = counted(substeps, "substep", "substeps");
+            let sweeps = counted(iterations, "iteration", "iterations");
+            note += &format!(", groups of more than {sequential} in {pieces} with {sweeps}");
         }
         ConstraintProperties {
             name: "rigid bodies",
