@@ -9,10 +9,10 @@ use glam::DVec3;
 
 use crate::collision;
 use crate::direct;
-use crate::island::{Accuracy, Contact, Island, Pair};
+use crate::island::{Accuracy, Contact, Island, LIMIT_BOUNDS, LIMITS, Pair};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{ContactRow, JointRows, Rows, Velocities};
+use crate::rows::{BoundedRow, ContactRow, JointRows, Rows, Velocities};
 use crate::shapes::Shape;
 
 /// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
@@ -185,6 +185,8 @@ impl Island {
             let equations = held.joint.equations(held.bodies.map(|body| &self.movers[body]));
             rows.joints.push(JointRows::new(held.bodies, equations.into_iter().map(|(row, _)| row).collect(), &v));
         }
+        let limits = self.closed_limits(&v);
+        rows.bounds.extend(limits.iter().map(|(_, row)| *row));
         for ((row, _, _), &target) in struck.iter().zip(targets) {
             rows.contacts.push(row.anew(target));
         }
@@ -195,9 +197,30 @@ impl Island {
             return false;
         }
         rows.apply(&mut self.movers);
-        self.meters.dissipated += lost.max(0.0);
+        self.meters.dissipated += (lost + rows.stopped(&start, &v)).max(0.0);
         self.meters.work += rows.supplied(&start, &v);
+        for (held, joint) in self.joints.iter_mut().zip(&rows.joints) {
+            joint.rows.iter().for_each(|row| held.react(row));
+        }
+        for ((joint, _), bounded) in limits.iter().zip(&rows.bounds) {
+            self.joints[*joint].react(&bounded.row);
+        }
         true
+    }
+
+    /// Rows of the limits that joints have reached, with the joints.
+    fn closed_limits(&self, v: &Velocities) -> Vec<(usize, BoundedRow)> {
+        let mut rows = Vec::new();
+        for (index, held) in self.joints.iter().enumerate() {
+            let Some((row, place)) = held.joint.freedom(held.bodies.map(|body| &self.movers[body])) else { continue };
+            for which in LIMITS {
+                let open = (place - held.joint.limits[which]) * if which == 0 { 1.0 } else { -1.0 };
+                if open <= CLOSED {
+                    rows.extend(BoundedRow::new(held.bodies, row, LIMIT_BOUNDS[which], v).map(|row| (index, row)));
+                }
+            }
+        }
+        rows
     }
 
     /// Time of the first impact on the paths of a piece.

@@ -96,15 +96,28 @@ pub struct HeldJoint {
     /// Mean forces of the rows and of the bounds in the last piece.
     pub loads: [f64; MOST_ROWS],
     pub bounds: [f64; 3],
-    /// Impulse on the second body, and angular impulse, in this step.
+    /// Impulse on the second body, and angular impulse about its anchor, in this step.
     pub reaction: [DVec3; 2],
+}
+
+impl HeldJoint {
+    /// Adds the impulse of a row to the reaction.
+    pub fn react(&mut self, row: &Row) {
+        self.reaction[0] += row.impulse * row.linear;
+        // Forces act at the anchor.
+        if row.linear == DVec3::ZERO {
+            self.reaction[1] += row.impulse * row.angular[1];
+        }
+    }
 }
 
 /// Energies of a group in a step [J].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Meters {
-    /// Dissipated by contacts.
+    /// Dissipated by contacts and by the limits of joints.
     pub dissipated: f64,
+    /// Dissipated by the damping of springs.
+    pub damped: f64,
     /// Supplied by motors, and by bodies that move as prescribed.
     pub work: f64,
 }
@@ -377,7 +390,7 @@ impl Island {
             });
             first.rows.joints.push(JointRows::new(held.bodies, rows.collect(), v));
             let Some((row, place)) = held.joint.freedom(held.bodies.map(|body| &self.movers[body])) else { continue };
-            for (which, bounds, target) in bounds_of(&held.joint, place, length) {
+            for (which, bounds, target) in bounds_of(&held.joint, place, (length, h)) {
                 let row = Row { target, impulse: (0.5 * length * held.bounds[which]).clamp(bounds[0], bounds[1]), ..row };
                 if let Some(bounded) = BoundedRow::new(held.bodies, row, bounds, v) {
                     first.rows.bounds.push(bounded);
@@ -458,16 +471,18 @@ impl Island {
             let equations = equations.map(|((row, _), past)| Row { impulse: past.impulse, ..row });
             rows.joints.push(JointRows::new(held.bodies, equations.collect(), v));
         }
-        for (past, &(index, _)) in first.rows.bounds.iter().zip(&first.bounded) {
+        for (past, &(index, which)) in first.rows.bounds.iter().zip(&first.bounded) {
             let held = &self.joints[index];
             let row = held.joint.freedom(held.bodies.map(|body| &self.movers[body])).map_or(past.row, |(row, _)| row);
-            let (target, bounds) = match held.joint.motor {
-                Some(motor) if past.bounds[0] < 0.0 && past.bounds[1] > 0.0 => (motor.speed, past.bounds),
-                _ if past.bounds[0] == 0.0 => (0.0, [-past.row.impulse, f64::INFINITY]),
-                _ => (0.0, [f64::NEG_INFINITY, -past.row.impulse]),
+            let (target, bounds) = if which == MOTOR {
+                (past.row.target, past.bounds)
+            } else if past.row.impulse == 0.0 {
+                // A limit that is not reached.
+                (0.0, [0.0; 2])
+            } else {
+                // Both halves together do not pull.
+                (0.0, past.bounds.map(|bound| if bound == 0.0 { -past.row.impulse } else { bound }))
             };
-            let active = past.row.impulse != 0.0 || held.joint.motor.is_some();
-            let bounds = if active { bounds } else { [0.0; 2] };
             let row = Row { target, impulse: past.row.impulse.clamp(bounds[0], bounds[1]), ..row };
             rows.bounds.extend(BoundedRow::new(past.bodies, row, bounds, v));
         }
@@ -537,11 +552,7 @@ impl Island {
 
     /// Adds the impulses of joints in a piece.
     pub fn keep_reactions(&mut self, first: &FirstHalf, rows: &Rows) {
-        let mut add = |joint: usize, row: &Row| {
-            let reaction = &mut self.joints[joint].reaction;
-            reaction[0] += row.impulse * row.linear;
-            reaction[1] += row.impulse * row.angular[1];
-        };
+        let mut add = |joint: usize, row: &Row| self.joints[joint].react(row);
         for half in [&first.rows, rows] {
             half.joints.iter().enumerate().for_each(|(joint, rows)| rows.rows.iter().for_each(|row| add(joint, row)));
             half.bounds.iter().zip(&first.bounded).for_each(|(bounded, &(joint, _))| add(joint, &bounded.row));
@@ -573,19 +584,27 @@ pub fn lost(row: &ContactRow, strikes: bool, before: (DVec3, DVec3), after: (DVe
     -row.work(before, after) + if strikes { 0.0 } else { normal }
 }
 
-/// Bounded rows of a joint in half a piece: which of them, bounds of the impulse, and target.
-fn bounds_of(joint: &Joint, place: f64, length: f64) -> Vec<(usize, [f64; 2], f64)> {
+/// Bounded rows of a joint.
+pub const LIMITS: [usize; 2] = [0, 1];
+const MOTOR: usize = 2;
+
+/// Bounds of the impulse of a lower and of an upper limit.
+pub const LIMIT_BOUNDS: [[f64; 2]; 2] = [[0.0, f64::INFINITY], [f64::NEG_INFINITY, 0.0]];
+
+/// Bounded rows of a joint in half a piece of a step of `h` seconds: which of them, bounds of the impulse, and target. A limit
+/// that is overrun is reached again within a step, however short the piece is.
+fn bounds_of(joint: &Joint, place: f64, (length, h): (f64, f64)) -> Vec<(usize, [f64; 2], f64)> {
     let mut rows = Vec::new();
-    let [lower, upper] = joint.limits;
-    if lower.is_finite() {
-        rows.push((0, [0.0, f64::INFINITY], (lower - place) / length));
-    }
-    if upper.is_finite() {
-        rows.push((1, [f64::NEG_INFINITY, 0.0], (upper - place) / length));
+    for which in LIMITS {
+        let way = joint.limits[which] - place;
+        let beyond = if which == 0 { way > 0.0 } else { way < 0.0 };
+        if way.is_finite() {
+            rows.push((which, LIMIT_BOUNDS[which], way / if beyond { h } else { length }));
+        }
     }
     if let Some(motor) = joint.motor {
         let most = 0.5 * length * motor.most;
-        rows.push((2, [-most, most], motor.speed));
+        rows.push((MOTOR, [-most, most], motor.speed));
     }
     rows
 }

@@ -158,8 +158,8 @@ impl Island {
         }
         self.take_velocities(v);
         for mover in &mut self.movers {
-            if self.planar && !last {
-                // The rotation matrix is needed at the end of the step alone.
+            if self.planar && !last && !joined {
+                // Contacts need the rotation matrix at the end of the step alone.
                 mover.orientation.angle += length * mover.angular_velocity().z;
                 mover.position += length * mover.velocity;
             } else {
