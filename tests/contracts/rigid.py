@@ -1,4 +1,4 @@
-"""Rigid bodies in the contracts: their state as points that move with them, and what becomes of them in other coordinates.
+"""Rigid bodies in the contracts: their state as points that move with them, and what other coordinates make of them.
 
 A body is its center and the tips of arrows from there along its axes. Tips move as points of any kind, in a mirror too.
 """
@@ -53,7 +53,7 @@ def quaternion(rotation: Array) -> Array:
 
 
 def arrows(body: pc.RigidBodies, part: Any, axes: int) -> tuple[list[Array], list[Array]]:
-    """Arrows along the first axes of bodies, and their rates of change, shape (…, B, D) each, in a state or recording."""
+    """Arrows along the first axes of bodies, and their rates of change, shape (…, B, D) each."""
     length = gyration(body)
     if body.dimension == 2:
         along = [np.stack([np.cos(part.angles), np.sin(part.angles)], axis=-1)]
@@ -170,7 +170,11 @@ def shape(given: Any, t: Transform) -> Any:
         return pc.Hull(given.points @ mirror * t.m)
     if isinstance(given, pc.Compound):
         parts = [shape(each, t) for each in given.shapes]
-        turns = None if given.orientations is None else given.orientations * np.where(np.diag(mirror)[-1] < 0, (1, -1, -1, 1), 1)
+        turns = (
+            None
+            if given.orientations is None
+            else given.orientations * np.where(np.diag(mirror)[-1] < 0, (1, -1, -1, 1), 1)
+        )
         angles = None if given.angles is None else given.angles * np.linalg.det(mirror)
         return pc.Compound(parts, given.positions @ mirror * t.m, angles, turns)
     return type(given)(**{name: value * t.m for name, value in vars(given).items() if name != "_properties"})
@@ -190,7 +194,9 @@ def bodies(body: pc.RigidBodies, t: Transform, order: NDArray[np.int64]) -> pc.R
         turns["orientations"] = np.array([_orientation(t, each) for each in body.orientations])[order]
     elif len(t.axes) == 3:
         across = np.column_stack([t.axes, turning(t)])
-        rotations = matrices(np.stack([np.cos(body.angles / 2), *[0 * body.angles] * 2, np.sin(body.angles / 2)], axis=-1))
+        rotations = matrices(
+            np.stack([np.cos(body.angles / 2), *[0 * body.angles] * 2, np.sin(body.angles / 2)], axis=-1)
+        )
         turns["orientations"] = np.array([quaternion(across @ each) for each in rotations])[order]
     else:
         turns["angles"] = (np.linalg.det(t.axes) * body.angles + np.arctan2(t.axes[1, 0], t.axes[0, 0]))[order]

@@ -1,4 +1,4 @@
-"""Scenes with rigid bodies: free flight, impacts, stacks, joints, motors, particles, and bodies that move as prescribed."""
+"""Scenes with rigid bodies: free flight, impacts, stacks, joints, motors, particles, and bodies that are driven."""
 
 from __future__ import annotations
 
@@ -80,7 +80,9 @@ def die() -> pc.Scene:
         friction=0.4,
         restitution=0.3,
     )
-    return pc.Scene(body, pc.Plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), restitution=0.3, friction=0.3), pc.Gravity((0, 0, -G)))
+    return pc.Scene(
+        body, pc.Plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), restitution=0.3, friction=0.3), pc.Gravity((0, 0, -G))
+    )
 
 
 def linkage() -> pc.Scene:

@@ -93,7 +93,10 @@ def moves_along(name: str) -> bool:
     scene = SCENES[name].scene()
     if isinstance(SCENES[name].numerics.get("integrator"), pc.ProjectiveDynamics):
         return False  # Its iterations start from the positions of the step before, and end before they converge.
-    held = (isinstance(each, pc.Wire) or (each.element == "joints" and None in (each.one, each.other)) for each in scene.constraints)
+    held = (
+        isinstance(each, pc.Wire) or (each.element == "joints" and None in (each.one, each.other))
+        for each in scene.constraints
+    )
     stands = scene.boundaries or any(held)
     return bool(scene.bodies) and not stands and not any(map(is_resting, scene.forces))
 

@@ -120,7 +120,7 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.Sphere: {"center": point, "radius": scalar(1)},
     pc.Capsule: {"start": point, "end": point, "radius": scalar(1)},
     pc.ConvexHull: {"points": Transform.points},
-    **dict.fromkeys((pc.Hinge, pc.BallJoint, pc.Weld), {"anchor": point, "breaking_force": scalar(1, -2, 1)}),
+    **{kind: {"anchor": point, "breaking_force": scalar(1, -2, 1)} for kind in (pc.Hinge, pc.BallJoint, pc.Weld)},
     pc.Prismatic: {
         "anchor": point,
         "axis": vector(),

@@ -58,7 +58,7 @@ def named(message: str, scene: Scene) -> str:
 
 
 def describe(scene: Scene, numerics: Numerics) -> dict[str, object]:
-    """A scene as plain dictionaries, numbers and arrays: the records of its items, of fluids and rigid bodies with their methods."""
+    """A scene as plain dictionaries, numbers and arrays: the records of its items with their methods."""
     methods = [numerics.fluids.get(scene.path(index)) for index in range(len(scene.bodies))]
     return {
         "dimension": scene.dimension,

@@ -70,9 +70,9 @@ def simulate(
         events: events to look for, such as `pc.Event.crossing("ball", "y", 0.5)`, for `Recording.events`. A terminal
             one ends the run; the last frame is at or before it. With `accuracy` or `energy_drift`, the chosen run is
             repeated for them.
-        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, contacts, as in Simulation. dt
-            must not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for each item, no
-            other is tried.
+        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, contacts, as in
+            Simulation. dt must not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for
+            each item, no other is tried.
 
     Raises:
         SceneError, SimulationDiverged: as for Simulation.

@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use crate::collision;
+use crate::direct;
 use crate::island::{Accuracy, Contact, Island, LIMIT_BOUNDS, LIMITS, Pair};
 use crate::mover::Mover;
 use crate::pose::Pose;
@@ -28,8 +29,8 @@ const MOST_ITERATIONS: usize = 200;
 /// Length of a piece that is not taken, over the step.
 const SHORTEST: f64 = 1e-9;
 /// Number of pieces of a step: these, and so many for each body.
-const PIECES: usize = 16;
-const PIECES_PER_BODY: usize = 2;
+const PIECES: usize = 8;
+const PIECES_PER_BODY: usize = 1;
 
 /// Path of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
 struct Path<'a> {
@@ -66,8 +67,8 @@ impl Path<'_> {
 }
 
 impl Island {
-    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. After many impacts the rest
-    /// of the step is taken in equal pieces.
+    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. After many impacts, or
+    /// where many contacts bear, the rest of the step is taken in equal pieces.
     pub fn advance(&mut self, shapes: &[Shape], h: f64, rest: (usize, Accuracy)) {
         let most = PIECES + PIECES_PER_BODY * self.movers.len();
         let mut time = 0.0;
@@ -84,6 +85,9 @@ impl Island {
             self.find_contacts(shapes, reach);
             self.strike(h);
             self.hold_resting(h);
+            if !self.is_small() {
+                break;
+            }
             let start = self.movers.clone();
             let remaining = h - time;
             self.begin_piece(remaining, h);
@@ -100,6 +104,14 @@ impl Island {
             }
         }
         self.sweep(shapes, h - time, rest);
+    }
+
+    /// Whether the rows that hold are few enough to be solved by Newton steps.
+    fn is_small(&self) -> bool {
+        let tangents = if self.planar { 1 } else { 2 };
+        let contacts = self.contacts.iter().filter(|contact| contact.held).count() * (1 + tangents);
+        let joints: usize = self.joints.iter().map(|held| self.equations(held).len()).sum();
+        contacts <= direct::MOST_OF_CONTACTS && contacts + joints <= direct::MOST
     }
 
     /// Holds the contacts that are closed and do not open in this step.

@@ -35,7 +35,7 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// Parameters of small groups.
-    pub const FINE: Self = Self { iterations: 400, velocities: 1e-11, linearizations: 10, positions: 1e-11 };
+    pub const FINE: Self = Self { iterations: 200, velocities: 1e-10, linearizations: 10, positions: 1e-11 };
 }
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
@@ -298,7 +298,7 @@ impl Island {
     }
 
     /// Equations of a joint at the present poses.
-    fn equations(&self, held: &HeldJoint) -> arrayvec::ArrayVec<(Row, f64), MOST_ROWS> {
+    pub fn equations(&self, held: &HeldJoint) -> arrayvec::ArrayVec<(Row, f64), MOST_ROWS> {
         held.joint.equations(held.bodies.map(|body| &self.movers[body]))
     }
 

@@ -495,13 +495,14 @@ impl Rows {
     /// came to that. A Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
     pub fn solve(&mut self, v: &mut Velocities, tolerance: f64, most: usize) -> bool {
         let mut before: Option<(f64, Vec<f64>, Velocities)> = None;
-        let mut newton = true;
+        // Iterations from one Newton step to the next, and to the next decision.
+        let (mut wait, mut next) = (SWEEPS, SWEEPS);
         for iteration in 0..most {
             let change = self.relax_all(iteration, v);
             if change <= tolerance {
                 return true;
             }
-            if (iteration + 1) % SWEEPS != 0 {
+            if iteration + 1 < next {
                 continue;
             }
             if let Some((change_before, impulses, velocities)) = before.take()
@@ -509,12 +510,14 @@ impl Rows {
             {
                 self.set_impulses(&impulses);
                 *v = velocities;
-                newton = false;
+                wait *= 2;
+                next += wait;
+                continue;
             }
-            if newton && iteration + 1 + SWEEPS <= most {
+            next += SWEEPS;
+            if next <= most {
                 let saved = (change, self.impulses(), v.clone());
-                newton = self.solve_held(v);
-                before = newton.then_some(saved);
+                before = self.solve_held(v).then_some(saved);
             }
         }
         false

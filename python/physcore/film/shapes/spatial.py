@@ -33,6 +33,8 @@ BEVEL = 0.12
 """Width of the rounded edge of a polytope, relative to the inner radius of its smallest face."""
 WIDEST = 2.4
 """Largest width of a rounded edge [pixels]."""
+THINNEST = 0.6
+"""Width below which edges are not rounded [pixels]."""
 EDGE = 1.08
 """Tone of the rounded edges of a polytope."""
 BAND = (0.66, 0.84)
@@ -138,14 +140,15 @@ def polytope(points: FloatArray, scale: float, tones: tuple[float, float]) -> Me
     normals = [_normal(facet) for facet in facets]
     piece = max(PIECE / scale, math.sqrt(sum(float(np.linalg.norm(_area(facet))) for facet in facets) / MANY))
     bevel = min(BEVEL * min(_inradius(facet) for facet in facets), WIDEST / scale)
+    sharp = bevel * scale < THINNEST
     axis = np.eye(3)[int(np.argmax(np.ptp(points, axis=0)))]
     low, high = float((points @ axis).min()), float((points @ axis).max())
     planes = [low + share * (high - low) for share in (0.0, *BAND, 1.0)]
     meshes = []
     for facet, normal in zip(facets, normals, strict=True):
-        panel, level = _inset(facet, normal, bevel), np.tile(normal, (len(facet), 1))
+        panel, level = facet if sharp else _inset(facet, normal, bevel), np.tile(normal, (len(facet), 1))
         pieces = [(panel, level, 1.0)]
-        for k in range(len(facet)):
+        for k in range(0 if sharp else len(facet)):
             after = (k + 1) % len(facet)
             edge = normal + _across(facets, normals, facet, k)
             edge = edge / np.linalg.norm(edge)

@@ -17,7 +17,7 @@ from physcore.scene.solids import Shape
 RIM = (0.14, 0.8, 2.0)
 """Width of a rim relative to the reach of the shape; its least and largest width [pixels]."""
 SMALL = 5.0
-"""Reach below which a mark is a line, and half of it below which there is none [pixels]."""
+"""Reach below which a mark is a line, and half of it below which there is no mark and no rim [pixels]."""
 FILL, MARK, EDGE = 0.22, 1.1, 0.42
 """Share of the background in a fill; lightness of a mark, as of `varied`; share of the color of text in a rim."""
 
@@ -73,7 +73,7 @@ class PlanarSolids:
                 _triangles(canvas, points, starts, face.triangles, fill, theme)
             if marked and reach > SMALL:
                 _triangles(canvas, points, starts, face.painted, mark, theme)
-            if not round_:
+            if not round_ and reach > SMALL / 2.0:
                 ends = points[starts[:, np.newaxis, np.newaxis] + face.rim].reshape(-1, 4)
                 ink = np.repeat(inks(rim, theme, None), len(face.rim), axis=0)
                 canvas.lines(np.ascontiguousarray(ends), np.full(len(ends), width, dtype=np.float32), ink)

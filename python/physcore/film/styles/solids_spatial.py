@@ -16,7 +16,7 @@ from physcore.scene.solids import Ball, Shape
 
 STEP = 1.25
 """Ratio of the scales at which a mesh is made anew."""
-SMALL = 3.0
+SMALL = 4.0
 """Radius below which a ball is drawn without a mark [pixels]."""
 ROUND = 1.0 / 0.94
 """Size of a polyhedron of 26 directions around a unit ball."""

@@ -164,7 +164,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
             varies: true,
             exact: true,
             iterates: true,
-            cost: 500.0 * self.particles.len() as f64,
+            cost: 3000.0 * self.particles.len() as f64,
         }
     }
 

@@ -1,0 +1,108 @@
+"""The solver of contacts is given beside the scene, saved, stated in the plan, and compared."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from contracts.rigid_scenes import heap
+
+COUNT = 12
+SWEPT = pc.ContactSolver(substeps=8, iterations=3, sequential=4)
+LONELY = pc.Scene(pc.Particles([[0.0, 0.0]]))
+
+
+def after(steps: int = 60, scene: pc.Scene | None = None, **numerics: object) -> pc.Simulation:
+    run = pc.Simulation(scene or heap(COUNT), dt=1 / 240, **numerics)
+    run.step(steps)
+    return run
+
+
+def test_a_large_group_is_swept_and_a_small_one_is_not():
+    assert (
+        after(contacts="auto").state_hash() == after().state_hash() == after(contacts=pc.ContactSolver()).state_hash()
+    )
+    large = after(contacts=pc.ContactSolver(sequential=COUNT - 1))
+    assert large.state_hash() != after().state_hash()
+    # A group of as many bodies as that is none of the large ones, whose parts then do not matter.
+    assert after(contacts=pc.ContactSolver(9, 5, sequential=COUNT)).state_hash() == after().state_hash()
+    assert large.state_hash() != after(contacts=pc.ContactSolver(8, sequential=COUNT - 1)).state_hash()
+    assert large.state_hash() != after(contacts=pc.ContactSolver(iterations=4, sequential=COUNT - 1)).state_hash()
+
+
+def tower(count: int = 8) -> pc.Scene:
+    boxes = pc.RigidBodies(pc.Rectangle(0.2, 0.2), [(0.0, 0.1 + 0.2 * k) for k in range(count)], friction=0.5)
+    return pc.Scene(boxes, pc.Floor(0.0, friction=0.5), pc.Gravity((0.0, -9.81)))
+
+
+def test_more_substeps_and_iterations_hold_a_tower_better():
+    """At rest: the top of the tower sinks the less, and not at all where contacts are solved to rounding."""
+
+    def sunk(**options: int) -> float:
+        run = after(240, tower(), contacts=pc.ContactSolver(**options))
+        return float(np.abs(run[0].positions[:, 1] - tower().bodies[0].positions[:, 1]).max())
+
+    assert sunk(sequential=8) < 1e-12
+    coarse = sunk(substeps=1, iterations=1, sequential=0)
+    assert coarse > 1e-6
+    assert sunk(substeps=8, iterations=1, sequential=0) < 0.5 * coarse
+    assert sunk(substeps=1, iterations=8, sequential=0) < 0.5 * coarse
+
+
+def test_the_plan_states_how_large_groups_are_taken():
+    (note,) = [note for note in after(0, contacts=SWEPT).plan.notes if note.startswith("rigid bodies: ")]
+    assert note.endswith("groups of more than 4 in 8 substeps with 3 iterations")
+    assert "groups" not in str(after(0).plan)
+
+
+def test_a_solver_is_saved_pickled_and_kept_in_a_changed_scene(tmp_path):
+    run = after(10, contacts=SWEPT)
+    run.save(tmp_path / "run.npz")
+    others = [pc.load(tmp_path / "run.npz"), pickle.loads(pickle.dumps(run))]
+    run.step(10)
+    for other in others:
+        other.step(10)
+        assert other.state_hash() == run.state_hash()
+        assert other.provenance == run.provenance
+    fields = {"substeps": 8, "iterations": 3, "sequential": 4}
+    assert run.provenance.numerics["contacts"] == {"kind": "ContactSolver", "fields": fields}
+    assert "contacts" not in pc.Simulation(LONELY).provenance.numerics
+    run.replace(pc.Scene(*run.scene.bodies, *run.scene.boundaries, pc.Gravity((0.0, -5.0))))
+    assert run.provenance.numerics["contacts"] == {"kind": "ContactSolver", "fields": fields}
+
+
+def test_solvers_of_the_same_parameters_are_equal():
+    assert pc.ContactSolver(4, 2, 32) == pc.ContactSolver() != SWEPT
+    assert len({pc.ContactSolver(), pc.ContactSolver(), SWEPT}) == 2
+
+
+def test_solvers_are_compared_in_a_tradeoff():
+    trade = pc.tradeoff(heap(5), 0.1, dts=[1 / 320], contacts=[SWEPT, "auto", pc.ContactSolver()], budget=0.5)
+    assert [row.contacts for row in trade.rows] == [SWEPT, pc.ContactSolver()]
+    assert "ContactSolver(substeps=8, iterations=3, sequential=4)" in str(trade)
+    for row in trade.rows:
+        assert row.numerics["contacts"] == row.contacts
+        pc.Simulation(heap(5), **row.numerics).step(1)
+    assert pc.tradeoff(heap(5), 0.1, dts=[1 / 320], budget=0.5).rows[0].contacts is None
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: pc.ContactSolver(substeps=0), r"ContactSolver.substeps: must be ≥ 1, got 0"),
+        (lambda: pc.ContactSolver(iterations=1.5), r"ContactSolver.iterations: must be a whole number, got 1.5"),
+        (lambda: pc.ContactSolver(sequential=-1), r"ContactSolver.sequential: must be ≥ 0, got -1"),
+        (lambda: after(0, contacts=8), r"contacts: must be a ContactSolver\(…\) or 'auto', got 8"),
+        (lambda: after(0, contacts=pc.ContactSolver), r"contacts: .*; write ContactSolver\(\)"),
+        (lambda: after(0, LONELY, contacts=SWEPT), "contacts: there are no rigid bodies in this scene"),
+        (lambda: pc.tradeoff(LONELY, 0.1, contacts=["auto"]), "contacts: there are no rigid bodies in this scene"),
+        (lambda: pc.tradeoff(heap(2), 0.1, contacts=[]), "contacts: must not be empty"),
+        (lambda: pc.tradeoff(heap(2), 0.1, contacts=[1]), r"contacts\[0\]: must be a ContactSolver"),
+    ],
+)
+def test_what_is_no_solver_is_refused(make, message):
+    with pytest.raises(pc.SceneError, match=message):
+        make()
