@@ -336,3 +336,74 @@ def test_a_particle_hangs_on_a_body():
     recording = pc.simulate(pc.Scene(box, bead, joint), 1.0, fps=20, dt=1 / 240)
     np.testing.assert_allclose(recording.momentum, [(4.0, 0.0)] * 21, atol=1e-12)
     np.testing.assert_allclose(recording[bead].positions[-1, 0], (1.3, 0.1), atol=1e-6)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_angles_and_speeds_are_those_of_one_relative_to_other(dimension):
+    """Both ends of a motor, and both orders of the items: the wheel turns at +3, or the world against it."""
+    axis = None if dimension == 2 else (0.0, 0.0, 2.0)
+    center = (0.0,) * dimension
+    for world_first in (False, True):
+        wheel = pc.RigidBody(pc.Disc(0.2) if dimension == 2 else pc.Ball(0.2), center, mass=5.0)
+        ends = (None, wheel) if world_first else (wheel, None)
+        axle = pc.Hinge(*ends, center, axis)
+        motor = pc.Motor(axle, 3.0, 5.0)
+        for items in ((axle, motor), (motor, axle)):
+            spin = pc.simulate(pc.Scene(wheel, *items), 0.5, dt=1 / 240)[wheel].angular_velocities[-1].ravel()[-1]
+            assert spin == pytest.approx(-3.0 if world_first else 3.0, rel=1e-9)
+
+
+def test_the_way_of_a_slider_is_that_of_one_relative_to_other():
+    """The axis turns with the second end: a slider on a turned block goes up, up to its upper limit."""
+    blocks = pc.RigidBodies(pc.Rectangle(0.2, 0.1), [(0.0, 0.0), (0.0, 1.0)], fixed=[0], mass=1.0)
+    slider = pc.Prismatic((blocks, 1), (blocks, 0), (0.0, 3.0), lower=-0.5, upper=0.25)
+    scene = pc.Scene(blocks, slider, pc.Motor(slider, 1.0, 50.0), DOWN)
+    y = pc.simulate(scene, 1.0, dt=1 / 240)[blocks].positions[-1, 1, 1]
+    assert y == pytest.approx(1.25, abs=1e-6)
+
+
+def test_the_budget_of_damped_springs_is_that_of_the_decay():
+    """A disc on a spring at m = 1: x = exp(−γ t/2) (…); the energy is in by_term, what it loses in dissipated_by."""
+    disc = pc.RigidBody(pc.Disc(0.1), (1.2, 0.0), mass=1.0)
+    spring = pc.SpringJoint(disc, None, [(1.2, 0.0), (0.0, 0.0)], 40.0, 0.5, 1.0)
+    recording = pc.simulate(pc.Scene(disc, spring), 2.0, fps=60, dt=1 / 960)
+    energy, t = recording.energy, recording.times
+    rate = math.sqrt(40.0 - 0.0625)
+    x = 0.2 * np.exp(-0.25 * t) * (np.cos(rate * t) + 0.25 / rate * np.sin(rate * t))
+    np.testing.assert_allclose(recording[disc].positions[:, 0, 0], 1.0 + x, atol=1e-4)
+    np.testing.assert_allclose(energy.by_term["joints"], 20.0 * x**2, atol=1e-3)
+    assert energy.dissipated_by["damping"][-1] == pytest.approx(0.8 * (1.0 - math.exp(-1.0)), rel=0.1)
+    assert np.abs(energy.drift).max() < 1e-3
+
+
+def test_a_spring_that_is_too_stiff_for_the_step_is_refused():
+    """The bound counts the rotation: ω² = k (1/m + r²/I) = 50 (0.5 + 1.49) of this bar, so dt < 2/ω = 0.2 s."""
+    bar = pc.RigidBody(pc.Rectangle(1.0, 0.1), (0.0, 0.0), mass=2.0)
+    spring = pc.SpringJoint(bar, None, [(0.5, 0.0), (0.5, 1.0)], 50.0)
+    limit = pc.Simulation(pc.Scene(bar, spring)).plan.dt_limit
+    assert limit == pytest.approx(2.0 / math.sqrt(50.0 * (0.5 + 0.25 / (2.0 * 1.01 / 12.0))), rel=1e-9)
+
+
+def test_a_particle_swings_on_a_spring_at_a_body():
+    """The body is fixed: ω² = k/m of the bead, which moves as on a spring of a network."""
+    box = pc.RigidBody(pc.Rectangle(0.2, 0.2), (0.0, 0.0), fixed=True)
+    bead = pc.Particles([[1.1, 0.1]], mass=0.5)
+    spring = pc.SpringJoint((bead, 0), box, [(1.1, 0.1), (0.1, 0.1)], 20.0, rest_length=0.9)
+    quarter = 0.5 * math.pi / math.sqrt(40.0)
+    recording = pc.simulate(pc.Scene(box, bead, spring), quarter, dt=quarter / 400, fps=1.0 / quarter)
+    assert recording[bead].positions[-1, 0] == pytest.approx((1.0, 0.1), abs=1e-5)
+    assert np.abs(recording.energy.drift).max() < 1e-4
+
+
+def test_broken_joints_exert_no_force_and_saved_ones_stay_broken(tmp_path):
+    planks = pc.RigidBodies(pc.Rectangle(1.0, 0.1), [(0.5, 0.0), (1.5, 0.0)], mass=(1.0, 20.0), name="planks")
+    welds = [pc.Weld(("planks", 0), None, (0.0, 0.0)), pc.Weld(("planks", 0), ("planks", 1), (1.0, 0.0), 100.0)]
+    simulation = pc.Simulation(pc.Scene(planks, *welds, DOWN), dt=1 / 240)
+    simulation.step(20)
+    simulation.save(tmp_path / "state")
+    runs = [simulation, pc.load(tmp_path / "state")]
+    for run in runs:
+        run.step(20)
+        np.testing.assert_allclose(run["planks"].velocities[1], (0.0, -G * 40 / 240), rtol=0.05, atol=1e-3)
+        np.testing.assert_array_equal(run.fields["joint_forces"][1], 0.0)
+    assert len({run.state_hash() for run in runs}) == 1

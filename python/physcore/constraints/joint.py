@@ -44,7 +44,8 @@ class PairJoint(Joint):
     """Base class of joints between two ends.
 
     The force of a joint [N] acts on `one`, and its torque [N·m] is that on `one` about the anchor. The opposite ones
-    act on `other`. Both are means over the last step.
+    act on `other`. Both are means over the last step, and 0 of a joint that is broken. Joined bodies do not touch each
+    other, unless a SpringJoint alone joins them.
     """
 
     one: End

@@ -81,7 +81,9 @@ class SpringJoint(Link):
         recording = pc.simulate(pc.Scene(box, spring, pc.Gravity()), 0.5, dt=1 / 240)
         recording[spring].force  # (F, 2), on the box [N]
 
-    A spring of length l and direction n between its anchors pulls with k (l − l₀) + c dl/dt along n [N].
+    A spring of length l and direction n between its anchors pulls with k (l − l₀) + c dl/dt along n [N]. Its energy is
+    by_term["joints"], and its damping counts as dissipated_by["damping"]. Bodies on a spring may touch each other.
+    Anchors that coincide exert no force, because they have no direction.
 
     Args:
         one, other: what is joined: a RigidBody, (bodies, index), (particles, index), their names, or None for the

@@ -56,14 +56,13 @@ class Budget(Generic[T]):
     """Dissipated energy by cause.
 
     The causes are `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]` (of fluids,
-    with the diffusion of their density) and `["contacts"]`. Contacts include restitution and friction. They also
-    include the energy that the pressure of walls and obstacles takes from a fluid, an error of the image particles that
+    with the diffusion of their density) and `["contacts"]`. Contacts include restitution, friction, and the limits of
+    joints. They also include the energy that the pressure of walls and obstacles takes from a fluid, an error of the image particles that
     vanishes with the spacing.
     """
     work: T
-    """Work done since the start by wind, custom forces, moving fixed particles, shifting, `Simulation.set` and
-    `Simulation.replace`, each
-    integrated separately; exactly 0 if there is none of them.
+    """Work done since the start by wind, custom forces, motors, moving fixed particles, shifting, `Simulation.set` and
+    `Simulation.replace`, each integrated separately; exactly 0 if there is none of them.
     """
     units: UnitSystem = field(default=SI, kw_only=True)
     """Units of the scene."""

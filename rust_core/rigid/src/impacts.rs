@@ -185,6 +185,7 @@ impl Island {
             let equations = held.joint.equations(held.bodies.map(|body| &self.movers[body]));
             rows.joints.push(JointRows::new(held.bodies, equations.into_iter().map(|(row, _)| row).collect(), &v));
         }
+        rows.link(&v);
         let limits = self.closed_limits(&v);
         rows.bounds.extend(limits.iter().map(|(_, row)| *row));
         for ((row, _, _), &target) in struck.iter().zip(targets) {

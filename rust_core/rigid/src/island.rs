@@ -143,6 +143,7 @@ impl FirstHalf {
     /// Removes the rows of joints.
     pub fn clear_joints(&mut self) {
         self.rows.joints.clear();
+        self.rows.system = None;
         self.rows.bounds.clear();
         self.bounded.clear();
         self.errors.clear();
@@ -398,6 +399,7 @@ impl Island {
                 }
             }
         }
+        first.rows.link(v);
     }
 
     /// Points of a contact that friction holds: in the frames of the two bodies, with the arm from there to the contact [m].
@@ -471,6 +473,7 @@ impl Island {
             let equations = equations.map(|((row, _), past)| Row { impulse: past.impulse, ..row });
             rows.joints.push(JointRows::new(held.bodies, equations.collect(), v));
         }
+        rows.link(v);
         for (past, &(index, which)) in first.rows.bounds.iter().zip(&first.bounded) {
             let held = &self.joints[index];
             let row = held.joint.freedom(held.bodies.map(|body| &self.movers[body])).map_or(past.row, |(row, _)| row);

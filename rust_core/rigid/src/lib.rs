@@ -18,6 +18,7 @@ mod direct;
 mod ground;
 pub mod impacts;
 pub mod island;
+mod joint_system;
 pub mod joints;
 pub mod mover;
 mod planar;

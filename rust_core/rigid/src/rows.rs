@@ -8,6 +8,7 @@
 use arrayvec::ArrayVec;
 use glam::{DMat3, DVec3};
 
+use crate::joint_system::JointSystem;
 use crate::mover::{Mover, perpendicular};
 
 /// Iterations between Newton steps.
@@ -55,6 +56,11 @@ impl Velocities {
                 self.angular[body] += self.inverse_inertia[body] * (h * mover.torque);
             }
         }
+    }
+
+    /// Whether impulses leave a body as it is.
+    pub fn is_fixed(&self, body: usize) -> bool {
+        self.inverse_mass[body] == 0.0
     }
 
     /// Velocity [m/s] and angular velocity [rad/s] of a body.
@@ -170,22 +176,34 @@ impl JointRows {
         Self { bodies, inverse: inverted(matrix, rows.len()), rows }
     }
 
+    /// Velocities that the rows lack.
+    pub fn lacks(&self, v: &Velocities) -> [f64; MOST_ROWS] {
+        let mut lacks = [0.0; MOST_ROWS];
+        self.rows.iter().zip(&mut lacks).for_each(|(row, lack)| *lack = row.target - row.velocity(self.bodies, v));
+        lacks
+    }
+
+    /// Adds impulses to the rows and to the velocities.
+    pub fn push(&mut self, impulses: &[f64; MOST_ROWS], v: &mut Velocities) {
+        for (row, impulse) in self.rows.iter_mut().zip(impulses) {
+            row.impulse += impulse;
+            row.push(*impulse, self.bodies, v);
+        }
+    }
+
     /// Solves the rows of this joint; returns the largest change of a relative velocity.
     fn relax(&mut self, v: &mut Velocities) -> f64 {
-        let Self { bodies, rows, inverse } = self;
-        let lacks: ArrayVec<f64, MOST_ROWS> = rows.iter().map(|row| row.target - row.velocity(*bodies, v)).collect();
-        for (row, weights) in rows.iter_mut().zip(inverse.iter()) {
-            let impulse: f64 = weights.iter().zip(&lacks).map(|(weight, lack)| weight * lack).sum();
-            row.impulse += impulse;
-            row.push(impulse, *bodies, v);
-        }
+        let lacks = self.lacks(v);
+        let of = |weights: &[f64; MOST_ROWS]| weights.iter().zip(&lacks).map(|(weight, lack)| weight * lack).sum();
+        let impulses = self.inverse.each_ref().map(of);
+        self.push(&impulses, v);
         lacks.iter().fold(0.0, |largest, lack| largest.max(lack.abs()))
     }
 }
 
 /// Inverse of the leading block of a symmetric positive definite matrix, by Gauss–Jordan elimination. Rows that depend on
 /// those before them get no weight.
-fn inverted(mut matrix: [[f64; MOST_ROWS]; MOST_ROWS], size: usize) -> [[f64; MOST_ROWS]; MOST_ROWS] {
+pub(crate) fn inverted(mut matrix: [[f64; MOST_ROWS]; MOST_ROWS], size: usize) -> [[f64; MOST_ROWS]; MOST_ROWS] {
     let mut inverse = [[0.0; MOST_ROWS]; MOST_ROWS];
     let scale: [f64; MOST_ROWS] = std::array::from_fn(|i| matrix[i][i]);
     (0..size).for_each(|i| inverse[i][i] = 1.0);
@@ -472,11 +490,18 @@ pub struct Rows {
     /// Whether the bodies move in the plane.
     pub planar: bool,
     pub joints: Vec<JointRows>,
+    /// Factorization for the joints; None if they are relaxed one by one.
+    pub(crate) system: Option<JointSystem>,
     pub bounds: Vec<BoundedRow>,
     pub contacts: Vec<ContactRow>,
 }
 
 impl Rows {
+    /// Factorizes the rows of the joints.
+    pub fn link(&mut self, v: &Velocities) {
+        self.system = JointSystem::new(&self.joints, v);
+    }
+
     /// Adds the initial impulses to the velocities.
     pub fn start(&self, v: &mut Velocities) {
         for joint in &self.joints {
@@ -526,7 +551,10 @@ impl Rows {
     /// Relaxes all rows once; returns the largest change of a relative velocity [m/s].
     pub fn relax_all(&mut self, iteration: usize, v: &mut Velocities) -> f64 {
         let mut change = 0.0_f64;
-        self.joints.iter_mut().for_each(|joint| change = change.max(joint.relax(v)));
+        match &self.system {
+            Some(system) => change = system.relax(&mut self.joints, v),
+            None => self.joints.iter_mut().for_each(|joint| change = change.max(joint.relax(v))),
+        }
         self.bounds.iter_mut().for_each(|bounded| change = change.max(bounded.relax(v)));
         let mut relax = |contact: &mut ContactRow| change = change.max(contact.relax(v));
         if iteration.is_multiple_of(2) {
