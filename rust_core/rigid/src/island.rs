@@ -118,7 +118,8 @@ pub struct FirstHalf {
     /// Gap of each contact, and error of each joint, that are left at the end of the piece.
     remainders: Vec<f64>,
     errors: Vec<arrayvec::ArrayVec<f64, MOST_ROWS>>,
-    /// Velocity and angular velocity of each contact after the drift.
+    /// Velocities after the drift, and velocity and angular velocity of each contact.
+    drifted: Velocities,
     middle: Vec<(DVec3, DVec3)>,
     /// Energies dissipated by contacts, and supplied [J].
     pub lost: f64,
@@ -327,6 +328,7 @@ impl Island {
                 self.row(contact, &v).map_or_else(Default::default, |row| (row.velocity(&v), row.turning(&v)))
             })
             .collect();
+        first.drifted = v;
         (self.first, self.open, self.step) = (first, length, h);
     }
 
@@ -395,7 +397,7 @@ impl Island {
         }
         for ((rows, held), errors) in first.rows.joints.iter_mut().zip(&self.joints).zip(&first.errors) {
             let bodies = rows.bodies;
-            size = size.min(held.bodies.iter().map(|&body| self.movers[body].arm).filter(|&arm| arm > 0.0).fold(1.0, f64::min));
+            size = size.min(held.joint.lever);
             for ((row, (_, error)), left) in rows.rows.iter_mut().zip(self.equations(held)).zip(errors) {
                 let error = error - left;
                 row.target = row.velocity(bodies, v) - error / length;
@@ -427,7 +429,7 @@ impl Island {
             let held = &self.joints[index];
             let row = held.joint.freedom(held.bodies.map(|body| &self.movers[body])).map_or(past.row, |(row, _)| row);
             let (target, bounds) = match held.joint.motor {
-                Some(motor) if past.bounds[0] < 0.0 && past.bounds[1] > 0.0 => (motor.speed, past.bounds),
+                Some(motor) if past.bounds[0] < 0.0 && past.bounds[1] > 0.0 => (held.joint.unit() * motor.speed, past.bounds),
                 _ if past.bounds[0] == 0.0 => (0.0, [-past.row.impulse, f64::INFINITY]),
                 _ => (0.0, [f64::NEG_INFINITY, -past.row.impulse]),
             };
@@ -459,13 +461,13 @@ impl Island {
         let tolerance = self.tolerance(length);
         rows.solve(&mut v, tolerance, self.accuracy.iterations);
         rows.apply(&mut self.movers);
-        let mut losses = first.lost + rows.stopped(&start, &v);
+        let mut losses = first.lost + rows.stopped(&first.drifted, &v);
         for ((row, &index), &middle) in rows.contacts.iter().zip(&first.contacts).zip(&first.middle) {
             losses += lost(row, self.contacts[index].strikes, middle, (row.velocity(&v), row.turning(&v)));
         }
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += losses.max(0.0);
-        self.meters.work += first.work + rows.supplied(&start, &v);
+        self.meters.work += first.work + rows.supplied(&first.drifted, &v);
         if length >= LONG * self.step {
             self.keep_loads(&first, &rows, length);
         }
@@ -524,14 +526,14 @@ fn bounds_of(joint: &Joint, place: f64, length: f64) -> Vec<(usize, [f64; 2], f6
     let mut rows = Vec::new();
     let [lower, upper] = joint.limits;
     if lower.is_finite() {
-        rows.push((0, [0.0, f64::INFINITY], (lower - place) / length));
+        rows.push((0, [0.0, f64::INFINITY], (joint.unit() * lower - place) / length));
     }
     if upper.is_finite() {
-        rows.push((1, [f64::NEG_INFINITY, 0.0], (upper - place) / length));
+        rows.push((1, [f64::NEG_INFINITY, 0.0], (joint.unit() * upper - place) / length));
     }
     if let Some(motor) = joint.motor {
-        let most = 0.5 * length * motor.most;
-        rows.push((2, [-most, most], motor.speed));
+        let most = 0.5 * length * motor.most / joint.unit();
+        rows.push((2, [-most, most], joint.unit() * motor.speed));
     }
     rows
 }
