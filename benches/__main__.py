@@ -1,4 +1,4 @@
-"""Every speed that physcore promises, beside NumPy, Numba and FFTW in one run: `make bench`, or `python benches`."""
+"""Every speed that physcore promises, beside NumPy, Numba and others in one run: `make bench`, or `python benches`."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ import numpy as np
 import overheads
 import particles
 import reactions
+import rigid
 import rods
 import self_contact
 import springs
@@ -106,6 +107,13 @@ TARGETS = (
     Target("two threads, tracers f32", 1.8, "times one"),
     Target("Boris f64", 0.3, "G particle-steps/s"),
     Target("two threads, Boris f64", 1.8, "times one"),
+    Target("discs", 0.8, "times the best peer", at_most=True),
+    Target("pyramid", 1.0, "times the best peer that stands", at_most=True),
+    Target("pyramid, displacement", rigid.STANDING, "sides", at_most=True),
+    Target("heap", 1.0, "times the best peer", at_most=True),
+    Target("tumbling, sin and cos", 0.85, "of Numba's speed"),
+    Target("two threads, 20 piles in 3D", 1.7, "times one"),
+    Target("two threads, 20 piles in 2D", 1.7, "times one"),
     Target("import", 0.15, "s", at_most=True),
     Target("accuracy=, cost", 6.0, "returned runs", at_most=True),
     Target("accuracy=, share used", 0.1, "of what was allowed"),
@@ -129,6 +137,7 @@ def main() -> None:
         | self_contact.main()
         | tracers.main()
         | charges.main()
+        | rigid.main()
         | overheads.main()
         | accuracy.main()
     )

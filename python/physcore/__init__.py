@@ -87,6 +87,7 @@ from physcore.scene.edges import Absorbing, Dirichlet, Neumann
 from physcore.scene.fluid import Fluid
 from physcore.scene.grid import Grid
 from physcore.scene.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
+from physcore.scene.masks import polygon_from_mask
 from physcore.scene.periodic import Periodic
 from physcore.scene.polytopes import Compound, Hull, MeshShape, Polygon
 from physcore.scene.probe import Probe
@@ -289,6 +290,7 @@ __all__ = [
     "load",
     "lyapunov",
     "materials",
+    "polygon_from_mask",
     "provenance",
     "rope",
     "simulate",

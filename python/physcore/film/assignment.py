@@ -17,6 +17,7 @@ from physcore.film.styles import (
     Phase,
     Points,
     Relief,
+    Solids,
     Strain,
     Style,
     Surface,
@@ -55,25 +56,27 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
 def shown(source: Source, styles: Sequence[Style]) -> Source:
     """A source as it is drawn: in 3D if one of the styles draws plane objects as a relief."""
     raises = any(each.raises and any(each.draws(item) for item in _items(source)) for each in styles)
+    if raises and source.scene.has_rigid_bodies:
+        raise SceneError("style: a Relief shows a scene of 2D in 3D, where its rigid bodies have no shape; use Field()")
     return Raised(source) if raises else source
 
 
 def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
     """The painters of a source.
 
-    The first style that can draw an item gets it. An item without such a style is drawn as points, a phase, a field, a
-    line, trails of few tracers or a density of many. Overlays are drawn in addition. Systems come first, so that bodies
-    are drawn over fields on grids.
+    The first style that can draw an item gets it. An item without such a style is drawn as solids, points, a phase, a
+    field, a line, trails of few tracers or a density of many. Overlays are drawn in addition. Systems come first, then
+    rigid bodies, so that bodies are drawn over fields on grids, and particles over rigid bodies.
     """
     left = list(_items(source))
-    found: list[tuple[bool, list[Painter]]] = []
+    found: list[tuple[int, list[Painter]]] = []
     field = Relief() if isinstance(source, Raised) else Field()
-    for each in (*styles, Points(), Phase(), field, Line(), Density(), Trails()):
+    for each in (*styles, Solids(), Points(), Phase(), field, Line(), Density(), Trails()):
         mine = [item for item in (_items(source) if each.overlay else left) if each.draws(item)]
         if not each.overlay:
             left = [item for item in left if not any(item is other for other in mine)]
         if mine:
-            found.append((isinstance(each, BodyStyle), each.painters(source, mine, theme)))
+            found.append((_layer(each), each.painters(source, mine, theme)))
     found.sort(key=lambda entry: entry[0])
     result = [painter for _, some in found for painter in some]
     curves = [painter for painter in result if isinstance(painter, LinePainter)]
@@ -82,9 +85,14 @@ def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]
     return result
 
 
+def _layer(style: Style) -> int:
+    """The place of a style in the order of drawing: systems, rigid bodies, particles."""
+    return 2 - int(style.rigid) if isinstance(style, BodyStyle) else 0
+
+
 def _items(source: Source) -> Iterator[Body | System]:
     """The bodies and systems of a source."""
-    yield from source.scene.particle_bodies
+    yield from source.scene.bodies
     yield from source.scene.systems
 
 

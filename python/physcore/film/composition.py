@@ -127,7 +127,7 @@ class Composition:
         colors = {id(item): color for painter in painters for item, color in painter.legend}
         entries = {(item.name or "", colors.get(id(item))): item for panel in self._listed for item in panel}
         for (_, color), item in entries.items():
-            is_body = "particles" in item.elements
+            is_body = item.section == "bodies"
             if color is None and (is_body or not self._all_listed):
                 style = "colors by body, such as styles.Points('body')"
                 if not is_body:
@@ -162,7 +162,7 @@ class Composition:
     def _inset(self, layout: Layout, index: int) -> float:
         """Distance of the motion from a panel's edge [pixels]."""
         pixels = layout.pixels(index)
-        return layout.margin(index) + max(painter.inset(pixels) for painter in self._painters[index])
+        return layout.margin(index) + max((painter.inset(pixels) for painter in self._painters[index]), default=0.0)
 
     def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
         """Divide the picture into panels and fit the common camera."""
@@ -195,8 +195,9 @@ class Composition:
             occupied = [np.empty((0, 2), dtype=np.float32)]
             for index, frame in panel.samples:
                 view = panel.view.at(index)
-                if len(frame.positions) > 0:
-                    occupied.append(view.project(panel.view.shown(frame, view).positions)[0])
+                shown = panel.view.shown(frame, view)
+                more = [points for painter in panel.painters if (points := painter.places(shown)) is not None]
+                occupied += [view.project(points)[0] for points in (shown.positions, *more) if len(points)]
             area, text = self._layout.area(number), self._layout.text
             panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
 
@@ -241,8 +242,10 @@ class Composition:
             if not view.flat:
                 canvas.eye(view.scale, view.middle, view.distance)
                 canvas.light(LAMP, SHADOW, OCCLUSION, REACH * math.sqrt(panel.pixels))
-            draw_among(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
+            scenery = panel.view.scenery(view)
+            draw_among(canvas, panel.source.scene, view, self._theme, scenery)
             for painter in panel.painters:
+                painter.domain = scenery.domain
                 painter.paint(canvas, shown, view, panel.pixels)
             canvas.paint()
             taken = []

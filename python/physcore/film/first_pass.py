@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.film.camera.track import Follow, middle, smooth
+from physcore.film.camera.track import Follow, masses_of, middle, places_in, smooth
 from physcore.film.scenery import grounds, landmarks
 from physcore.film.styles import Painter
 from physcore.film.styles.base import drawn_dimension
@@ -79,8 +79,8 @@ class FollowedPath:
     """The path of followed particles, and their bounds around it."""
 
     def __init__(self, follow: Follow, scene: Scene, axes: FloatArray, count: int) -> None:
-        self._chosen, self._domain = follow.particles(scene), scene.periodic
-        self._mass = scene.gather("mass")[self._chosen]
+        self._chosen, self._domain = follow.rows(scene), scene.periodic
+        self._mass = masses_of(scene)[self._chosen]
         self._last: FloatArray | None = None
         self.centers = np.zeros((count, scene.dimension))
         """The center of mass at each frame [m], continuous across faces of the periodic domain."""
@@ -88,7 +88,7 @@ class FollowedPath:
         """Bounds of the followed particles relative to the center of mass, along the axes of each frame."""
 
     def add(self, positions: FloatArray, margin: float, frame: int) -> None:
-        """Add a frame."""
+        """Add a frame, given the positions of all particles and rigid bodies."""
         points = positions[self._chosen]
         if len(points) == 0:
             return
@@ -161,12 +161,14 @@ def first_pass(
     kept = set(np.linspace(0, source.count - 1, SAMPLES).round().astype(int).tolist())
     found = FirstPass(whole, boxes, path, [], [], None)
 
-    def place(positions: FloatArray, index: int) -> None:
+    reach = max([margin, *(painter.reach for painter in painters)])
+
+    def place(frame: SourceFrame, index: int) -> None:
         for box in boxes:
-            for points in (positions, *others):
+            for points in (frame.positions, *others):
                 box.add(points, margin, index)
         if path is not None:
-            path.add(positions, margin, index)
+            path.add(places_in(frame.fields), reach, index)
 
     index, others = -1, list[FloatArray]()
     for index, frame in enumerate(frames):
@@ -175,7 +177,7 @@ def first_pass(
         others = [points for painter in painters if (points := painter.places(frame)) is not None]
         for points in (frame.positions, *others):
             whole.add(points, margin)
-        place(frame.positions, index)
+        place(frame, index)
         if index in kept:
             found.samples.append((index, frame))
         if frame.energy is not None:
@@ -184,19 +186,26 @@ def first_pass(
         tick(index + 1)
     if path is not None or any(len(box.axes) > 1 for box in boxes):
         for later in range(index + 1, count):
-            place(frame.positions, later)
+            place(frame, later)
     for box in (whole, *boxes):
         for painter in painters:
             if painter.landmarks is not None:
                 box.add_to_all(painter.landmarks)
-    _add_scenery(scene, whole, boxes, near)
+    still = [each for painter in painters for each in painter.scenery]
+    _add_scenery(scene, whole, boxes, near, still)
     return found
 
 
-def _add_scenery(scene: Scene, whole: Bounds, boxes: Sequence[Bounds], near: float) -> None:
-    """Extend the bounds by boundaries and other scenery."""
+def _add_scenery(
+    scene: Scene,
+    whole: Bounds,
+    boxes: Sequence[Bounds],
+    near: float,
+    still: Sequence[tuple[FloatArray, float]],
+) -> None:
+    """Extend the bounds by boundaries and other scenery, and by what painters draw at rest."""
     for box in (whole, *boxes):
-        for points, around in landmarks(scene):
+        for points, around in (*landmarks(scene), *still):
             box.add_near(points, around, near)
         box.settle()
     ground = grounds(scene, whole.lower[0], whole.upper[0])

@@ -13,7 +13,7 @@ from physcore.checks import count, flag, shown, span, word
 from physcore.errors import SceneError
 from physcore.film.camera.corotating import Corotating
 from physcore.film.camera.framing import Extent, camera_track, extents
-from physcore.film.camera.track import Camera, Follow, middle, still
+from physcore.film.camera.track import Camera, Follow, masses_of, middle, places_in, still
 from physcore.film.camera.view import View, look_at
 from physcore.film.colors.themes import Color, Theme, ThemeName, chosen_theme
 from physcore.film.composition import Composition, Panel
@@ -252,9 +252,8 @@ class Renderer(Composition):
         now = extent.stills[0] if now is None else now
         target = look_at(now)
         if follow is not None:
-            scene, chosen = panel.source.scene, follow.particles(panel.source.scene)
-            mass = scene.gather("mass")[chosen]
-            target = middle(frame.positions[chosen], mass, scene.periodic)
+            scene, chosen = panel.source.scene, follow.rows(panel.source.scene)
+            target = middle(places_in(frame.fields)[chosen], masses_of(scene)[chosen], scene.periodic)
         if target is None:
             target = extent.stills[0].axes.T @ extent.centers[0]
         return panel.view.toward(now, target)

@@ -13,12 +13,13 @@ from physcore._core import convex_hull
 from physcore.arithmetic import dots, lengths
 from physcore.checks import DIMENSIONS, LONGEST, FloatArray, IntArray, array, broadcast, items, regular, require, shown
 from physcore.errors import SceneError
+from physcore.scene.outlines import cross, crossing
 from physcore.scene.rotations import unit_quaternions
 from physcore.scene.solids import Ball, Capsule, Cuboid, Disc, PlanarShape, Rectangle, Shape, SpatialShape
 
 FLAT = 1e-12
-"""Least area of a polygon and least volume of a mesh, relative to their extent, and least sine of a bend inward: above
-the rounding of coordinates.
+"""Least area of a polygon and least volume of a mesh, relative to their extent, and least sine of the angle between
+sides that turn back: above the rounding of coordinates.
 """
 
 Placed: TypeAlias = tuple[Shape, ArrayLike] | tuple[Shape, ArrayLike, ArrayLike]
@@ -27,7 +28,7 @@ Placed: TypeAlias = tuple[Shape, ArrayLike] | tuple[Shape, ArrayLike, ArrayLike]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Polygon(PlanarShape):
-    """Convex polygon, the shape of a rigid body in 2D.
+    """Polygon, the shape of a rigid body in 2D.
 
         wedge = pc.Polygon([(0.0, 0.0), (0.3, 0.0), (0.0, 0.1)])
         body = pc.RigidBody(wedge, (0.0, 1.0))
@@ -36,12 +37,16 @@ class Polygon(PlanarShape):
     The vertices may have any origin. The position of a body is that of its center of mass.
 
     Args:
-        vertices: vertices [m] in their order along the boundary, in either direction, shape (K, 2). Polygons that are
-            not convex are a Compound of convex ones.
+        vertices: vertices [m] in their order along the boundary, in either direction, shape (K, 2). The polygon need
+            not be convex; it has no holes.
 
     Raises:
-        SceneError: there are fewer than three vertices, the polygon crosses itself, is not convex or has no area, or a
+        SceneError: there are fewer than three vertices, the polygon crosses or touches itself or has no area, or a
             value is not finite.
+
+    Source:
+        Contacts of a polygon that is not convex are those of its convex parts: S. Hertel, K. Mehlhorn, "Fast
+        triangulation of simple polygons", 1983.
     """
 
     vertices: FloatArray
@@ -235,14 +240,8 @@ def _points(value: ArrayLike, path: str, dimension: int, least: int) -> FloatArr
     return points
 
 
-def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Cross products (…) of vectors in the plane (…, 2)."""
-    product: FloatArray = one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
-    return product
-
-
 def _check_polygon(points: FloatArray, path: str) -> None:
-    """Check that a polygon has an area, does not cross itself, and is convex."""
+    """Check that a polygon has an area and does not cross itself."""
     sides = np.roll(points, -1, axis=0) - points
     before = np.roll(sides, 1, axis=0)
     again = lengths(sides) == 0.0
@@ -250,40 +249,21 @@ def _check_polygon(points: FloatArray, path: str) -> None:
         raise SceneError(
             f"{path}[{int(np.argmax(again))}]: must differ from the next vertex; the last one joins the first"
         )
-    parts, box = _cross(points - points[0], sides), np.ptp(points, axis=0)
+    parts, box = cross(points - points[0], sides), np.ptp(points, axis=0)
     if np.abs(parts).max() <= FLAT * dots(box, box):
         raise SceneError(f"{path}: must have an area, got vertices on a line")
-    turns = np.sign(parts.sum()) * _cross(before, sides)
-    inward = turns <= -FLAT * lengths(sides) * lengths(before)
+    turns, least = cross(before, sides), FLAT * lengths(sides) * lengths(before)
     forward = np.sign(sides[sides[:, 0] != 0.0, 0])
-    if parts.sum() != 0.0 and not inward.any() and np.count_nonzero(forward != np.roll(forward, 1)) == 2:
-        return
-    crossing = _crossing(points)
-    if crossing is not None:
-        ends = [f"{side} (from vertex {side} to {(side + 1) % len(points)})" for side in crossing]
+    bends = parts.sum() == 0.0 or (np.sign(parts.sum()) * turns <= -least).any()
+    if not bends and np.count_nonzero(forward != np.roll(forward, 1)) == 2:
+        return  # convex
+    back = (np.abs(turns) <= least) & (dots(before, sides) < 0.0)
+    if back.any():
+        raise SceneError(f"{path}[{int(np.argmax(back))}]: must not be the end of a spike, where a side turns back")
+    met = crossing(points)
+    if met is not None:
+        ends = [f"{side} (from vertex {side} to {(side + 1) % len(points)})" for side in met]
         raise SceneError(f"{path}: must not cross itself, but the edges {ends[0]} and {ends[1]} meet")
-    if inward.any():
-        raise SceneError(
-            f"{path}[{int(np.argmax(inward))}]: must be a corner of a convex polygon, and the boundary bends inward "
-            "there; build the body from convex parts: Compound([(Polygon(…), (0.0, 0.0)), …])"
-        )
-
-
-def _crossing(points: FloatArray) -> tuple[int, int] | None:
-    """The first pair of edges of a polygon, not neighbors, that meet; None if there is none."""
-    ends = np.roll(points, -1, axis=0)
-    number = len(points)
-    for one in range(number - 2):
-        others = np.arange(one + 2, number - (one == 0))
-        if not len(others):
-            continue
-        a, b, c, d = points[one], ends[one], points[others], ends[others]
-        sides = [_cross(b - a, c - a), _cross(b - a, d - a), _cross(d - c, a - c), _cross(d - c, b - c)]
-        apart = (np.maximum(a, b) < np.minimum(c, d)).any(axis=1) | (np.maximum(c, d) < np.minimum(a, b)).any(axis=1)
-        meets = (sides[0] * sides[1] <= 0.0) & (sides[2] * sides[3] <= 0.0) & ~apart
-        if meets.any():
-            return one, int(others[np.argmax(meets)])
-    return None
 
 
 def _faces(value: ArrayLike, number: int, path: str) -> IntArray:

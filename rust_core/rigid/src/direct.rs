@@ -10,8 +10,9 @@ use glam::DVec3;
 use crate::mover::perpendicular;
 use crate::rows::{Row, Rows, Velocities};
 
-/// Largest number of rows.
-const MOST: usize = 160;
+/// Largest numbers of rows, and of rows of contacts.
+pub const MOST: usize = 240;
+pub const MOST_OF_CONTACTS: usize = 96;
 /// Shift ε over the largest diagonal entry, and number of refinements.
 const SHIFT: f64 = 1e-9;
 const REFINEMENTS: usize = 3;

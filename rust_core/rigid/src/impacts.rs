@@ -8,10 +8,11 @@
 use glam::DVec3;
 
 use crate::collision;
-use crate::island::{Accuracy, Contact, Island, Pair};
+use crate::direct;
+use crate::island::{Accuracy, Contact, Island, LIMIT_BOUNDS, LIMITS, Pair};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{ContactRow, JointRows, Rows, Velocities};
+use crate::rows::{BoundedRow, ContactRow, JointRows, Rows, Velocities};
 use crate::shapes::Shape;
 
 /// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
@@ -28,8 +29,8 @@ const MOST_ITERATIONS: usize = 200;
 /// Length of a piece that is not taken, over the step.
 const SHORTEST: f64 = 1e-9;
 /// Number of pieces of a step: these, and so many for each body.
-const PIECES: usize = 16;
-const PIECES_PER_BODY: usize = 2;
+const PIECES: usize = 8;
+const PIECES_PER_BODY: usize = 1;
 
 /// Path of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
 struct Path<'a> {
@@ -66,8 +67,8 @@ impl Path<'_> {
 }
 
 impl Island {
-    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. After many impacts the rest
-    /// of the step is taken in equal pieces.
+    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. After many impacts, or
+    /// where many contacts bear, the rest of the step is taken in equal pieces.
     pub fn advance(&mut self, shapes: &[Shape], h: f64, rest: (usize, Accuracy)) {
         let most = PIECES + PIECES_PER_BODY * self.movers.len();
         let mut time = 0.0;
@@ -84,6 +85,9 @@ impl Island {
             self.find_contacts(shapes, reach);
             self.strike(h);
             self.hold_resting(h);
+            if !self.is_small() {
+                break;
+            }
             let start = self.movers.clone();
             let remaining = h - time;
             self.begin_piece(remaining, h);
@@ -100,6 +104,14 @@ impl Island {
             }
         }
         self.sweep(shapes, h - time, rest);
+    }
+
+    /// Whether the rows that hold are few enough to be solved by Newton steps.
+    fn is_small(&self) -> bool {
+        let tangents = if self.planar { 1 } else { 2 };
+        let contacts = self.contacts.iter().filter(|contact| contact.held).count() * (1 + tangents);
+        let joints: usize = self.joints.iter().map(|held| self.equations(held).len()).sum();
+        contacts <= direct::MOST_OF_CONTACTS && contacts + joints <= direct::MOST
     }
 
     /// Holds the contacts that are closed and do not open in this step.
@@ -175,6 +187,8 @@ impl Island {
             let equations = held.joint.equations(held.bodies.map(|body| &self.movers[body]));
             rows.joints.push(JointRows::new(held.bodies, equations.into_iter().map(|(row, _)| row).collect(), &v));
         }
+        let limits = self.closed_limits(&v);
+        rows.bounds.extend(limits.iter().map(|(_, row)| *row));
         for ((row, _, _), &target) in struck.iter().zip(targets) {
             rows.contacts.push(row.anew(target));
         }
@@ -185,9 +199,30 @@ impl Island {
             return false;
         }
         rows.apply(&mut self.movers);
-        self.meters.dissipated += lost.max(0.0);
+        self.meters.dissipated += (lost + rows.stopped(&start, &v)).max(0.0);
         self.meters.work += rows.supplied(&start, &v);
+        for (held, joint) in self.joints.iter_mut().zip(&rows.joints) {
+            joint.rows.iter().for_each(|row| held.react(row));
+        }
+        for ((joint, _), bounded) in limits.iter().zip(&rows.bounds) {
+            self.joints[*joint].react(&bounded.row);
+        }
         true
+    }
+
+    /// Rows of the limits that joints have reached, with the joints.
+    fn closed_limits(&self, v: &Velocities) -> Vec<(usize, BoundedRow)> {
+        let mut rows = Vec::new();
+        for (index, held) in self.joints.iter().enumerate() {
+            let Some((row, place)) = held.joint.freedom(held.bodies.map(|body| &self.movers[body])) else { continue };
+            for which in LIMITS {
+                let open = (place - held.joint.limit(which)) * if which == 0 { 1.0 } else { -1.0 };
+                if open <= CLOSED * held.joint.lever {
+                    rows.extend(BoundedRow::new(held.bodies, row, LIMIT_BOUNDS[which], v).map(|row| (index, row)));
+                }
+            }
+        }
+        rows
     }
 
     /// Time of the first impact on the paths of a piece.

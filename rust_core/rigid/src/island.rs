@@ -18,6 +18,7 @@ use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BoundedRow, ContactImpulse, ContactRow, Friction, JointRows, MOST_ROWS, Row, Rows, Velocities};
 use crate::shapes::Shape;
+use crate::sweeps::Sweep;
 
 /// Numerical parameters of contacts and joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +35,7 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// Parameters of small groups.
-    pub const FINE: Self = Self { iterations: 400, velocities: 1e-11, linearizations: 10, positions: 1e-11 };
+    pub const FINE: Self = Self { iterations: 200, velocities: 1e-10, linearizations: 10, positions: 1e-11 };
 }
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
@@ -95,15 +96,28 @@ pub struct HeldJoint {
     /// Mean forces of the rows and of the bounds in the last piece.
     pub loads: [f64; MOST_ROWS],
     pub bounds: [f64; 3],
-    /// Impulse on the second body, and angular impulse, in this step.
+    /// Impulse on the second body, and angular impulse about its anchor, in this step.
     pub reaction: [DVec3; 2],
+}
+
+impl HeldJoint {
+    /// Adds the impulse of a row to the reaction.
+    pub fn react(&mut self, row: &Row) {
+        self.reaction[0] += row.impulse * row.linear;
+        // Forces act at the anchor.
+        if row.linear == DVec3::ZERO {
+            self.reaction[1] += row.impulse * row.angular[1];
+        }
+    }
 }
 
 /// Energies of a group in a step [J].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Meters {
-    /// Dissipated by contacts.
+    /// Dissipated by contacts and by the limits of joints.
     pub dissipated: f64,
+    /// Dissipated by the damping of springs.
+    pub damped: f64,
     /// Supplied by motors, and by bodies that move as prescribed.
     pub work: f64,
 }
@@ -152,6 +166,11 @@ pub struct Island {
     /// Length of the step, and of the last piece, which is left open [s].
     pub step: f64,
     pub open: f64,
+    /// Buffers of a sweep, and whether its last piece is open.
+    sweep: Sweep,
+    is_swept: bool,
+    /// Buffer of contacts.
+    known: Vec<Contact>,
     /// Loads of the contacts of the last step.
     past: Vec<(ContactKey, ContactImpulse)>,
     first: FirstHalf,
@@ -172,9 +191,25 @@ impl Island {
             meters: Meters::default(),
             step: 0.0,
             open: 0.0,
+            sweep: Sweep::default(),
+            is_swept: false,
+            known: Vec::new(),
             past: Vec::new(),
             first: FirstHalf::default(),
         }
+    }
+
+    /// Removes all bodies, and keeps the buffers.
+    pub fn clear(&mut self) {
+        self.movers.clear();
+        self.members.clear();
+        self.surfaces.clear();
+        self.pairs.clear();
+        self.contacts.clear();
+        self.joints.clear();
+        self.past.clear();
+        self.meters = Meters::default();
+        self.accuracy = Accuracy::FINE;
     }
 
     /// Largest speed of a surface point [m/s].
@@ -185,10 +220,11 @@ impl Island {
 
     /// Takes over the loads of contacts from the last step, which are in the order of their keys.
     pub fn remember(&mut self, loads: &[(ContactKey, ContactImpulse)]) {
-        self.past = Vec::new();
+        self.past.clear();
+        let mut place = 0;
         for pair in &self.pairs {
-            let first = loads.partition_point(|(key, _)| (key.0, key.1) < pair.key);
-            let own = loads[first..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
+            place = seek(loads, place, pair.key);
+            let own = loads[place..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
             self.past.extend(own);
         }
     }
@@ -196,9 +232,9 @@ impl Island {
     /// Finds the contacts within `reach` of each pair [m]. Contacts that were there before keep their loads.
     pub fn find_contacts(&mut self, shapes: &[Shape], reach: impl Fn(&Self, &Pair) -> f64) {
         let poses: Vec<Pose> = self.movers.iter().map(Mover::pose).collect();
-        let before = std::mem::take(&mut self.contacts);
+        let before = std::mem::replace(&mut self.contacts, std::mem::take(&mut self.known));
         let mut points = Vec::new();
-        let mut known = 0;
+        let (mut known, mut place) = (0, 0);
         for (index, pair) in self.pairs.iter().enumerate() {
             let [one, other] = pair.bodies;
             let [first, second] = pair.bodies.map(|body| &self.surfaces[body]);
@@ -209,6 +245,7 @@ impl Island {
             while known < before.len() && before[known].pair < index {
                 known += 1;
             }
+            place = seek(&self.past, place, pair.key);
             let past = before[known..].iter().take_while(|contact| contact.pair == index);
             let between = poses[other].position - poses[one].position;
             for &point in &points {
@@ -225,9 +262,8 @@ impl Island {
                     restitution: first.restitution.max(second.restitution),
                     load: last.map_or_else(
                         || {
-                            let key = (pair.key.0, pair.key.1, point.feature);
-                            let place = self.past.binary_search_by_key(&key, |(past, _)| *past);
-                            place.map_or_else(|_| ContactImpulse::default(), |place| self.past[place].1)
+                            let mut own = self.past[place..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
+                            own.find(|(key, _)| key.2 == point.feature).map_or_else(ContactImpulse::default, |own| own.1)
                         },
                         |contact| contact.load,
                     ),
@@ -237,6 +273,8 @@ impl Island {
                 });
             }
         }
+        self.known = before;
+        self.known.clear();
     }
 
     /// Row of a contact at the present poses.
@@ -261,7 +299,7 @@ impl Island {
     }
 
     /// Equations of a joint at the present poses.
-    fn equations(&self, held: &HeldJoint) -> arrayvec::ArrayVec<(Row, f64), MOST_ROWS> {
+    pub fn equations(&self, held: &HeldJoint) -> arrayvec::ArrayVec<(Row, f64), MOST_ROWS> {
         held.joint.equations(held.bodies.map(|body| &self.movers[body]))
     }
 
@@ -315,8 +353,18 @@ impl Island {
         self.leave_open(first, length, h);
     }
 
+    /// Buffers of a sweep.
+    pub fn take_sweep(&mut self) -> Sweep {
+        std::mem::take(&mut self.sweep)
+    }
+
+    /// Leaves the last piece of a sweep open.
+    pub fn open_sweep(&mut self, sweep: Sweep, length: f64, h: f64) {
+        (self.sweep, self.is_swept, self.open, self.step) = (sweep, true, length, h);
+    }
+
     /// Leaves a piece open after its drift.
-    pub fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
+    fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
         // Velocities at the new poses, for the second half.
         let v = Velocities::of(&self.movers);
         self.renew_touches();
@@ -344,7 +392,7 @@ impl Island {
             });
             first.rows.joints.push(JointRows::new(held.bodies, rows.collect(), v));
             let Some((row, place)) = held.joint.freedom(held.bodies.map(|body| &self.movers[body])) else { continue };
-            for (which, bounds, target) in bounds_of(&held.joint, place, length) {
+            for (which, bounds, target) in bounds_of(&held.joint, place, (length, h)) {
                 let row = Row { target, impulse: (0.5 * length * held.bounds[which]).clamp(bounds[0], bounds[1]), ..row };
                 if let Some(bounded) = BoundedRow::new(held.bodies, row, bounds, v) {
                     first.rows.bounds.push(bounded);
@@ -425,16 +473,18 @@ impl Island {
             let equations = equations.map(|((row, _), past)| Row { impulse: past.impulse, ..row });
             rows.joints.push(JointRows::new(held.bodies, equations.collect(), v));
         }
-        for (past, &(index, _)) in first.rows.bounds.iter().zip(&first.bounded) {
+        for (past, &(index, which)) in first.rows.bounds.iter().zip(&first.bounded) {
             let held = &self.joints[index];
             let row = held.joint.freedom(held.bodies.map(|body| &self.movers[body])).map_or(past.row, |(row, _)| row);
-            let (target, bounds) = match held.joint.motor {
-                Some(motor) if past.bounds[0] < 0.0 && past.bounds[1] > 0.0 => (held.joint.unit() * motor.speed, past.bounds),
-                _ if past.bounds[0] == 0.0 => (0.0, [-past.row.impulse, f64::INFINITY]),
-                _ => (0.0, [f64::NEG_INFINITY, -past.row.impulse]),
+            let (target, bounds) = if which == MOTOR {
+                (past.row.target, past.bounds)
+            } else if past.row.impulse == 0.0 {
+                // A limit that is not reached.
+                (0.0, [0.0; 2])
+            } else {
+                // Both halves together do not pull.
+                (0.0, past.bounds.map(|bound| if bound == 0.0 { -past.row.impulse } else { bound }))
             };
-            let active = past.row.impulse != 0.0 || held.joint.motor.is_some();
-            let bounds = if active { bounds } else { [0.0; 2] };
             let row = Row { target, impulse: past.row.impulse.clamp(bounds[0], bounds[1]), ..row };
             rows.bounds.extend(BoundedRow::new(past.bodies, row, bounds, v));
         }
@@ -442,6 +492,12 @@ impl Island {
 
     /// Takes the second half of a piece, at the velocities after the kick.
     pub fn end_piece(&mut self) {
+        if std::mem::take(&mut self.is_swept) {
+            let mut sweep = std::mem::take(&mut self.sweep);
+            self.end_sweep(&mut sweep);
+            self.sweep = sweep;
+            return;
+        }
         let first = std::mem::take(&mut self.first);
         let length = self.open;
         let start = Velocities::of(&self.movers);
@@ -475,12 +531,17 @@ impl Island {
     }
 
     /// Keeps the mean forces of a piece.
-    pub fn keep_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
+    fn keep_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
         self.past.clear();
         self.contacts.iter_mut().for_each(|contact| contact.load = ContactImpulse::default());
         for (row, &index) in rows.contacts.iter().zip(&first.contacts) {
             self.contacts[index].load = row.before.plus(&row.impulse).scaled(1.0 / length);
         }
+        self.keep_joint_loads(first, rows, length);
+    }
+
+    /// Keeps the mean forces of joints in a piece.
+    pub fn keep_joint_loads(&mut self, first: &FirstHalf, rows: &Rows, length: f64) {
         for (joint, halves) in self.joints.iter_mut().zip(first.rows.joints.iter().zip(&rows.joints)) {
             for (index, (one, other)) in halves.0.rows.iter().zip(&halves.1.rows).enumerate() {
                 joint.loads[index] = (one.impulse + other.impulse) / length;
@@ -493,16 +554,20 @@ impl Island {
 
     /// Adds the impulses of joints in a piece.
     pub fn keep_reactions(&mut self, first: &FirstHalf, rows: &Rows) {
-        let mut add = |joint: usize, row: &Row| {
-            let reaction = &mut self.joints[joint].reaction;
-            reaction[0] += row.impulse * row.linear;
-            reaction[1] += row.impulse * row.angular[1];
-        };
+        let mut add = |joint: usize, row: &Row| self.joints[joint].react(row);
         for half in [&first.rows, rows] {
             half.joints.iter().enumerate().for_each(|(joint, rows)| rows.rows.iter().for_each(|row| add(joint, row)));
             half.bounds.iter().zip(&first.bounded).for_each(|(bounded, &(joint, _))| add(joint, &bounded.row));
         }
     }
+}
+
+/// Place from `place` on of the first load of a pair, or of the next one, in ascending order.
+fn seek(loads: &[(ContactKey, ContactImpulse)], place: usize, pair: (u32, u32)) -> usize {
+    const NEAR: usize = 8;
+    let below = |(key, _): &(ContactKey, ContactImpulse)| (key.0, key.1) < pair;
+    let near = loads[place..].iter().take(NEAR).take_while(|load| below(load)).count();
+    if near < NEAR { place + near } else { place + loads[place..].partition_point(below) }
 }
 
 /// Friction between two surfaces: the geometric mean of Coulomb's coefficients, the larger lever arms.
@@ -521,19 +586,27 @@ pub fn lost(row: &ContactRow, strikes: bool, before: (DVec3, DVec3), after: (DVe
     -row.work(before, after) + if strikes { 0.0 } else { normal }
 }
 
-/// Bounded rows of a joint in half a piece: which of them, bounds of the impulse, and target.
-fn bounds_of(joint: &Joint, place: f64, length: f64) -> Vec<(usize, [f64; 2], f64)> {
+/// Bounded rows of a joint.
+pub const LIMITS: [usize; 2] = [0, 1];
+const MOTOR: usize = 2;
+
+/// Bounds of the impulse of a lower and of an upper limit.
+pub const LIMIT_BOUNDS: [[f64; 2]; 2] = [[0.0, f64::INFINITY], [f64::NEG_INFINITY, 0.0]];
+
+/// Bounded rows of a joint in half a piece of a step of `h` seconds: which of them, bounds of the impulse, and target. A limit
+/// that is overrun is reached again within a step, however short the piece is.
+fn bounds_of(joint: &Joint, place: f64, (length, h): (f64, f64)) -> Vec<(usize, [f64; 2], f64)> {
     let mut rows = Vec::new();
-    let [lower, upper] = joint.limits;
-    if lower.is_finite() {
-        rows.push((0, [0.0, f64::INFINITY], (joint.unit() * lower - place) / length));
-    }
-    if upper.is_finite() {
-        rows.push((1, [f64::NEG_INFINITY, 0.0], (joint.unit() * upper - place) / length));
+    for which in LIMITS {
+        let way = joint.limit(which) - place;
+        let beyond = if which == 0 { way > 0.0 } else { way < 0.0 };
+        if way.is_finite() {
+            rows.push((which, LIMIT_BOUNDS[which], way / if beyond { h } else { length }));
+        }
     }
     if let Some(motor) = joint.motor {
         let most = 0.5 * length * motor.most / joint.unit();
-        rows.push((2, [-most, most], joint.unit() * motor.speed));
+        rows.push((MOTOR, [-most, most], joint.unit() * motor.speed));
     }
     rows
 }

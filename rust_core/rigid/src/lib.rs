@@ -6,7 +6,7 @@
 //! - pairs of bodies that are near each other ([`broad`]);
 //! - free [`rotation`], bodies during a step ([`mover`]), [`joints`] and their [`rows`] of impulses;
 //! - steps of a group of bodies ([`island`]): with each impact at its time ([`impacts`]), or of large groups ([`sweeps`]);
-//! - the [`world`] of all bodies.
+//! - the [`world`] of all bodies, and the springs between them.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
 
@@ -26,6 +26,7 @@ pub mod rotation;
 pub mod rows;
 pub mod shapes;
 mod spatial;
+mod springs;
 pub mod sweeps;
 mod thinning;
 pub mod world;

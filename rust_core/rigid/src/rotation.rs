@@ -92,6 +92,11 @@ impl Inertia {
         Self { moments, inverse, axes, order, planar: false }
     }
 
+    /// Largest inverse moment [1/(kg·m²)]; 0 for a body that does not turn.
+    pub fn largest_inverse(&self) -> f64 {
+        self.inverse.max_element()
+    }
+
     /// Inverse of the inertia tensor in the world [1/(kg·m²)].
     pub fn inverse(&self, orientation: &Orientation) -> DMat3 {
         let [x, y, z] = self.inverse.to_array();

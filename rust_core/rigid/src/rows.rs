@@ -28,14 +28,38 @@ impl Velocities {
     /// Velocities of movers in their present orientations.
     pub fn of(movers: &[Mover]) -> Self {
         let mut velocities = Self::default();
+        velocities.fill(movers);
+        velocities
+    }
+
+    /// Replaces all velocities, inverse masses and inertias by those of movers.
+    pub fn fill(&mut self, movers: &[Mover]) {
+        self.linear.clear();
+        self.angular.clear();
+        self.inverse_mass.clear();
+        self.inverse_inertia.clear();
         for mover in movers {
             let inverse_inertia = mover.inverse_inertia();
-            velocities.linear.push(mover.velocity);
-            velocities.angular.push(if mover.is_fixed() { mover.spin } else { inverse_inertia * mover.spin });
-            velocities.inverse_mass.push(mover.inverse_mass);
-            velocities.inverse_inertia.push(inverse_inertia);
+            self.linear.push(mover.velocity);
+            self.angular.push(if mover.is_fixed() { mover.spin } else { inverse_inertia * mover.spin });
+            self.inverse_mass.push(mover.inverse_mass);
+            self.inverse_inertia.push(inverse_inertia);
         }
-        velocities
+    }
+
+    /// Applies the forces on movers for `h` seconds.
+    pub fn kick(&mut self, movers: &[Mover], h: f64) {
+        for (body, mover) in movers.iter().enumerate().filter(|(_, mover)| !mover.is_fixed()) {
+            self.linear[body] += h * mover.acceleration;
+            if mover.torque != DVec3::ZERO {
+                self.angular[body] += self.inverse_inertia[body] * (h * mover.torque);
+            }
+        }
+    }
+
+    /// Velocity [m/s] and angular velocity [rad/s] of a body.
+    pub fn of_body(&self, body: usize) -> [DVec3; 2] {
+        [self.linear[body], self.angular[body]]
     }
 
     /// Velocity of a point of a body at an arm from its center [m/s].
@@ -471,13 +495,14 @@ impl Rows {
     /// came to that. A Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
     pub fn solve(&mut self, v: &mut Velocities, tolerance: f64, most: usize) -> bool {
         let mut before: Option<(f64, Vec<f64>, Velocities)> = None;
-        let mut newton = true;
+        // Iterations from one Newton step to the next, and to the next decision.
+        let (mut wait, mut next) = (SWEEPS, SWEEPS);
         for iteration in 0..most {
             let change = self.relax_all(iteration, v);
             if change <= tolerance {
                 return true;
             }
-            if (iteration + 1) % SWEEPS != 0 {
+            if iteration + 1 < next {
                 continue;
             }
             if let Some((change_before, impulses, velocities)) = before.take()
@@ -485,12 +510,14 @@ impl Rows {
             {
                 self.set_impulses(&impulses);
                 *v = velocities;
-                newton = false;
+                wait *= 2;
+                next += wait;
+                continue;
             }
-            if newton && iteration + 1 + SWEEPS <= most {
+            next += SWEEPS;
+            if next <= most {
                 let saved = (change, self.impulses(), v.clone());
-                newton = self.solve_held(v);
-                before = newton.then_some(saved);
+                before = self.solve_held(v).then_some(saved);
             }
         }
         false

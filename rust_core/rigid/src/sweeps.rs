@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use crate::island::{Accuracy, FirstHalf, Island, lost};
+use crate::rotation::Inertia;
 use crate::rows::{ContactImpulse, Rows, Velocities};
 use crate::shapes::Shape;
 
@@ -34,13 +35,35 @@ impl Softness {
 }
 
 /// Contacts of a group during a step.
-struct Sweep {
+#[derive(Debug, Default)]
+pub struct Sweep {
     /// Rows of a half of a piece; those of contacts last throughout the step.
     half: FirstHalf,
-    /// Gap of each contact [m].
-    gaps: Vec<f64>,
-    /// Velocity and angular velocity at each contact at the start of a half.
-    slips: Vec<(DVec3, DVec3)>,
+    /// Each contact of the rows.
+    touching: Vec<Touching>,
+    /// Velocities, and those at the start of a half if there are joints.
+    v: Velocities,
+    start: Velocities,
+}
+
+/// Contact during a step.
+#[derive(Debug, Clone, Copy)]
+struct Touching {
+    /// Gap [m].
+    gap: f64,
+    /// Velocity and angular velocity at the contact at the start of a half.
+    slip: (DVec3, DVec3),
+    /// Bound on the acceleration that presses the contact [m/s²].
+    pressing: f64,
+    /// Size of the smaller body [m].
+    size: f64,
+    restitution: f64,
+    /// Least normal velocity at the end of the piece [m/s].
+    rebound: f64,
+    /// Whether the normal impulse dissipates energy.
+    strikes: bool,
+    /// Mean force of the last piece.
+    load: ContactImpulse,
 }
 
 impl Island {
@@ -53,105 +76,165 @@ impl Island {
         let length = h / pieces as f64;
         let mut sweep = self.start_sweep();
         for piece in 0..pieces {
-            self.first_half(&mut sweep, length);
-            if piece + 1 < pieces {
+            let last = piece + 1 == pieces;
+            self.first_half(&mut sweep, length, last);
+            if !last {
+                sweep.v.kick(&self.movers, 0.5 * length);
                 self.second_half(&mut sweep, length);
             }
         }
-        self.leave_open(sweep.half, length, h);
+        self.open_sweep(sweep, length, h);
+    }
+
+    /// Ends the last piece of a sweep, at the velocities after the kick.
+    pub fn end_sweep(&mut self, sweep: &mut Sweep) {
+        sweep.v.fill(&self.movers);
+        self.second_half(sweep, self.open);
+        self.take_velocities(&sweep.v);
+        for (&index, touching) in sweep.half.contacts.iter().zip(&sweep.touching) {
+            self.contacts[index].load = touching.load;
+        }
     }
 
     /// Rows of all contacts.
     fn start_sweep(&mut self) -> Sweep {
-        let v = Velocities::of(&self.movers);
-        let mut sweep = Sweep { half: FirstHalf::default(), gaps: Vec::new(), slips: Vec::new() };
+        let mut sweep = self.take_sweep();
+        sweep.v.fill(&self.movers);
         sweep.half.rows.planar = self.planar;
+        sweep.half.rows.contacts.clear();
+        sweep.half.contacts.clear();
+        sweep.touching.clear();
         for (index, contact) in self.contacts.iter().enumerate() {
-            if let Some(row) = self.row(contact, &v) {
-                sweep.slips.push((row.velocity(&v), row.turning(&v)));
-                sweep.half.rows.contacts.push(row);
-                sweep.half.contacts.push(index);
-                sweep.gaps.push(contact.touch.gap);
-            }
+            let Some(row) = self.row(contact, &sweep.v) else { continue };
+            sweep.touching.push(Touching {
+                gap: contact.touch.gap,
+                slip: (row.velocity(&sweep.v), row.turning(&sweep.v)),
+                pressing: self.pressing(contact),
+                size: self.pairs[contact.pair].size,
+                restitution: contact.restitution,
+                rebound: 0.0,
+                strikes: false,
+                load: contact.load,
+            });
+            sweep.half.rows.contacts.push(row);
+            sweep.half.contacts.push(index);
         }
         sweep
     }
 
     /// Takes the first half of a piece, and its drift.
-    fn first_half(&mut self, sweep: &mut Sweep, length: f64) {
-        let start = Velocities::of(&self.movers);
-        self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * length));
-        let mut v = Velocities::of(&self.movers);
-        let half = &mut sweep.half;
+    fn first_half(&mut self, sweep: &mut Sweep, length: f64, last: bool) {
+        let Sweep { half, touching, v, start } = sweep;
+        let joined = !self.joints.is_empty();
+        if joined {
+            start.clone_from(v);
+        }
+        v.kick(&self.movers, 0.5 * length);
         half.clear_joints();
-        self.hold_joints((length, length), &v, half);
+        self.hold_joints((length, length), v, half);
         let softness = Softness::of(length);
-        for ((row, &index), (&gap, slip)) in
-            half.rows.contacts.iter_mut().zip(&half.contacts).zip(sweep.gaps.iter().zip(&sweep.slips))
-        {
-            let (pressing, size) = (self.pressing(&self.contacts[index]), self.pairs[self.contacts[index].pair].size);
-            let contact = &mut self.contacts[index];
-            let approach = -row.normal.dot(slip.0);
+        for (row, contact) in half.rows.contacts.iter_mut().zip(touching.iter_mut()) {
+            let approach = -row.normal.dot(contact.slip.0);
             // Bounces of less than a piece are contacts at rest.
-            let least = 0.5 * length * pressing;
+            let least = 0.5 * length * contact.pressing;
             contact.strikes = approach > least;
-            contact.rebound = if contact.restitution * approach > least { contact.restitution * approach } else { 0.0 };
+            let rebound = contact.restitution * approach;
+            contact.rebound = if rebound > least { rebound } else { 0.0 };
             // Overlaps are left no faster than a fall through the size of the bodies is.
-            let push = (-gap * softness.rate).min((2.0 * pressing * size).sqrt());
-            row.least = if gap > 0.0 { -gap / length } else { push };
-            row.yields = if gap < 0.0 { softness.yields } else { 0.0 };
+            let push = (-contact.gap * softness.rate).min((2.0 * contact.pressing * contact.size).sqrt());
+            (row.least, row.yields) = if contact.gap < 0.0 { (push, softness.yields) } else { (-contact.gap / length, 0.0) };
             row.before = ContactImpulse::default();
             row.impulse = contact.load.scaled(0.5 * length);
         }
-        half.rows.start(&mut v);
+        half.rows.start(v);
         for iteration in 0..self.accuracy.iterations {
-            half.rows.relax_all(iteration, &mut v);
+            half.rows.relax_all(iteration, v);
         }
-        half.lost = half.rows.stopped(&start, &v);
-        half.work = half.rows.supplied(&start, &v);
-        self.meter(sweep, &v);
-        for (gap, (row, slip)) in sweep.gaps.iter_mut().zip(sweep.half.rows.contacts.iter().zip(&sweep.slips)) {
-            *gap += length * row.normal.dot(slip.0);
+        half.lost = if joined { half.rows.stopped(start, v) } else { 0.0 };
+        half.work = if joined || self.driven() { half.rows.supplied(if joined { start } else { v }, v) } else { 0.0 };
+        half.lost += meter(half, touching, v);
+        for (row, contact) in half.rows.contacts.iter().zip(touching.iter_mut()) {
+            contact.gap += length * row.normal.dot(contact.slip.0);
         }
-        sweep.half.rows.apply(&mut self.movers);
-        self.movers.iter_mut().for_each(|mover| mover.drift(length));
+        self.take_velocities(v);
+        for mover in &mut self.movers {
+            if self.planar && !last && !joined {
+                // Contacts need the rotation matrix at the end of the step alone.
+                mover.orientation.angle += length * mover.angular_velocity().z;
+                mover.position += length * mover.velocity;
+            } else {
+                mover.drift(length);
+            }
+        }
+        if !self.planar || joined {
+            v.fill(&self.movers);
+        }
+        if joined {
+            start.clone_from(v);
+        }
     }
 
-    /// Takes the second half of a piece.
+    /// Takes the second half of a piece, at the velocities after the kick.
     fn second_half(&mut self, sweep: &mut Sweep, length: f64) {
-        self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * length));
-        let start = Velocities::of(&self.movers);
+        let Sweep { half, touching, v, start } = sweep;
+        let joined = !self.joints.is_empty();
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
-        self.hold_joint_velocities(&sweep.half, &start, &mut rows);
-        rows.contacts = std::mem::take(&mut sweep.half.rows.contacts);
-        for (row, &index) in rows.contacts.iter_mut().zip(&sweep.half.contacts) {
+        if joined {
+            self.hold_joint_velocities(half, v, &mut rows);
+        }
+        rows.contacts = std::mem::take(&mut half.rows.contacts);
+        for (row, contact) in rows.contacts.iter_mut().zip(touching.iter()) {
             row.before = row.impulse;
             row.yields = 0.0;
-            row.least = if row.before.normal > 0.0 { self.contacts[index].rebound } else { 0.0 };
+            row.least = if row.before.normal > 0.0 { contact.rebound } else { 0.0 };
         }
-        let mut v = start.clone();
-        rows.start(&mut v);
+        rows.start(v);
         for iteration in 0..self.accuracy.iterations {
-            rows.relax_all(iteration, &mut v);
+            rows.relax_all(iteration, v);
         }
-        rows.apply(&mut self.movers);
-        self.keep_loads(&sweep.half, &rows, length);
-        self.keep_reactions(&sweep.half, &rows);
-        sweep.half.lost += rows.stopped(&start, &v);
-        self.meters.work += sweep.half.work + rows.supplied(&start, &v);
-        sweep.half.rows.contacts = rows.contacts;
-        self.meter(sweep, &v);
+        for (row, contact) in rows.contacts.iter().zip(touching.iter_mut()) {
+            contact.load = row.before.plus(&row.impulse).scaled(1.0 / length);
+        }
+        if joined {
+            self.keep_joint_loads(half, &rows, length);
+            self.keep_reactions(half, &rows);
+            half.lost += rows.stopped(start, v);
+        }
+        self.meters.work += half.work;
+        if joined || self.driven() {
+            self.meters.work += rows.supplied(if joined { start } else { v }, v);
+        }
+        half.rows.contacts = rows.contacts;
+        half.lost += meter(half, touching, v);
         // A sum below 0 is an error of the piece, which is left to the drift.
-        self.meters.dissipated += sweep.half.lost.max(0.0);
+        self.meters.dissipated += half.lost.max(0.0);
+        self.take_velocities(v);
     }
 
-    /// Adds what the contacts dissipate in half a piece, and takes their velocities for the start of the next.
-    fn meter(&self, sweep: &mut Sweep, v: &Velocities) {
-        let half = &mut sweep.half;
-        for ((row, slip), &index) in half.rows.contacts.iter().zip(&mut sweep.slips).zip(&half.contacts) {
-            let after = (row.velocity(v), row.turning(v));
-            half.lost += lost(row, self.contacts[index].strikes, *slip, after);
-            *slip = after;
+    /// Whether a fixed body moves.
+    fn driven(&self) -> bool {
+        self.movers.iter().any(|mover| mover.is_fixed() && (mover.velocity != DVec3::ZERO || mover.spin != DVec3::ZERO))
+    }
+
+    /// Takes the velocities of a solve.
+    fn take_velocities(&mut self, v: &Velocities) {
+        for (body, mover) in self.movers.iter_mut().enumerate().filter(|(_, mover)| !mover.is_fixed()) {
+            let [linear, angular] = v.of_body(body);
+            mover.velocity = linear;
+            if mover.inertia != Inertia::NONE {
+                mover.spin = mover.inertia.spin(&mover.orientation, angular);
+            }
         }
     }
+}
+
+/// Energy that contacts dissipate in half a piece [J]; takes their velocities for the start of the next.
+fn meter(half: &FirstHalf, touching: &mut [Touching], v: &Velocities) -> f64 {
+    let mut sum = 0.0;
+    for (row, contact) in half.rows.contacts.iter().zip(touching) {
+        let after = (row.velocity(v), row.turning(v));
+        sum += lost(row, contact.strikes, contact.slip, after);
+        contact.slip = after;
+    }
+    sum
 }

@@ -16,6 +16,7 @@ use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::{ContactImpulse, MOST_ROWS};
 use crate::shapes::{Bounds, Shape};
+use crate::springs::SpringStep;
 
 /// Constant properties of a rigid body.
 #[derive(Debug, Clone, Copy)]
@@ -78,7 +79,7 @@ pub struct WorldJoint {
     pub broken: bool,
     loads: [f64; MOST_ROWS],
     bounds: [f64; 3],
-    /// Mean force on the second body [N], and moment about its center [N·m], in the last step.
+    /// Mean force on the second body [N], and torque about its anchor [N·m], in the last step; 0 if broken.
     pub reaction: [DVec3; 2],
 }
 
@@ -96,10 +97,12 @@ pub struct RigidState {
     /// Forces of the contacts of the last step, in the order of their keys.
     pub loads: Vec<(ContactKey, ContactImpulse)>,
     pub joints: Vec<WorldJoint>,
+    /// Energy of the springs that broke [J].
+    pub torn: f64,
 }
 
 /// Numbers of a joint in a file.
-const JOINT_NUMBERS: usize = MOST_ROWS + 3 + 7;
+const JOINT_NUMBERS: usize = MOST_ROWS + 3 + 8;
 
 impl RigidState {
     /// Loads of contacts as numbers, for files.
@@ -116,7 +119,8 @@ impl RigidState {
     pub fn packed_joints(&self) -> Vec<f64> {
         let row = |joint: &WorldJoint| {
             let [force, torque] = joint.reaction.map(|reaction| reaction.to_array());
-            [joint.loads.as_slice(), &joint.bounds, &force, &torque, &[f64::from(u8::from(joint.broken))]].concat()
+            [joint.loads.as_slice(), &joint.bounds, &force, &torque, &[f64::from(u8::from(joint.broken)), joint.joint.last]]
+                .concat()
         };
         self.joints.iter().flat_map(row).collect()
     }
@@ -137,7 +141,7 @@ impl RigidState {
             joint.bounds.copy_from_slice(&row[MOST_ROWS..MOST_ROWS + 3]);
             let reactions = &row[MOST_ROWS + 3..];
             joint.reaction = [DVec3::from_slice(reactions), DVec3::from_slice(&reactions[3..])];
-            joint.broken = reactions[6] != 0.0;
+            (joint.broken, joint.joint.last) = (reactions[6] != 0.0, reactions[7]);
         }
         true
     }
@@ -175,10 +179,13 @@ pub struct RigidWorld {
     pub wall_names: Vec<String>,
     pub solver: ContactSolver,
     pub state: RigidState,
-    /// Groups of the present step.
+    /// Groups of the present step, and cleared ones.
     islands: Vec<Island>,
+    spare: Vec<Island>,
+    /// Springs of the present step.
+    pub(crate) springs: SpringStep,
     /// Energies of the present step [J].
-    meters: Meters,
+    pub(crate) meters: Meters,
 }
 
 impl RigidWorld {
@@ -221,6 +228,11 @@ impl RigidWorld {
     pub fn can_touch(&self) -> bool {
         let free = self.bodies.iter().filter(|body| body.inverse_mass > 0.0).count();
         free > 0 && (self.bodies.len() > 1 || !self.walls.is_empty())
+    }
+
+    /// Whether some joint has a limit or a motor.
+    pub fn has_bounded_joints(&self) -> bool {
+        self.state.joints.iter().any(|joint| joint.joint.is_bounded())
     }
 
     /// Box that holds all bodies during a step of `h` seconds [m].
@@ -305,6 +317,7 @@ impl RigidWorld {
             });
             surfaces.push(point.surface);
         }
+        self.begin_springs(&mut movers, points);
         movers.extend(self.walls.iter().map(|wall| wall.mover));
         surfaces.extend(self.walls.iter().map(|wall| wall.surface));
         let pairs = self.pairs(&movers, &surfaces, count + points.len(), h);
@@ -339,17 +352,18 @@ impl RigidWorld {
             mover.kick(0.5 * h);
             mover.drift(h);
         }
+        let mut moved: Vec<bool> = alone.iter().map(|alone| !alone).collect();
+        self.springs.mark(&mut moved);
         for (index, mover) in movers.iter().enumerate().take(count) {
             self.state.turns[index] = Turn { orientation: mover.orientation, spin: mover.spin };
         }
         let (first, others) = movers.split_at(count);
-        let all = bodies.iter_mut().zip(first).chain(motions.iter_mut().zip(others)).zip(&alone);
-        for ((motion, mover), _) in all.filter(|((_, mover), alone)| !**alone && !mover.is_fixed()) {
+        let all = bodies.iter_mut().zip(first).chain(motions.iter_mut().zip(others)).zip(&moved);
+        for ((motion, mover), _) in all.filter(|((_, mover), moved)| **moved && !mover.is_fixed()) {
             (motion.position, motion.drift) = (mover.position, mover.velocity);
         }
-        alone.truncate(count + points.len());
-        alone.iter_mut().for_each(|alone| *alone = !*alone);
-        alone
+        moved.truncate(count + points.len());
+        moved
     }
 
     /// Pairs of movers that may touch within a step.
@@ -375,7 +389,7 @@ impl RigidWorld {
             .state
             .joints
             .iter()
-            .filter(|joint| !joint.broken)
+            .filter(|joint| !joint.broken && joint.joint.spring().is_none())
             .map(|joint| {
                 let [one, other] = joint.ends.map(|end| end.min(u32::MAX as usize) as u32);
                 [one.min(other), one.max(other)]
@@ -391,7 +405,7 @@ impl RigidWorld {
     }
 
     /// Groups of movers that pairs and joints connect, in the order of their first members.
-    fn groups(&self, movers: &[Mover], surfaces: &[Surface], pairs: &[[u32; 2]], points: &[Point]) -> Vec<Island> {
+    fn groups(&mut self, movers: &[Mover], surfaces: &[Surface], pairs: &[[u32; 2]], points: &[Point]) -> Vec<Island> {
         let mut roots: Vec<u32> = (0..movers.len() as u32).collect();
         let free = |index: usize| !movers[index].is_fixed();
         let joints: Vec<(usize, [usize; 2])> = self.joints(movers.len(), points);
@@ -401,13 +415,14 @@ impl RigidWorld {
             roots[a.max(b) as usize] = a.min(b);
         }
         let mut islands: Vec<Island> = Vec::new();
+        let mut spare = std::mem::take(&mut self.spare);
         let mut number = vec![u32::MAX; movers.len()];
         for link in links {
             let end = if free(link[0]) { link[0] } else { link[1] };
             let root = root(&mut roots, end as u32) as usize;
             if number[root] == u32::MAX {
                 number[root] = islands.len() as u32;
-                islands.push(Island::new(self.planar, Accuracy::FINE));
+                islands.push(spare.pop().unwrap_or_else(|| Island::new(self.planar, Accuracy::FINE)));
             }
         }
         // The island of each free mover, and the places of movers in the island that is filled.
@@ -464,6 +479,7 @@ impl RigidWorld {
                 island.pairs.push(Pair { bodies: local, key: (name(ends[0]), name(ends[1])), size });
             }
         }
+        self.spare = spare;
         islands.iter_mut().for_each(|island| island.remember(&self.state.loads));
         islands
     }
@@ -480,18 +496,24 @@ impl RigidWorld {
                 points.binary_search_by_key(&(end - bodies), |point| point.index).ok().map(|place| bodies + place)
             }
         };
-        let whole = self.state.joints.iter().enumerate().filter(|(_, joint)| !joint.broken);
+        let joints = self.state.joints.iter().enumerate();
+        let whole = joints.filter(|(_, joint)| !joint.broken && joint.joint.spring().is_none());
         whole.filter_map(|(index, joint)| Some((index, [place(joint.ends[0])?, place(joint.ends[1])?]))).collect()
     }
 
-    /// Ends a step of `h` seconds, given the velocities after the second kick; returns the energies of its contacts and joints.
-    pub fn finish(&mut self, h: f64, velocities: &mut [DVec3], others: &mut [DVec3], executor: &Executor) -> Meters {
+    /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick; changes their velocities, and
+    /// returns the energies of contacts and joints.
+    pub fn finish(&mut self, h: f64, bodies: &mut [Motion], others: &mut [Motion], executor: &Executor) -> Meters {
+        self.end_springs(h, bodies, others);
         let count = self.bodies.len();
         let free = count + others.len();
         for island in &mut self.islands {
             for (mover, &member) in island.movers.iter_mut().zip(&island.members).filter(|(mover, _)| !mover.is_fixed()) {
-                mover.velocity = if member < count { velocities[member] } else { others[member - count] };
-                mover.spin += 0.5 * island.open * mover.torque;
+                if member < count {
+                    (mover.velocity, mover.spin) = (bodies[member].velocity, self.state.turns[member].spin);
+                } else {
+                    mover.velocity = others[member - count].velocity;
+                }
             }
         }
         executor.for_each_block(BlockedSlice::new(&mut self.islands, 1), &|block: BlockedSlice<'_, Island>| {
@@ -499,13 +521,14 @@ impl RigidWorld {
         });
         self.meters = Meters::default();
         self.state.loads.clear();
-        for island in std::mem::take(&mut self.islands) {
+        let mut islands = std::mem::take(&mut self.islands);
+        for island in &islands {
             for (mover, &member) in island.movers.iter().zip(&island.members).filter(|(mover, _)| !mover.is_fixed()) {
                 if member < count {
-                    velocities[member] = mover.velocity;
+                    bodies[member].velocity = mover.velocity;
                     self.state.turns[member].spin = mover.spin;
                 } else if member < free {
-                    others[member - count] = mover.velocity;
+                    others[member - count].velocity = mover.velocity;
                 }
             }
             self.meters.dissipated += island.meters.dissipated;
@@ -516,10 +539,18 @@ impl RigidWorld {
                 let joint = &mut self.state.joints[held.index];
                 (joint.loads, joint.bounds) = (held.loads, held.bounds);
                 joint.reaction = held.reaction.map(|impulse| impulse / h);
-                joint.broken |= joint.reaction[0].length() > joint.joint.breaking_force;
+                if joint.reaction[0].length() > joint.joint.breaking_force {
+                    (joint.broken, joint.reaction) = (true, [DVec3::ZERO; 2]);
+                }
+                if let Some((_, place)) = held.joint.freedom(held.bodies.map(|body| &island.movers[body])) {
+                    joint.joint.last = place / joint.joint.unit();
+                }
             }
         }
         self.state.loads.sort_unstable_by_key(|(key, _)| *key);
+        islands.iter_mut().for_each(Island::clear);
+        self.spare.append(&mut islands);
+        self.meter_springs(h, bodies, others);
         self.meters
     }
 }

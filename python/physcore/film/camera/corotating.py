@@ -41,8 +41,8 @@ class Corotating:
             these. None: a view that contains the whole motion.
 
     Raises:
-        SceneError: an argument is not valid; a scene has boundaries, a periodic domain or systems, which would rotate
-            in this frame; or the two members of the pair coincide.
+        SceneError: an argument is not valid; a scene has boundaries, joints, a periodic domain or systems, which would
+            rotate in this frame; or the two members of the pair coincide.
 
     Source: V. Szebehely, Theory of Orbits (1967), section 1.4.
     """
@@ -70,7 +70,13 @@ class CorotatingSource(Derived):
     def __init__(self, origin: Source, frame: Corotating) -> None:
         super().__init__(origin)
         scene = origin.scene
-        still = {"boundaries": scene.boundaries, "a periodic domain": scene.periodic, "systems": scene.systems}
+        joints = [each for each in scene.constraints if each.element == "joints"]
+        still = {
+            "boundaries": scene.boundaries,
+            "joints": joints,
+            "a periodic domain": scene.periodic,
+            "systems": scene.systems,
+        }
         found = next((name for name, value in still.items() if value), None)
         if found is not None:
             raise SceneError(
@@ -99,15 +105,31 @@ class CorotatingSource(Derived):
             raise SceneError(f"Corotating: the pair must be apart, got both at {center.tolist()} m at {frame.time:g} s")
         turn = np.eye(len(center))
         turn[:2, :2] = np.array([[apart[0], apart[1]], [-apart[1], apart[0]]]) / length
-        offsets = frame.positions - center
-        fields = {"positions": offsets @ turn.T}
-        if "velocities" in frame.fields:
-            velocity, change = of_pair(frame.fields["velocities"])
-            rate = (apart[0] * change[1] - apart[1] * change[0]) / length**2
-            carried = np.zeros_like(offsets)
-            carried[:, 0], carried[:, 1] = -rate * offsets[:, 1], rate * offsets[:, 0]
-            fields["velocities"] = (frame.fields["velocities"] - velocity - carried) @ turn.T
-        return fields
+        fields = dict[str, FloatArray]()
+        for prefix in ("", "rigid_"):
+            if f"{prefix}positions" not in frame.fields:
+                continue
+            offsets = frame.fields[f"{prefix}positions"] - center
+            fields[f"{prefix}positions"] = offsets @ turn.T
+            if f"{prefix}velocities" in frame.fields and "velocities" in frame.fields:
+                velocity, change = of_pair(frame.fields["velocities"])
+                rate = (apart[0] * change[1] - apart[1] * change[0]) / length**2
+                carried = np.zeros_like(offsets)
+                carried[:, 0], carried[:, 1] = -rate * offsets[:, 1], rate * offsets[:, 0]
+                fields[f"{prefix}velocities"] = (frame.fields[f"{prefix}velocities"] - velocity - carried) @ turn.T
+        return fields | _turned_bodies(frame, float(np.arctan2(apart[1], apart[0])))
+
+
+def _turned_bodies(frame: SourceFrame, heading: float) -> dict[str, FloatArray]:
+    """The angles or orientations of rigid bodies in a frame turned by an angle [rad] about z."""
+    if "angles" in frame.fields:
+        return {"angles": frame.fields["angles"] - heading}
+    if "orientations" not in frame.fields:
+        return {}
+    cosine, sine = np.cos(0.5 * heading), -np.sin(0.5 * heading)
+    w, x, y, z = frame.fields["orientations"].T
+    turned = [cosine * w - sine * z, cosine * x - sine * y, cosine * y + sine * x, cosine * z + sine * w]
+    return {"orientations": np.stack(turned, axis=1)}
 
 
 def corotating(

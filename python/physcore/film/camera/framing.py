@@ -77,7 +77,7 @@ def camera_track(camera: Camera | Follow | None, found: Sequence[Source], clock:
         choices = [stills[:1] if all(each == stills[0] for each in stills) else stills]
     if follow is not None:
         for source in found:
-            follow.particles(source.scene)
+            follow.rows(source.scene)
         if any(isinstance(each, Orbit) and each.target is not None for each in choices[0]):
             raise SceneError("Follow.camera: must have no target; the bodies are what it looks at")
         choices = [stills * len(clock) if len(stills) == 1 else stills for stills in choices]
@@ -166,7 +166,9 @@ class PanelView:
         if self.extent.domain is None:
             return frame
         center = view.axes.T @ view.center
-        nearest = {"positions": center + self.extent.domain.nearest(frame.positions - center)}
+        domain = self.extent.domain
+        moved = [name for name in ("positions", "rigid_positions") if name in frame.fields]
+        nearest = {name: center + domain.nearest(frame.fields[name] - center) for name in moved}
         return replace(frame, fields={**frame.fields, **nearest})
 
     def _view(self, index: int) -> View:

@@ -92,9 +92,9 @@ class Follow:
 
         pc.film(recording, "cloth.png", camera=pc.Follow("cloth"))
 
-    The camera looks at the center of mass of the particles that can move, smoothed in time with a Gaussian. It begins
-    to turn before the body does, never overshoots, and has no lag in uniform motion. In a periodic domain, the periodic
-    images nearest to the body are shown.
+    The camera looks at the center of mass of the particles or rigid bodies that can move, smoothed in time with a
+    Gaussian. It begins to turn before the body does, never overshoots, and has no lag in uniform motion. In a periodic
+    domain, the periodic images nearest to the body are shown.
 
     Args:
         bodies: the body, its index or its name, or several of them; each panel must have them.
@@ -122,19 +122,37 @@ class Follow:
                 f"Follow.camera: must be a Window, an Orbit, Keyframes or a function, got {shown(self.camera)}"
             )
 
-    def particles(self, scene: Scene) -> BoolArray:
-        """The followed particles of a scene, as a mask (N,): those of the bodies that can move, or all if none can."""
-        chosen, free = np.zeros(scene.particles, dtype=bool), np.zeros(scene.particles, dtype=bool)
+    def rows(self, scene: Scene) -> BoolArray:
+        """The followed rows of `places_in`, as a mask (M,): those of the bodies that can move, or all if none can."""
+        count = sum(map(len, scene.bodies))
+        chosen, free = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
         assert isinstance(self.bodies, tuple)  # converted by __post_init__
         for key in self.bodies:
             try:
-                where, body = scene.slice(key), scene.bodies[scene.index(key)]
+                body = scene.bodies[scene.index(key)]
             except (KeyError, IndexError) as error:
                 raise SceneError(f"Follow.bodies: {error.args[0]}") from None
-            if body.is_rigid:
-                raise SceneError(f"Follow.bodies: must be bodies of particles, got {body!r}")
+            where = row_of(scene, body)
             chosen[where], free[where] = True, ~body.fixed
         return free if free.any() else chosen
+
+
+def row_of(scene: Scene, body: Body) -> slice:
+    """The rows of a body in `places_in`."""
+    rows = cast("slice", scene.parts(body)["positions"][1])
+    return slice(rows.start + scene.particles, rows.stop + scene.particles) if body.is_rigid else rows
+
+
+def places_in(fields: Mapping[str, FloatArray]) -> FloatArray:
+    """The positions of all particles, then of all rigid bodies, in a frame (M, D) [m]."""
+    rigid = fields.get("rigid_positions")
+    return fields["positions"] if rigid is None else np.concatenate([fields["positions"], rigid])
+
+
+def masses_of(scene: Scene) -> FloatArray:
+    """The masses of the rows of `places_in` (M,) [kg]."""
+    bodies = sorted(scene.bodies, key=lambda body: body.is_rigid)
+    return np.concatenate([body.mass for body in bodies]) if bodies else np.empty(0)
 
 
 def between(first: Window | Orbit, second: Window | Orbit, fraction: float) -> Window | Orbit:

@@ -118,6 +118,10 @@ def _of_matplotlib(name: object, path: str) -> list[tuple[float, ...]]:
     return [tuple(color) for color in colors.tolist()]
 
 
+LIGHTNESS, HUE = 0.075, 0.16
+"""Largest change of lightness in Oklab, and of hue [rad], of the shades of a color."""
+
+
 def diverging(low: tuple[int, int, int], middle: tuple[int, int, int], high: tuple[int, int, int]) -> FloatArray:
     """256 colors (256, 3) of a diverging map, from one color over a neutral one to another."""
     return _between([low, middle, high], (0.0, 1.0))
@@ -183,6 +187,17 @@ def oklab(colors: FloatArray) -> FloatArray:
     linear = np.where(fractions <= 0.04045, fractions / 12.92, ((fractions + 0.055) / 1.055) ** 2.4)
     lab: FloatArray = np.cbrt(linear @ _TO_LMS.T) @ _TO_LAB.T
     return lab
+
+
+def varied(colors: FloatArray, shade: FloatArray) -> FloatArray:
+    """Shades (N, 3) of colors (N, 3): lighter or darker, and warmer or colder, by amounts (N,) from −1 to 1."""
+    lab = oklab(colors)
+    turn = HUE * shade
+    cosine, sine = np.cos(turn), np.sin(turn)
+    lightness = np.clip(lab[:, 0] + LIGHTNESS * shade, 0.0, 1.0)
+    return _srgb(
+        np.stack([lightness, cosine * lab[:, 1] - sine * lab[:, 2], sine * lab[:, 1] + cosine * lab[:, 2]], axis=1)
+    )
 
 
 def _srgb(lab: FloatArray) -> FloatArray:

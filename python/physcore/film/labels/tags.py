@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from physcore._core import Canvas, text_width
+from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.film.camera.view import Area, View
 from physcore.film.colors.themes import Theme
@@ -97,9 +98,7 @@ class NameTags:
         self, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()
     ) -> Iterator[tuple[float, float, str]]:
         """The upper left corner [pixels] of each tag, and the name."""
-        boxes = [
-            self._box(frame.positions[part.where], part.body, view, each.inset(pixels)) for part, each in self._drawn
-        ]
+        boxes = [self._box(*each.spread(part, frame), view, each.inset(pixels)) for part, each in self._drawn]
         names = list(taken)
         for index, ((part, _), box) in enumerate(zip(self._drawn, boxes, strict=True)):
             if box is None:
@@ -112,10 +111,10 @@ class NameTags:
                 names.append(place)
                 yield place[0], place[1], name
 
-    def _box(self, positions: np.ndarray, body: Body, view: View, inset: float) -> Area | None:
+    def _box(self, positions: FloatArray, radius: FloatArray, view: View, inset: float) -> Area | None:
         """The rectangle that a body covers in the panel; None outside of it."""
         centers, _, scale = view.project(positions)
-        reach = np.maximum(scale * body.radius, inset)[:, np.newaxis]
+        reach = np.maximum(scale * radius, inset)[:, np.newaxis]
         seen = np.isfinite(centers).all(axis=1)
         if not seen.any():
             return None

@@ -20,12 +20,14 @@ from physcore.film.styles.paths import Paths
 from physcore.film.styles.phase import Phase
 from physcore.film.styles.points import Points
 from physcore.film.styles.relief import Relief
+from physcore.film.styles.solids import Solids
 from physcore.film.styles.strain import Strain
 from physcore.film.styles.streamlines import Streamlines
 from physcore.film.styles.surface import Surface
 from physcore.film.styles.trails import Trails
 
 STYLES: tuple[type[Style], ...] = (
+    Solids,
     Points,
     Strain,
     Surface,
@@ -61,6 +63,7 @@ __all__ = [
     "Phase",
     "Points",
     "Relief",
+    "Solids",
     "Strain",
     "Streamlines",
     "Style",

@@ -44,6 +44,9 @@ class Part:
 
     body: Body
     where: slice
+    """Rows of the body in the fields of its particles, or of its rigid bodies."""
+    prefix: str = ""
+    """Prefix of the names of its fields."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +147,25 @@ class BodyStyle(Style):
 
     draws_items: ClassVar[type[Body] | type[System]] = Body
 
+    rigid: ClassVar[bool] = False
+    """Whether the style draws rigid bodies, which are no particles."""
+
     on: On = field(default=None, kw_only=True)
     """The body or bodies drawn in this style, or their names; None: all bodies that the style can draw."""
 
+    def draws(self, item: Body | System) -> bool:
+        """Whether an item is drawn in this style."""
+        kind = self.items() is not None or getattr(item, "is_rigid", False) == self.rigid
+        return kind and super().draws(item)
+
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter for all bodies."""
-        parts = [Part(body, source.scene.slice(body)) for body in cast("Sequence[Body]", items)]
+        bodies = cast("Sequence[Body]", items)
+        for body in bodies:
+            if body.is_rigid != self.rigid:
+                kind, other = ("rigid bodies", "Solids") if body.is_rigid else ("particles", "Points")
+                raise SceneError(f"{type(self).__name__}.on: {body!r} consists of {kind}; draw it by {other}")
+        parts = [part_of(source.scene, body) for body in bodies]
         painter = self.painter(source, parts, theme)
         painter.parts = parts
         return [painter]
@@ -196,6 +212,8 @@ class Painter(ABC):
     """Value at the upper end of the color scale. Panels with equal styles and quantities share it."""
     low: float = 0.0
     """Value at the lower end of the color scale, likewise."""
+    domain: Periodic | None = None
+    """The periodic domain as it is shown in the frame to be painted; None without one."""
     parts: Sequence[Part] = ()
     """The bodies that the painter draws."""
     fixed: FloatArray | None = None
@@ -251,10 +269,24 @@ class Painter(ABC):
         """Points (P, D) [m] that belong in the picture, if the drawn object is at rest; otherwise None."""
         return None
 
+    @property
+    def scenery(self) -> list[tuple[FloatArray, float]]:
+        """Points (P, D) [m] of bodies at rest, each with a margin [m], which belong in the picture if they are near."""
+        return []
+
+    @property
+    def reach(self) -> float:
+        """Extent of rigid bodies beyond their centers [m]."""
+        return 0.0
+
     def places(self, frame: SourceFrame) -> FloatArray | None:
         """Points (P, D) [m] of a frame that belong in the picture, in addition to the particles."""
         del frame
         return None
+
+    def spread(self, part: Part, frame: SourceFrame) -> tuple[FloatArray, FloatArray]:
+        """The centers (N, D) and radii (N,) [m] of a body that the painter draws."""
+        return frame.positions[part.where], part.body.radius
 
     def raised(self, frame: SourceFrame) -> SourceFrame:
         """The frame with particles raised to the height that this painter shows."""
@@ -290,6 +322,13 @@ def drawn_dimension(scene: Scene) -> int:
     return max(scene.dimension, 2)
 
 
+def part_of(scene: Scene, body: Body) -> Part:
+    """A body with its rows in the fields of a scene."""
+    if not body.is_rigid:
+        return Part(body, scene.slice(body))
+    return Part(body, cast("slice", scene.parts(body)["positions"][1]), "rigid_")
+
+
 def places(parts: Sequence[Part]) -> slice | IntArray:
     """Indices of the particles of some bodies in the arrays of frames; a slice, which avoids a copy, if they are
     contiguous.
@@ -320,11 +359,6 @@ def only(colors: FloatArray) -> Color | None:
         return None
     red, green, blue = different[0].astype(int).tolist()
     return red, green, blue
-
-
-def sums(index: IntArray, values: FloatArray, count: int) -> FloatArray:
-    """The sums (count, D) of the rows (N, D) with the same index (N,)."""
-    return np.stack([np.bincount(index, weights=column, minlength=count) for column in values.T], axis=1)
 
 
 def table(colormap: ColormapName | None, theme: Theme, path: str) -> FloatArray:

@@ -70,6 +70,8 @@ class Coloring:
         require_known(color, parts, path)
         self._color, self._table, self._path = color, table, path
         self._where, self._count = places(parts), sum(len(part.body) for part in parts)
+        prefix = parts[0].prefix if parts else ""
+        self._names = f"{prefix}positions", f"{prefix}velocities"
         self.fixed = fixed_colors(color, source, parts, theme)
         """The constant colors (N, 3) of the particles; None if values or a function determine them."""
         self.low, self.top = math.inf, -math.inf
@@ -109,8 +111,9 @@ class Coloring:
         if isinstance(self._color, PerParticle):
             return self._color.values
         assert callable(self._color)
-        velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
-        given = self._color(frame.time, frame.positions[self._where], velocities)
+        positions, velocities = self._names
+        known = frame.fields[velocities][self._where] if velocities in frame.fields else None
+        given = self._color(frame.time, frame.fields[positions][self._where], known)
         values = numbers(given, f"{self._path}(time, positions, velocities)")
         if len(values) != self._count:
             name = self._path

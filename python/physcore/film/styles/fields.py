@@ -12,8 +12,8 @@ import numpy as np
 from physcore.checks import FloatArray, IntArray, called, is_word, regular, shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film.camera.view import View
+from physcore.film.shapes.creases import sums as row_sums
 from physcore.film.styles.base import Part, places
-from physcore.film.styles.base import sums as row_sums
 from physcore.scene.bodies import Particles
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation

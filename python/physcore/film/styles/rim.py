@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from physcore._core import Canvas
 from physcore.checks import FloatArray, IntArray
 from physcore.film.camera.view import View
-from physcore.film.styles.base import sums
+from physcore.film.shapes.creases import sums
 from physcore.scene.bodies import Body
 from physcore.scene.scene import Scene
 

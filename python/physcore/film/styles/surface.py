@@ -18,7 +18,8 @@ from physcore.film.colors.colormaps import ColormapName, diverging, look_up, seq
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
-from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight, sums
+from physcore.film.shapes.creases import around, corner_normals, face_normals
+from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight
 from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.rim import paint_rim, thickness_of
 from physcore.film.styles.strain import rooted, strain_scale
@@ -32,8 +33,6 @@ RIM = 0.75
 """Brightness of the rim of a surface, which faces sideways."""
 BACK = 0.9
 """Brightness of the back of a surface, relative to its front."""
-CREASE = 0.75
-"""Cosine of the angle between two faces below which their common edge is drawn sharp."""
 NEVER = 1e-9
 """Least end of the color scale: smaller strains are rounding errors [1]."""
 UPWARD = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
@@ -145,7 +144,7 @@ class SurfacePainter(Painter):
             self._thickness[part.where] = thickness_of(part.body, source.scene) if given is None else given
         self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
         start = source.scene.gather("positions")
-        self._around = None if start.shape[1] < 3 else _around(start, self._faces)
+        self._around = None if start.shape[1] < 3 else around(start, self._faces)
         sheets = [cast("SpringNetwork", part.body).faces for part in parts]
         self._closed = np.concatenate([np.full(len(sheet), _closed(sheet)) for sheet in sheets])
         self._where = places(parts)
@@ -258,22 +257,12 @@ class SurfacePainter(Painter):
 
         A corner has the mean normal of the faces around it, without those beyond a sharp edge in the initial shape.
         """
-        flat = _areas(positions, self._faces) @ view.axes.T
-        if self._around is None:
-            normals = _unit(sums(self._faces.ravel(), np.repeat(flat, 3, axis=0), len(positions)))[self._faces.ravel()]
-        else:
-            corner, face = self._around
-            normals = _unit(sums(corner, flat[face], 3 * len(flat)))
+        flat = face_normals(positions, self._faces) @ view.axes.T
+        normals = corner_normals(self._faces, flat, len(positions), self._around)
         normals[away] *= -1.0
         # Near the silhouette, a mean normal may point away from the camera though its face does not.
         normals[:, 2] = np.maximum(normals[:, 2], 0.0)
         return normals
-
-
-def _areas(positions: FloatArray, faces: IntArray) -> FloatArray:
-    """Normals of faces (T, 3); their length is twice the area."""
-    first, second, third = (positions[faces[:, corner]] for corner in (0, 1, 2))
-    return np.cross(second - first, third - first)
 
 
 def _closed(faces: IntArray) -> bool:
@@ -281,30 +270,6 @@ def _closed(faces: IntArray) -> bool:
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     count = int(faces.max(initial=0)) + 1
     return bool((np.sort(edges @ [count, 1]) == np.sort(edges[:, ::-1] @ [count, 1])).all())
-
-
-def _around(positions: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray] | None:
-    """The faces around each corner of each face that are not beyond a sharp edge: corners (K,) of 3T and faces (K,) of
-    T.
-
-    The result is None if there are no sharp edges, so that all faces of a particle count.
-    """
-    corners, normals = faces.ravel(), _unit(_areas(positions, faces))
-    order = np.argsort(corners, kind="stable")
-    counts = np.bincount(corners, minlength=len(positions))
-    starts = np.cumsum(counts) - counts
-    corner = np.repeat(np.arange(len(corners)), counts[corners])
-    step = np.arange(len(corner)) - np.repeat(np.cumsum(counts[corners]) - counts[corners], counts[corners])
-    face = order[starts[corners[corner]] + step] // 3
-    level = np.einsum("kd,kd->k", normals[corner // 3], normals[face]) > CREASE
-    return None if level.all() else (corner[level], face[level])
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    """Vectors (N, 3) scaled to length 1."""
-    length = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
-    result: FloatArray = vectors / np.maximum(length, 1e-300)[:, np.newaxis]
-    return result
 
 
 def spread(positions: FloatArray) -> NDArray[np.float32]:

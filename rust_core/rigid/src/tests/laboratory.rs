@@ -1,16 +1,17 @@
 //! Rigid bodies under gravity, stepped as matter steps them.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 use physcore_base::parallel::SERIAL;
 use physcore_base::scene::{Item, Value};
 
 use crate::island::{Meters, Surface};
+use crate::joints::{Joint, JointKind};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::Friction;
 use crate::shapes::Shape;
-use crate::world::{FixedSolid, Motion, RigidWorld, Solid, Turn};
+use crate::world::{FixedSolid, Motion, RigidWorld, Solid, Turn, WORLD, WorldJoint};
 
 /// Bodies with their motions.
 pub struct Laboratory {
@@ -68,30 +69,75 @@ impl Laboratory {
         self.masses.push(mass);
     }
 
+    /// Joins two bodies, or a body and the world, at points of both.
+    pub fn join(&mut self, kind: JointKind, ends: [usize; 2], points: [DVec3; 2], axis: DVec3) -> &mut Joint {
+        let movers = ends.map(|end| self.mover(end));
+        let joint = Joint::new(kind, [&movers[0], &movers[1]], points, axis, self.world.planar);
+        self.world.state.joints.push(WorldJoint::new(ends, joint));
+        let last = self.world.state.joints.len() - 1;
+        &mut self.world.state.joints[last].joint
+    }
+
+    /// Body in its present state, or the world.
+    pub fn mover(&self, end: usize) -> Mover {
+        if end == WORLD { Mover::wall(&Pose::WORLD) } else { self.world.mover(end, &self.motions[end], 1.0) }
+    }
+
     /// Takes steps of `h` seconds.
     pub fn step(&mut self, h: f64, steps: usize) {
         for _ in 0..steps {
             for motion in &mut self.motions {
                 motion.drift = motion.velocity + 0.5 * h * self.gravity;
-                motion.position = motion.position;
             }
             let moved = self.world.drift(h, &mut self.motions, &[], &mut [], &SERIAL);
-            for (motion, _) in self.motions.iter_mut().zip(moved).filter(|(_, moved)| !moved) {
-                motion.position += h * motion.drift;
+            for (motion, moved) in self.motions.iter_mut().zip(moved) {
+                motion.position += if moved { DVec3::ZERO } else { h * motion.drift };
+                motion.velocity = motion.drift + 0.5 * h * self.gravity;
             }
-            let mut velocities: Vec<DVec3> = self.motions.iter().map(|motion| motion.drift + 0.5 * h * self.gravity).collect();
-            let meters = self.world.finish(h, &mut velocities, &mut [], &SERIAL);
-            self.motions.iter_mut().zip(velocities).for_each(|(motion, velocity)| motion.velocity = velocity);
+            let meters = self.world.finish(h, &mut self.motions, &mut [], &SERIAL);
             self.meters.dissipated += meters.dissipated;
+            self.meters.damped += meters.damped;
             self.meters.work += meters.work;
         }
+    }
+
+    /// Energy with all that was dissipated, less the work [J].
+    pub fn balance(&self) -> f64 {
+        self.energy() + self.meters.dissipated + self.meters.damped - self.meters.work
+    }
+
+    /// Largest error of a row of a joint [m] or [rad].
+    pub fn opening(&self) -> f64 {
+        let of = |each: &WorldJoint| {
+            let [one, other] = each.ends.map(|end| self.mover(end));
+            each.joint.equations([&one, &other]).iter().map(|(_, error)| error.abs()).fold(0.0, f64::max)
+        };
+        self.world.state.joints.iter().filter(|joint| !joint.broken).map(of).fold(0.0, f64::max)
+    }
+
+    /// Momentum, and angular momentum about the origin.
+    pub fn momenta(&self) -> (DVec3, DVec3) {
+        let mut sums = (DVec3::ZERO, DVec3::ZERO);
+        for (body, (motion, mass)) in self.motions.iter().zip(&self.masses).enumerate() {
+            let momentum = *mass * motion.velocity;
+            sums.0 += momentum;
+            sums.1 += motion.position.cross(momentum) + self.world.state.turns[body].spin;
+        }
+        sums
+    }
+
+    /// Turns all velocities around.
+    pub fn reverse(&mut self) {
+        self.motions.iter_mut().for_each(|motion| motion.velocity *= -1.0);
+        self.world.state.turns.iter_mut().for_each(|turn| turn.spin *= -1.0);
     }
 
     /// Kinetic and potential energy [J].
     pub fn energy(&self) -> f64 {
         let of =
             |(motion, mass): (&Motion, &f64)| mass * (0.5 * motion.velocity.length_squared() - self.gravity.dot(motion.position));
-        self.motions.iter().zip(&self.masses).map(of).sum::<f64>() + self.world.rotational_energy()
+        let springs = self.world.spring_energy(|end| self.mover(end));
+        self.motions.iter().zip(&self.masses).map(of).sum::<f64>() + self.world.rotational_energy() + springs
     }
 }
 
@@ -113,11 +159,6 @@ pub fn cuboid(a: f64, b: f64, c: f64) -> Item {
 /// Orientation by a quaternion (w, x, y, z).
 pub fn turned(w: f64, x: f64, y: f64, z: f64) -> Orientation {
     Orientation::spatial(DQuat::from_xyzw(x, y, z, w).normalize())
-}
-
-/// Rotation matrix of a body.
-pub fn axes(laboratory: &Laboratory, body: usize) -> DMat3 {
-    laboratory.world.state.turns[body].orientation.matrix()
 }
 
 impl Laboratory {

@@ -1,4 +1,6 @@
 //! Tests of motion: closed forms, conservation, and rest.
 
+mod joints;
 mod laboratory;
 mod plane;
+mod springs;

@@ -198,3 +198,27 @@ fn many_discs() {
         );
     }
 }
+
+#[test]
+#[ignore = "a measurement"]
+fn heaps_in_space() {
+    for n in [8, 12, 20, 27, 40, 64] {
+        let mut lab = Laboratory::new(3, DVec3::new(0.0, 0.0, -G));
+        lab.add_plane(DVec3::Z, 0.5, 0.0);
+        let mut seed = 1;
+        for k in 0..n {
+            let place = DVec3::new(0.3 * random(&mut seed), 0.3 * random(&mut seed), 0.3 + 0.4 * f64::from(k));
+            let turn = turned(random(&mut seed), random(&mut seed), random(&mut seed), random(&mut seed));
+            lab.add(&cuboid(0.3, 0.2, 0.1), (6.0, 0.5, 0.0), (place, turn), REST);
+        }
+        let before = lab.energy();
+        let (start, mut slowest) = (std::time::Instant::now(), 0.0_f64);
+        for _ in 0..360 {
+            let start = std::time::Instant::now();
+            lab.step(1.0 / 60.0, 1);
+            slowest = slowest.max(start.elapsed().as_secs_f64());
+        }
+        let drift = (lab.energy() + lab.meters.dissipated - before) / before;
+        println!("{n} overlap {:.1e} drift {drift:.2e} {} ms a step, slowest {}", lab.overlap(), start.elapsed().as_secs_f64() * 1e3 / 360.0, slowest * 1e3);
+    }
+}

@@ -39,7 +39,7 @@ pub fn energy<V: Space>(
         force.energy(&at, &mut ledger)?;
         executor.check()?;
     }
-    constraints.iter().for_each(|constraint| constraint.energy(&mut ledger));
+    constraints.iter().for_each(|constraint| constraint.energy(&at, &mut ledger));
     for (sink, class, name) in SINKS {
         ledger.add(class, name, matter.tallied(sink));
     }

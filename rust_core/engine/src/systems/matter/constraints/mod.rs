@@ -195,7 +195,7 @@ pub trait Constraint<V: Space>: History + Send + Sync {
     fn bound(&self, _state: &ForcedState<'_, V>, _bound: &mut SpectralBound) {}
 
     /// Adds energies to the budget.
-    fn energy(&self, _ledger: &mut Ledger) {}
+    fn energy(&self, _at: &StateView<'_, V>, _ledger: &mut Ledger) {}
 
     /// Angular momentum of rotation, besides that of the motion of particles [kg·m²/s].
     fn spin(&self) -> DVec3 {

@@ -5,8 +5,8 @@
 
 use super::{Breakage, Constraint, ConstraintProperties, Declaration, ForcedState};
 use crate::error::Result;
-use crate::forces::Space;
 use crate::forces::springs::{self, Spring};
+use crate::forces::{Space, StateView};
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::matter::Matter;
@@ -101,7 +101,7 @@ impl<V: Space> Constraint<V> for Tearing {
         broken + size_of_val(self.whole.as_slice()) + size_of_val(self.limits.as_slice())
     }
 
-    fn energy(&self, ledger: &mut Ledger) {
+    fn energy(&self, _at: &StateView<'_, V>, ledger: &mut Ledger) {
         ledger.add(Class::Dissipated, "tearing", self.now.energy);
     }
 

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use physcore_rigid::island::Surface;
-use physcore_rigid::joints::{Joint, JointKind, Motor};
+use physcore_rigid::joints::{DampedSpring, Joint, JointKind, Motor};
 use physcore_rigid::mover::Mover;
 use physcore_rigid::rotation::{Inertia, Orientation};
 use physcore_rigid::rows::Friction;
@@ -19,7 +19,7 @@ use crate::scene::{Item, RIGID_BODIES, Scene, Value};
 use crate::systems::matter::constraints::{Declaration, RIGID, refuse};
 
 /// Kinds of joints.
-pub const JOINTS: [&str; 5] = ["Hinge", "BallJoint", "Weld", "Prismatic", "Rod"];
+pub const JOINTS: [&str; 6] = ["Hinge", "BallJoint", "Weld", "Prismatic", "Rod", "SpringJoint"];
 const MOTOR: &str = "Motor";
 
 impl RigidBodies {
@@ -75,10 +75,13 @@ impl RigidBodies {
         Ok(Some(held))
     }
 
-    /// Refuses contacts, whose motion is not smooth.
+    /// Refuses contacts, limits and motors, whose motion is not smooth.
     fn refuse_contacts(&self, method: &str) -> Result<()> {
-        if self.world.can_touch() || !self.points.is_empty() {
-            let error = Error::parameter("integrator", "order=2 for rigid bodies that may touch", format!("{method}(order=4)"));
+        let (touch, bounded) = (self.world.can_touch() || !self.points.is_empty(), self.world.has_bounded_joints());
+        let what = if touch { "may touch" } else { "have joints with limits or motors" };
+        if touch || bounded {
+            let expected = format!("order=2 for rigid bodies that {what}");
+            let error = Error::parameter("integrator", expected, format!("{method}(order=4)"));
             return Err(error.with_hint("steps of order 4 go back in time, and impacts cannot"));
         }
         Ok(())
@@ -154,8 +157,7 @@ fn quaternions(item: &Item, count: usize) -> Result<Vec<DQuat>> {
 
 /// Adds the boundaries of a scene as fixed shapes.
 fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
-    let rigid: Vec<usize> =
-        (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == RIGID_BODIES).collect();
+    let rigid: Vec<usize> = (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == RIGID_BODIES).collect();
     let boundaries = scene.boundaries.iter().enumerate();
     for (index, item) in boundaries.filter(|(_, item)| rigid.iter().any(|&body| item.acts_on(body))) {
         for wall in shapes::walls(item, index, scene.dimension)? {
@@ -201,22 +203,12 @@ fn add_joints(
 ) -> Result<Vec<bool>> {
     let mut joined = vec![false; points.len()];
     let mut numbers = vec![None; scene.constraints.len()];
-    for (number, item) in scene.constraints.iter().enumerate() {
-        if item.kind == MOTOR {
-            let index = item.number("joint")? as usize;
-            let Some(joint) = numbers.get(index).copied().flatten().map(|joint: usize| &mut world.state.joints[joint]) else {
-                return Err(item.wrong("joint", "a hinge or prismatic joint that stands before it", item.values.get("joint")));
-            };
-            joint.joint.motor = Some(Motor { speed: item.number("speed")?, most: item.non_negative("torque")? });
-            continue;
-        }
-        if !JOINTS.contains(&item.kind.as_str()) {
-            continue;
-        }
+    for (number, item) in scene.constraints.iter().enumerate().filter(|(_, item)| JOINTS.contains(&item.kind.as_str())) {
         numbers[number] = Some(world.state.joints.len());
+        // The force of a joint is that on `one`: the second end here.
         let mut ends = [WORLD; 2];
         let mut movers = [Mover::wall(&physcore_rigid::pose::Pose::WORLD); 2];
-        for (side, name) in ["one", "other"].into_iter().enumerate() {
+        for (side, name) in ["other", "one"].into_iter().enumerate() {
             if !item.values.contains_key(name) {
                 continue;
             }
@@ -226,7 +218,8 @@ fn add_joints(
             };
             if let Some(body) = *place {
                 ends[side] = body;
-                movers[side] = world.mover(body, &Motion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO }, 1.0);
+                movers[side] =
+                    world.mover(body, &Motion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO }, 1.0);
             } else {
                 ends[side] = world.bodies.len() + particle;
                 movers[side].position = starts[particle];
@@ -238,6 +231,14 @@ fn add_joints(
         let joint = joint(item, scene.dimension, [&movers[0], &movers[1]])?;
         world.state.joints.push(WorldJoint::new(ends, joint));
     }
+    for item in scene.constraints.iter().filter(|item| item.kind == MOTOR) {
+        let index = item.number("joint")? as usize;
+        let joint = numbers.get(index).copied().flatten().map(|joint: usize| &mut world.state.joints[joint].joint);
+        let Some(joint) = joint.filter(|joint| matches!(joint.kind, JointKind::Hinge | JointKind::Prismatic)) else {
+            return Err(item.wrong("joint", "the index of a hinge or of a prismatic joint", item.values.get("joint")));
+        };
+        joint.motor = Some(Motor { speed: item.number("speed")?, most: item.non_negative("torque")? });
+    }
     Ok(joined)
 }
 
@@ -245,18 +246,27 @@ fn add_joints(
 fn joint(item: &Item, dimension: usize, movers: [&Mover; 2]) -> Result<Joint> {
     let axis = || item.vector("axis").map(DVec3::normalize);
     let anchor = || item.vector("anchor").map(|anchor| [anchor; 2]);
+    let anchors = || item.vectors("anchors", Some(2), dimension).map(|anchors| [anchors[1], anchors[0]]);
     let (kind, points, axis) = match item.kind.as_str() {
         "Hinge" if dimension == 2 => (JointKind::Hinge, anchor()?, DVec3::Z),
         "Hinge" => (JointKind::Hinge, anchor()?, axis()?),
         "BallJoint" => (JointKind::Ball, anchor()?, DVec3::Z),
         "Weld" => (JointKind::Weld, anchor()?, DVec3::Z),
-        "Prismatic" => (JointKind::Prismatic, [movers[0].position.lerp(movers[1].position, 0.5); 2], axis()?),
+        "Prismatic" => (JointKind::Prismatic, anchor()?, axis()?),
+        "Rod" => {
+            let points = anchors()?;
+            (JointKind::Rod(points[0].distance(points[1])), points, DVec3::Z)
+        }
         _ => {
-            let anchors = item.vectors("anchors", Some(2), dimension)?;
-            (JointKind::Rod(anchors[0].distance(anchors[1])), [anchors[0], anchors[1]], DVec3::Z)
+            let number = |name: &str| item.non_negative(name);
+            let spring = DampedSpring {
+                stiffness: number("stiffness")?,
+                damping: number("damping")?,
+                rest_length: number("rest_length")?,
+            };
+            (JointKind::Spring(spring), anchors()?, DVec3::Z)
         }
     };
-    let points = if kind == JointKind::Prismatic && item.values.contains_key("anchor") { anchor()? } else { points };
     let optional = |name: &str, absent: f64| if item.values.contains_key(name) { item.number(name) } else { Ok(absent) };
     let mut joint = Joint::new(kind, movers, points, axis, dimension == 2);
     joint.limits = [optional("lower", f64::NEG_INFINITY)?, optional("upper", f64::INFINITY)?];

@@ -6,23 +6,27 @@
 mod declaration;
 
 use glam::DVec3;
+use physcore_rigid::mover::Mover;
+use physcore_rigid::pose::Pose;
 use physcore_rigid::rotation::Orientation;
-use physcore_rigid::world::{ContactSolver, Motion, Point, RigidState, RigidWorld, Turn};
+use physcore_rigid::world::{ContactSolver, Motion, Point, RigidState, RigidWorld, Turn, WORLD};
 
 use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::error::{Error, Result};
-use crate::forces::Space;
+use crate::forces::{Space, StateView};
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::math::AXES;
 use crate::matter::EnergySink;
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 use crate::systems::{FieldInfo, Location};
 
 /// Largest accurate angle by which a body turns in a step [rad].
 const LARGEST_ANGLE: f64 = 0.1;
 /// Largest accurate part of the time in which a body falls through its own size.
 const PART_OF_FALL: f64 = 0.05;
+/// Name of the springs among joints in the budget and in the bound on the time step.
+const JOINT_TERM: &str = "joints";
 /// Overlap at the start that is refused, and that is mentioned, over the size of the smaller body.
 const REFUSED: f64 = 1e-2;
 const MENTIONED: f64 = 1e-6;
@@ -67,6 +71,29 @@ impl RigidBodies {
         }
     }
 
+    /// Particle of an end of a joint; None for the world.
+    fn particle(&self, end: usize) -> Option<u32> {
+        let point = |end: usize| self.points.binary_search_by_key(&end, |(_, point)| point.index).ok();
+        match end {
+            WORLD => None,
+            end if end < self.particles.len() => Some(self.particles[end]),
+            end => point(end - self.particles.len()).map(|point| self.points[point].0),
+        }
+    }
+
+    /// End of a joint in a state.
+    fn end<V: Space>(&self, at: &StateView<'_, V>, end: usize) -> Mover {
+        let Some(particle) = self.particle(end).map(|particle| particle as usize) else { return Mover::wall(&Pose::WORLD) };
+        let mut position = DVec3::ZERO;
+        (0..V::DIMENSION).for_each(|axis| position[axis] = at.exact_position(axis, particle));
+        let (position, velocity) = (at.properties.origin + position, at.velocity.get(particle).widen());
+        if end < self.particles.len() {
+            self.world.mover(end, &Motion { position, velocity, drift: velocity }, 1.0)
+        } else {
+            Mover { position, velocity, inverse_mass: at.properties.mass[particle].recip(), ..Mover::wall(&Pose::WORLD) }
+        }
+    }
+
     /// Velocity of rotation of each body, or each component of a field over bodies.
     fn each(&self, of: impl Fn(usize) -> DVec3, planar: bool) -> Vec<f64> {
         let components = |body: usize| of(body).to_array().into_iter().skip(if planar { AXES - 1 } else { 0 });
@@ -92,6 +119,7 @@ impl History for RigidBodies {
         archive.write("turns", self.world.state.turns.iter().flat_map(turn));
         archive.write("loads", self.world.state.packed_loads());
         archive.write("joints", self.world.state.packed_joints());
+        archive.write("torn", [self.world.state.torn]);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
@@ -103,6 +131,7 @@ impl History for RigidBodies {
         }
         let loads = archive.read("loads")?.to_vec();
         let joints = archive.read("joints")?.to_vec();
+        self.world.state.torn = archive.read_number("torn")?;
         if self.world.state.unpack(&loads, &joints) {
             Ok(())
         } else {
@@ -135,18 +164,22 @@ impl<V: Space> Constraint<V> for RigidBodies {
             varies: true,
             exact: true,
             iterates: true,
-            cost: 500.0 * self.particles.len() as f64,
+            cost: 3000.0 * self.particles.len() as f64,
         }
     }
 
     fn bytes(&self) -> usize {
         let count = self.particles.len();
-        self.world.bytes() + count * (size_of::<Motion>() + 2 * size_of::<Turn>()) + self.points.len() * size_of::<(Point, Motion)>()
+        self.world.bytes()
+            + count * (size_of::<Motion>() + 2 * size_of::<Turn>())
+            + self.points.len() * size_of::<(Point, Motion)>()
     }
 
     fn notes(&self) -> Vec<String> {
         let overlap = self.overlap.filter(|&overlap| overlap > 0.0);
-        let text = |overlap| format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart");
+        let text = |overlap| {
+            format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart")
+        };
         overlap.map(text).into_iter().collect()
     }
 
@@ -204,25 +237,34 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
-        let velocity = |particle: u32| step.matter.velocity.get(particle as usize).widen();
-        let mut bodies: Vec<DVec3> = self.particles.iter().map(|&particle| velocity(particle)).collect();
-        let mut others: Vec<DVec3> = self.near.iter().map(|&index| velocity(self.points[index].0)).collect();
-        let meters = self.world.finish(step.h, &mut bodies, &mut others, step.executor);
+        let at = |particle: u32| motion(step, particle as usize, DVec3::ZERO);
+        self.motions.clear();
+        self.motions.extend(self.particles.iter().map(|&particle| at(particle)));
+        let mut others: Vec<Motion> = self.near.iter().map(|&index| at(self.points[index].0)).collect();
+        let meters = self.world.finish(step.h, &mut self.motions, &mut others, step.executor);
         step.executor.check()?;
         let near = self.near.iter().map(|&index| &self.points[index].0);
-        for (&particle, velocity) in self.particles.iter().zip(&bodies).chain(near.zip(&others)) {
-            step.matter.velocity.set(particle as usize, V::narrow(*velocity));
+        for (&particle, motion) in self.particles.iter().zip(&self.motions).chain(near.zip(&others)) {
+            step.matter.velocity.set(particle as usize, V::narrow(motion.velocity));
         }
         let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
             tally.add(EnergySink::Contact, meters.dissipated);
+            tally.add(EnergySink::Damping, meters.damped);
             tally.add(EnergySink::Work, meters.work);
         }
         Ok(())
     }
 
-    /// Adds the rotation of the bodies, and their fall, to the bound on the time step.
+    /// Adds the springs, the rotation of the bodies, and their fall, to the bound on the time step.
     fn bound(&self, state: &ForcedState<'_, V>, bound: &mut SpectralBound) {
+        let ahead = bound.horizon() == Horizon::Certified;
+        for (end, [stiffness, damping]) in self.world.spring_rates(|end| self.end(state.at, end), ahead) {
+            if let Some(particle) = self.particle(end) {
+                let mass = state.at.properties.mass[particle as usize];
+                bound.point(particle as usize, JOINT_TERM, mass * stiffness, mass * damping);
+            }
+        }
         let accelerations = (state.accelerations)();
         for (body, &particle) in self.particles.iter().enumerate() {
             let turning = self.world.angular_velocity(body).length();
@@ -236,8 +278,12 @@ impl<V: Space> Constraint<V> for RigidBodies {
         }
     }
 
-    fn energy(&self, ledger: &mut Ledger) {
+    fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) {
         ledger.add(Class::Kinetic, "rotation", self.world.rotational_energy());
+        if self.world.has_springs() {
+            ledger.add(Class::Potential, JOINT_TERM, self.world.spring_energy(|end| self.end(at, end)));
+            ledger.add(Class::Dissipated, "tearing", self.world.state.torn);
+        }
     }
 
     fn spin(&self) -> DVec3 {
@@ -248,7 +294,14 @@ impl<V: Space> Constraint<V> for RigidBodies {
     fn fields(&self) -> Vec<FieldInfo> {
         let (count, joints, planar) = (self.particles.len(), self.world.state.joints.len(), self.world.planar);
         let shape = |count: usize, components: usize| if planar { vec![count] } else { vec![count, components] };
-        let info = |name: &str, unit, location, shape, state| FieldInfo { name: name.to_owned(), unit, location, shape, rate: None, state };
+        let info = |name: &str, unit, location, shape, state| FieldInfo {
+            name: name.to_owned(),
+            unit,
+            location,
+            shape,
+            rate: None,
+            state,
+        };
         let turn = if planar { ("angles", "rad") } else { ("orientations", "1") };
         let mut fields = vec![
             info(turn.0, turn.1, Location::Bodies, shape(count, 4), true),

@@ -1,10 +1,17 @@
-//! Joints between two bodies: equations between their poses, limits and motors.
+//! Joints between two bodies: equations between their poses, limits, motors and springs.
+
+mod spring;
+
+use std::f64::consts::TAU;
 
 use arrayvec::ArrayVec;
 use glam::{DQuat, DVec3};
 
 use crate::mover::{Mover, perpendicular};
 use crate::rows::{MOST_ROWS, Row};
+
+pub use spring::DampedSpring;
+pub(crate) use spring::{SpringForce, SpringRates};
 
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +26,8 @@ pub enum JointKind {
     Weld,
     /// Points keep their distance [m].
     Rod(f64),
+    /// Points attract or repel each other.
+    Spring(DampedSpring),
 }
 
 /// Motor of a joint.
@@ -30,19 +39,24 @@ pub struct Motor {
     pub most: f64,
 }
 
-/// Joint between two bodies.
+/// Joint between two bodies. Its force, torque, angle, way and speed are those of the second body relative to the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
+    /// Kind, with its numbers.
     pub kind: JointKind,
     /// Anchors in the frames of the bodies [m].
     pub anchors: [DVec3; 2],
     /// Axis in the frames of the bodies.
     pub axes: [DVec3; 2],
-    /// Orientation of the second body in the first's frame, and the difference of the angles in the plane.
+    /// Orientation of the second body in the first's frame.
     pub relative: DQuat,
+    /// Difference of the angles in the plane [rad].
     pub angle: f64,
+    /// Angle of a hinge in space after the last step, in all its turns [rad].
+    pub last: f64,
     /// Least and largest angle [rad] or way [m].
     pub limits: [f64; 2],
+    /// Motor, if there is one.
     pub motor: Option<Motor>,
     /// Force at which the joint breaks [N].
     pub breaking_force: f64,
@@ -65,6 +79,7 @@ impl Joint {
             axes: [one.local_vector(axis), other.local_vector(axis)],
             relative: bodies[0].orientation.quaternion.inverse() * bodies[1].orientation.quaternion,
             angle: bodies[1].orientation.angle - bodies[0].orientation.angle,
+            last: 0.0,
             limits: [f64::NEG_INFINITY, f64::INFINITY],
             motor: None,
             breaking_force: f64::INFINITY,
@@ -78,6 +93,11 @@ impl Joint {
         if self.kind == JointKind::Prismatic { 1.0 } else { self.lever }
     }
 
+    /// Lower or upper limit of the coordinate [m].
+    pub fn limit(&self, which: usize) -> f64 {
+        self.unit() * self.limits[which]
+    }
+
     /// Equations of the joint at the poses of its bodies.
     pub fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<Equation, MOST_ROWS> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
@@ -85,6 +105,7 @@ impl Joint {
         let way = (bodies[1].position + arms[1]) - (bodies[0].position + arms[0]);
         let mut rows = ArrayVec::new();
         match self.kind {
+            JointKind::Spring(_) => {}
             JointKind::Rod(length) => {
                 let distance = way.length();
                 let along = if distance > 0.0 { way / distance } else { DVec3::X };
@@ -99,6 +120,8 @@ impl Joint {
                 }
             }
             JointKind::Ball | JointKind::Hinge | JointKind::Weld => {
+                // Both impulses act at one point, so that they keep the angular momentum where the joint has opened too.
+                let arms = [arms[0] + 0.5 * way, arms[1] - 0.5 * way];
                 for direction in &DVec3::AXES[..if self.planar { 2 } else { 3 }] {
                     let angular = arms.map(|arm| arm.cross(*direction));
                     rows.push((Row::new(*direction, angular), direction.dot(way)));
@@ -149,14 +172,8 @@ impl Joint {
                 let turn = relative * self.relative.inverse();
                 let along = DVec3::new(turn.x, turn.y, turn.z).dot(self.axes[0]);
                 let angle = 2.0 * libm::atan2(along, turn.w);
-                let wrapped = if angle > std::f64::consts::PI {
-                    angle - std::f64::consts::TAU
-                } else if angle < -std::f64::consts::PI {
-                    angle + std::f64::consts::TAU
-                } else {
-                    angle
-                };
-                Some((Row::new(DVec3::ZERO, [self.lever * axis; 2]), self.lever * wrapped))
+                let turns = ((self.last - angle) / TAU).round();
+                Some((Row::new(DVec3::ZERO, [self.lever * axis; 2]), self.lever * (angle + TAU * turns)))
             }
             JointKind::Prismatic => {
                 let arms = [one * self.anchors[0], other * self.anchors[1]];
@@ -206,7 +223,7 @@ mod tests {
         }
     }
 
-    /// The rate of each error is J v: central differences over ±ε have errors of order ε².
+    /// The rate of each error is J v where the joint is closed: central differences over ±ε err by ε².
     #[test]
     fn rates_of_errors() {
         let start = [
@@ -215,7 +232,8 @@ mod tests {
         ];
         let axis = DVec3::new(0.6, 0.0, 0.8);
         for kind in [JointKind::Ball, JointKind::Hinge, JointKind::Prismatic, JointKind::Weld, JointKind::Rod(0.7)] {
-            let points = [DVec3::new(0.5, 0.3, 0.1), DVec3::new(0.6, 0.2, 0.0)];
+            let apart = matches!(kind, JointKind::Rod(_) | JointKind::Prismatic);
+            let points = [DVec3::new(0.5, 0.3, 0.1), DVec3::new(0.5, 0.3, 0.1) + if apart { 0.3 * axis } else { DVec3::ZERO }];
             let joint = Joint::new(kind, [&start[0], &start[1]], points, axis, false);
             let after = |h: f64| {
                 let mut bodies = start;
@@ -224,7 +242,6 @@ mod tests {
             };
             let (plus, minus) = (after(1e-5), after(-1e-5));
             let velocities = Velocities::of(&start);
-            // Angular rows are exact where the joint is closed.
             for (index, (row, error)) in joint.equations([&start[0], &start[1]]).iter().enumerate() {
                 let rate = (plus[index] - minus[index]) / 2e-5;
                 let expected = row.velocity([0, 1], &velocities);

@@ -1,0 +1,201 @@
+//! Springs between bodies, as forces in the steps of the world.
+//!
+//! A step is velocity Verlet: the forces at its start act until its end, where half of them gives way to half of those at the
+//! end. Damping there acts on the predicted velocities v½ + h/2 a(0). Springs join no groups.
+
+use glam::DVec3;
+
+use crate::joints::{DampedSpring, Joint, SpringForce};
+use crate::mover::Mover;
+use crate::pose::Pose;
+use crate::world::{Motion, Point, RigidWorld, WORLD};
+
+/// Spring that acts in the present step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ActingSpring {
+    /// Index among the joints.
+    joint: usize,
+    /// Indices of the ends among the movers; None at the world.
+    ends: [Option<usize>; 2],
+    /// Force at the start of the step.
+    start: SpringForce,
+}
+
+/// Springs of the present step.
+#[derive(Debug, Default)]
+pub(crate) struct SpringStep {
+    acting: Vec<ActingSpring>,
+    /// Acceleration [m/s²] and torque [N·m] by the springs at the start, of each body and particle.
+    loads: Vec<[DVec3; 2]>,
+    /// Inverse masses of the particles [1/kg].
+    inverse_masses: Vec<f64>,
+}
+
+impl SpringStep {
+    /// Whether no spring acts.
+    pub fn is_empty(&self) -> bool {
+        self.acting.is_empty()
+    }
+
+    /// Marks the bodies and particles on which springs act.
+    pub fn mark(&self, moved: &mut [bool]) {
+        self.acting.iter().flat_map(|spring| spring.ends).flatten().for_each(|end| moved[end] = true);
+    }
+}
+
+/// Ends of a spring in a state.
+fn ends_in(ends: [Option<usize>; 2], movers: &[Mover]) -> [Mover; 2] {
+    ends.map(|end| end.map_or_else(|| Mover::wall(&Pose::WORLD), |end| movers[end]))
+}
+
+impl RigidWorld {
+    /// Springs that are whole, with their indices among the joints.
+    fn whole_springs(&self) -> impl Iterator<Item = (usize, [usize; 2], &Joint, DampedSpring)> {
+        let whole = self.state.joints.iter().enumerate().filter(|(_, joint)| !joint.broken);
+        whole.filter_map(|(index, each)| each.joint.spring().map(|spring| (index, each.ends, &each.joint, spring)))
+    }
+
+    /// Adds the forces of the springs to the movers of a step, at its start.
+    pub(crate) fn begin_springs(&mut self, movers: &mut [Mover], points: &[Point]) {
+        let bodies = self.bodies.len();
+        let mut step = SpringStep::default();
+        for (index, ends, joint, spring) in self.whole_springs() {
+            let place = |end: usize| match end {
+                WORLD => Some(None),
+                end if end < bodies => Some(Some(end)),
+                end => points.binary_search_by_key(&(end - bodies), |point| point.index).ok().map(|place| Some(bodies + place)),
+            };
+            let [Some(one), Some(other)] = ends.map(place) else { continue };
+            let ends = [one, other];
+            let [first, second] = ends_in(ends, movers);
+            step.acting.push(ActingSpring { joint: index, ends, start: joint.spring_force(spring, [&first, &second]) });
+        }
+        if !step.is_empty() {
+            step.loads.resize(bodies + points.len(), [DVec3::ZERO; 2]);
+            step.inverse_masses.extend(points.iter().map(|point| point.inverse_mass));
+        }
+        for ActingSpring { ends, start, .. } in &step.acting {
+            for (side, end) in ends.iter().enumerate().filter_map(|(side, end)| end.map(|end| (side, end))) {
+                let (mover, force) = (&mut movers[end], start.on(side));
+                mover.load(force, start.arms[side]);
+                step.loads[end][0] += mover.inverse_mass * force;
+                step.loads[end][1] += start.arms[side].cross(force);
+            }
+        }
+        self.springs = step;
+    }
+
+    /// Adds the second half of the forces of the springs, at the end of a step of `h` seconds.
+    pub(crate) fn end_springs(&mut self, h: f64, bodies: &mut [Motion], others: &mut [Motion]) {
+        if self.springs.is_empty() {
+            return;
+        }
+        let count = self.bodies.len();
+        let mut movers = self.movers_of(bodies, others);
+        for (mover, load) in movers.iter_mut().zip(&self.springs.loads).filter(|(mover, _)| !mover.is_fixed()) {
+            mover.velocity += 0.5 * h * load[0];
+            mover.spin += 0.5 * h * load[1];
+        }
+        for spring in &self.springs.acting {
+            let each = &mut self.state.joints[spring.joint];
+            let Some(law) = each.joint.spring() else { continue };
+            let [first, second] = ends_in(spring.ends, &movers);
+            let end = each.joint.spring_force(law, [&first, &second]);
+            each.reaction = [0.5 * (spring.start.force + end.force), DVec3::ZERO];
+            for (side, index) in spring.ends.iter().enumerate().filter_map(|(side, index)| index.map(|index| (side, index))) {
+                if movers[index].is_fixed() {
+                    continue;
+                }
+                let (force, torque) = (end.on(side), end.arms[side].cross(end.on(side)));
+                let motion = if index < count { &mut bodies[index] } else { &mut others[index - count] };
+                motion.velocity += 0.5 * h * movers[index].inverse_mass * force;
+                if index < count {
+                    self.state.turns[index].spin += 0.5 * h * torque;
+                }
+            }
+        }
+    }
+
+    /// Meters the energies of the springs at the end of a step of `h` seconds, and breaks those that are pulled too much.
+    pub(crate) fn meter_springs(&mut self, h: f64, bodies: &[Motion], others: &[Motion]) {
+        if self.springs.is_empty() {
+            return;
+        }
+        let movers = self.movers_of(bodies, others);
+        for ActingSpring { joint, ends, start } in &self.springs.acting {
+            let each = &mut self.state.joints[*joint];
+            let Some(law) = each.joint.spring() else { continue };
+            let [first, second] = ends_in(*ends, &movers);
+            let end = each.joint.spring_force(law, [&first, &second]);
+            self.meters.damped += 0.5 * h * (start.loss + end.loss);
+            self.meters.work += 0.5 * h * (start.supply + end.supply);
+            if each.reaction[0].length() > each.joint.breaking_force {
+                (each.broken, each.reaction) = (true, [DVec3::ZERO; 2]);
+                self.state.torn += end.energy;
+            }
+        }
+    }
+
+    /// Bodies and particles in a state.
+    fn movers_of(&self, bodies: &[Motion], others: &[Motion]) -> Vec<Mover> {
+        let own = bodies.iter().enumerate().map(|(body, motion)| self.mover(body, motion, 1.0));
+        let particle = |(motion, &inverse_mass): (&Motion, &f64)| Mover {
+            position: motion.position,
+            velocity: motion.velocity,
+            inverse_mass,
+            ..Mover::wall(&Pose::WORLD)
+        };
+        own.chain(others.iter().zip(&self.springs.inverse_masses).map(particle)).collect()
+    }
+
+    /// Whether there are springs.
+    pub fn has_springs(&self) -> bool {
+        self.state.joints.iter().any(|joint| joint.joint.spring().is_some())
+    }
+
+    /// Potential energy of all springs [J], with the bodies and particles at their ends.
+    pub fn spring_energy(&self, mover: impl Fn(usize) -> Mover) -> f64 {
+        let of = |(_, ends, joint, spring): (usize, [usize; 2], &Joint, DampedSpring)| {
+            let [first, second] = ends.map(&mover);
+            joint.spring_force(spring, [&first, &second]).energy
+        };
+        self.whole_springs().map(of).sum()
+    }
+
+    /// Bounds that the springs add to the squares of the angular frequencies [1/s²] and to the decay rates [1/s] of the bodies
+    /// and particles at their ends: for the present directions of the springs, or for all directions `ahead`.
+    ///
+    /// Of k (a + b)² ≤ k (1 + t) a² + k (1 + 1/t) b², with the motion of the two ends a and b, t = 1 is the better choice for
+    /// bodies with many springs, and the ratio of the effective masses for one spring, for which it is exact.
+    pub fn spring_rates(&self, mover: impl Fn(usize) -> Mover, ahead: bool) -> Vec<(usize, [f64; 2])> {
+        let mut rates: Vec<(usize, [[f64; 2]; 2])> = Vec::new();
+        for (_, ends, joint, spring) in self.whole_springs() {
+            let [first, second] = ends.map(&mover);
+            let both = joint.spring_rates(spring, [&first, &second], ahead);
+            for side in [0, 1] {
+                let (own, other) = (&both[side], &both[1 - side]);
+                if own.shared[0] == 0.0 && own.shared[1] == 0.0 {
+                    continue;
+                }
+                let alone = other.shared == [0.0; 2];
+                let equal = own.shared.map(|rate| if alone { rate } else { 2.0 * rate });
+                let weighted = [0, 1].map(|kind| own.shared[kind] + other.shared[kind]);
+                let [mut equal, mut weighted] = [equal, weighted];
+                equal[0] += own.own;
+                weighted[0] += own.own;
+                rates.push((ends[side], [equal, weighted]));
+            }
+        }
+        rates.sort_by_key(|(end, _)| *end);
+        let mut sums: Vec<(usize, [[f64; 2]; 2])> = Vec::new();
+        for (end, terms) in rates {
+            match sums.last_mut().filter(|(last, _)| *last == end) {
+                Some((_, sum)) => (0..4).for_each(|place| sum[place / 2][place % 2] += terms[place / 2][place % 2]),
+                None => sums.push((end, terms)),
+            }
+        }
+        let largest = |choice: usize, kind: usize| sums.iter().map(|(_, sum)| sum[choice][kind]).fold(0.0, f64::max);
+        let better = [0, 1].map(|kind| usize::from(largest(1, kind) < largest(0, kind)));
+        sums.iter().map(|(end, sum)| (*end, [0, 1].map(|kind| sum[better[kind]][kind]))).collect()
+    }
+}
