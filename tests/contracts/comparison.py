@@ -96,7 +96,7 @@ def tolerance(name: str, run: pc.Simulation, size: float = 1.0) -> float:
     Every step rounds each number by an ε of it or a few, with random signs, and what was rounded off grows like any
     small difference. That was measured in one direction: a factor of 10 covers the others. `size` is how many times
     larger the numbers are that are rounded. A tree, whose cells may lie otherwise, errs all along by some of its force,
-    which changes velocities by no more than they are, and an implicit method, or contacts and joints of rigid bodies, leave
+    which changes velocities by no more than they are. Implicit methods, and contacts and joints of rigid bodies, leave
     that part of the forces unbalanced to which they solve their equations.
     """
     precision = str(run.provenance.numerics["precision"])

@@ -39,8 +39,8 @@ def tower(count: int = 8) -> pc.Scene:
 
 
 def test_a_tower_sinks_by_the_square_of_the_substeps():
-    """Contacts that overlap are springs of a period of four substeps: depths are weights over k ~ m/τ², and half as deep
-    again, because sweeps come near to that only. Where contacts are solved to rounding nothing sinks.
+    """Contacts that overlap are springs of a period of four substeps: depths are weights over k ~ m/τ². A half is for
+    sweeps, which only come near. Where contacts are solved to rounding nothing sinks.
     """
 
     def sunk(**options: int) -> float:
