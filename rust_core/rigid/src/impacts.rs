@@ -154,7 +154,9 @@ impl Island {
                 let mut struck = false;
                 for (row, restitution, least) in &mut rows {
                     if *restitution * approach(row, &v) > *least {
-                        self.meters.dissipated += bounce(row, *restitution, &mut v);
+                        let (lost, supplied) = bounce(row, *restitution, &mut v);
+                        self.meters.dissipated += lost;
+                        self.meters.work += supplied;
                         struck = true;
                     }
                 }
@@ -215,8 +217,8 @@ impl Island {
         for (index, held) in self.joints.iter().enumerate() {
             let Some((row, place)) = held.joint.freedom(held.bodies.map(|body| &self.movers[body])) else { continue };
             for which in LIMITS {
-                let open = (place - held.joint.limits[which]) * if which == 0 { 1.0 } else { -1.0 };
-                if open <= CLOSED {
+                let open = (place - held.joint.limit(which)) * if which == 0 { 1.0 } else { -1.0 };
+                if open <= CLOSED * held.joint.lever {
                     rows.extend(BoundedRow::new(held.bodies, row, LIMIT_BOUNDS[which], v).map(|row| (index, row)));
                 }
             }
@@ -326,8 +328,9 @@ impl Contact {
     }
 }
 
-/// Impact of one contact alone, which adds to its impulses; returns the energy that it dissipates [J].
-fn bounce(row: &mut ContactRow, restitution: f64, v: &mut Velocities) -> f64 {
+/// Impact of one contact alone, which adds to its impulses; returns the energy that it dissipates and the energy that fixed
+/// bodies supply [J].
+fn bounce(row: &mut ContactRow, restitution: f64, v: &mut Velocities) -> (f64, f64) {
     let before = (row.velocity(v), row.turning(v));
     let approach = -row.normal.dot(before.0);
     for restitution in [restitution, 0.0] {
@@ -336,9 +339,9 @@ fn bounce(row: &mut ContactRow, restitution: f64, v: &mut Velocities) -> f64 {
         let lost = -one.work(before, (one.velocity(v), one.turning(v)));
         if lost >= 0.0 || restitution == 0.0 || one.friction.sliding == 0.0 {
             row.impulse = row.impulse.plus(&one.impulse);
-            return lost.max(0.0);
+            return (lost.max(0.0), one.supplied(v));
         }
         one.undo(v);
     }
-    0.0
+    (0.0, 0.0)
 }

@@ -132,7 +132,8 @@ pub struct FirstHalf {
     /// Gap of each contact, and error of each joint, that are left at the end of the piece.
     remainders: Vec<f64>,
     errors: Vec<arrayvec::ArrayVec<f64, MOST_ROWS>>,
-    /// Velocity and angular velocity of each contact after the drift.
+    /// Velocities after the drift, and velocity and angular velocity of each contact.
+    drifted: Velocities,
     middle: Vec<(DVec3, DVec3)>,
     /// Energies dissipated by contacts, and supplied [J].
     pub lost: f64,
@@ -376,6 +377,7 @@ impl Island {
                 self.row(contact, &v).map_or_else(Default::default, |row| (row.velocity(&v), row.turning(&v)))
             })
             .collect();
+        first.drifted = v;
         (self.first, self.open, self.step) = (first, length, h);
     }
 
@@ -445,7 +447,7 @@ impl Island {
         }
         for ((rows, held), errors) in first.rows.joints.iter_mut().zip(&self.joints).zip(&first.errors) {
             let bodies = rows.bodies;
-            size = size.min(held.bodies.iter().map(|&body| self.movers[body].arm).filter(|&arm| arm > 0.0).fold(1.0, f64::min));
+            size = size.min(held.joint.lever);
             for ((row, (_, error)), left) in rows.rows.iter_mut().zip(self.equations(held)).zip(errors) {
                 let error = error - left;
                 row.target = row.velocity(bodies, v) - error / length;
@@ -518,13 +520,13 @@ impl Island {
         let tolerance = self.tolerance(length);
         rows.solve(&mut v, tolerance, self.accuracy.iterations);
         rows.apply(&mut self.movers);
-        let mut losses = first.lost + rows.stopped(&start, &v);
+        let mut losses = first.lost + rows.stopped(&first.drifted, &v);
         for ((row, &index), &middle) in rows.contacts.iter().zip(&first.contacts).zip(&first.middle) {
             losses += lost(row, self.contacts[index].strikes, middle, (row.velocity(&v), row.turning(&v)));
         }
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += losses.max(0.0);
-        self.meters.work += first.work + rows.supplied(&start, &v);
+        self.meters.work += first.work + rows.supplied(&first.drifted, &v);
         if length >= LONG * self.step {
             self.keep_loads(&first, &rows, length);
         }
@@ -599,15 +601,15 @@ pub const LIMIT_BOUNDS: [[f64; 2]; 2] = [[0.0, f64::INFINITY], [f64::NEG_INFINIT
 fn bounds_of(joint: &Joint, place: f64, (length, h): (f64, f64)) -> Vec<(usize, [f64; 2], f64)> {
     let mut rows = Vec::new();
     for which in LIMITS {
-        let way = joint.limits[which] - place;
+        let way = joint.limit(which) - place;
         let beyond = if which == 0 { way > 0.0 } else { way < 0.0 };
         if way.is_finite() {
             rows.push((which, LIMIT_BOUNDS[which], way / if beyond { h } else { length }));
         }
     }
     if let Some(motor) = joint.motor {
-        let most = 0.5 * length * motor.most;
-        rows.push((MOTOR, [-most, most], motor.speed));
+        let most = 0.5 * length * motor.most / joint.unit();
+        rows.push((MOTOR, [-most, most], joint.unit() * motor.speed));
     }
     rows
 }

@@ -451,7 +451,7 @@ impl ContactRow {
     }
 
     /// Energy supplied by fixed bodies, which move as prescribed [J].
-    fn supplied(&self, v: &Velocities) -> f64 {
+    pub fn supplied(&self, v: &Velocities) -> f64 {
         let impulse = self.impulse.normal * self.normal + self.impulse.tangential;
         let of = |side: usize, sign: f64| {
             let body = self.bodies[side];

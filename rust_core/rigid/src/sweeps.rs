@@ -169,6 +169,9 @@ impl Island {
         if !self.planar || joined {
             v.fill(&self.movers);
         }
+        if joined {
+            start.clone_from(v);
+        }
     }
 
     /// Takes the second half of a piece, at the velocities after the kick.
@@ -177,8 +180,7 @@ impl Island {
         let joined = !self.joints.is_empty();
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
         if joined {
-            start.clone_from(v);
-            self.hold_joint_velocities(half, start, &mut rows);
+            self.hold_joint_velocities(half, v, &mut rows);
         }
         rows.contacts = std::mem::take(&mut half.rows.contacts);
         for (row, contact) in rows.contacts.iter_mut().zip(touching.iter()) {
