@@ -14,7 +14,7 @@ from physcore.scene.points import PointSystem
 
 IMPLICIT = (pc.BackwardEuler, pc.ImplicitMidpoint, pc.BDF2)
 """Methods that solve equations to a tolerance."""
-RIGID = 1e-11
+RIGID = 1e-10
 """Relative tolerance to which contacts and joints of rigid bodies are solved: `Accuracy::FINE` in the engine."""
 SMALL = 1e-7
 """A difference, relative to the size of a number, that grows as any other small one does."""
