@@ -117,7 +117,7 @@ def machine() -> pc.Scene:
     arm = pc.RigidBody(pc.Rectangle(0.4, 0.1), (0.125, 0.0), mass=1.0)
     piston = pc.RigidBody(pc.Rectangle(0.2, 0.1), (0.0, 2.0), mass=2.0)
     axle, slider = pc.Hinge(arm, None, (0.0, 0.0)), pc.Prismatic(piston, None, (0.8, 0.6), lower=-0.25, upper=0.125)
-    return pc.Scene(arm, piston, axle, slider, pc.Motor(axle, 3.0, 2.5), pc.Motor(slider, 0.5, 30.0), DOWN)
+    return pc.Scene(arm, piston, axle, slider, pc.Motor(axle, 6.0, 2.5), pc.Motor(slider, 1.0, 30.0), DOWN)
 
 
 def struck() -> pc.Scene:
