@@ -1,6 +1,6 @@
 //! Steps of large groups of bodies: equal pieces with few iterations each, in which all contacts within reach are rows.
 //!
-//! Each piece has the two halves of [`crate::island`]. The arms and normals of contacts stay as they are during the step, and
+//! Each piece has the two halves of `island`. The arms and normals of contacts stay as they are during the step, and
 //! gaps follow from the velocities at the contacts. A gap that would close within a piece is closed at its end at most, so that
 //! nothing passes through anything, at the price of the time of impact. Overlaps are pushed apart by a damped spring, whose
 //! velocity the second half removes. Source: E. Catto, "Solver2D", 2024 (small steps with soft contacts and relaxation).

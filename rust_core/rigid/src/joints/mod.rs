@@ -58,14 +58,14 @@ pub struct Joint {
     pub limits: [f64; 2],
     /// Motor, if there is one.
     pub motor: Option<Motor>,
-    /// Force at which the joint breaks [N].
+    /// Size of the force at which the joint breaks [N].
     pub breaking_force: f64,
     /// Whether the bodies move in the plane.
     pub planar: bool,
 }
 
 /// Row of a joint and its error [m] or [rad].
-pub type Equation = (Row, f64);
+pub(crate) type Equation = (Row, f64);
 
 impl Joint {
     /// Joint of two bodies at their present poses.
@@ -86,7 +86,7 @@ impl Joint {
     }
 
     /// Equations of the joint at the poses of its bodies.
-    pub fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<Equation, MOST_ROWS> {
+    pub(crate) fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<Equation, MOST_ROWS> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
         let arms = [one * self.anchors[0], other * self.anchors[1]];
         let way = (bodies[1].position + arms[1]) - (bodies[0].position + arms[0]);
@@ -146,7 +146,7 @@ impl Joint {
 
     /// Row of the motion that the joint allows, and its coordinate: the angle of a hinge [rad] or the way of a prismatic joint
     /// [m].
-    pub fn freedom(&self, bodies: [&Mover; 2]) -> Option<Equation> {
+    pub(crate) fn freedom(&self, bodies: [&Mover; 2]) -> Option<Equation> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
         let axis = one * self.axes[0];
         match self.kind {

@@ -224,6 +224,11 @@ fn heaps_in_space() {
             slowest = slowest.max(start.elapsed().as_secs_f64());
         }
         let drift = (lab.energy() + lab.meters.dissipated - before) / before;
-        println!("{n} overlap {:.1e} drift {drift:.2e} {} ms a step, slowest {}", lab.overlap(), start.elapsed().as_secs_f64() * 1e3 / 360.0, slowest * 1e3);
+        println!(
+            "{n} overlap {:.1e} drift {drift:.2e} {} ms a step, slowest {}",
+            lab.overlap(),
+            start.elapsed().as_secs_f64() * 1e3 / 360.0,
+            slowest * 1e3
+        );
     }
 }
