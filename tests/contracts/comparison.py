@@ -14,6 +14,8 @@ from physcore.scene.points import PointSystem
 
 IMPLICIT = (pc.BackwardEuler, pc.ImplicitMidpoint, pc.BDF2)
 """Methods that solve equations to a tolerance."""
+RIGID = 1e-11
+"""Relative tolerance to which contacts and joints of rigid bodies are solved: `Accuracy::FINE` in the engine."""
 SMALL = 1e-7
 """A difference, relative to the size of a number, that grows as any other small one does."""
 
@@ -94,11 +96,11 @@ def tolerance(name: str, run: pc.Simulation, size: float = 1.0) -> float:
     Every step rounds each number by an ε of it or a few, with random signs, and what was rounded off grows like any
     small difference. That was measured in one direction: a factor of 10 covers the others. `size` is how many times
     larger the numbers are that are rounded. A tree, whose cells may lie otherwise, errs all along by some of its force,
-    which changes velocities by no more than they are, and an implicit method leaves that part of the forces unbalanced
-    to which it solves its equation.
+    which changes velocities by no more than they are. Implicit methods, and contacts and joints of rigid bodies, leave
+    that part of the forces unbalanced to which they solve their equations.
     """
     precision = str(run.provenance.numerics["precision"])
     epsilon = float(np.finfo(precision.replace("f", "float")).eps)
     method = SCENES[name].numerics.get("integrator")
-    unbalanced = method.tolerance if isinstance(method, IMPLICIT) else 0.0
+    unbalanced = method.tolerance if isinstance(method, IMPLICIT) else RIGID * run.scene.has_rigid_bodies
     return 10.0 * growth(name) * (float(np.sqrt(STEPS)) * epsilon * size + run.plan.force_error + unbalanced)

@@ -86,14 +86,15 @@ def die() -> pc.Scene:
 
 
 def linkage() -> pc.Scene:
-    """Bars by hinges that hang on one point, of which one reaches its limit."""
+    """Bars by hinges that hang on one point, with a spring to the wall and a hinge that reaches its limit."""
     bars = pc.RigidBodies(pc.Rectangle(0.3, 0.05), [(0.15, 0.0), (0.45, 0.0), (0.75, 0.0)], mass=(1.0, 0.5, 0.25))
     joints = [
         pc.Hinge((bars, 0), None, (0.0, 0.0)),
         pc.BallJoint((bars, 1), (bars, 0), (0.3, 0.0)),
         pc.Hinge((bars, 2), (bars, 1), (0.6, 0.0), lower=-0.25, upper=0.4),
     ]
-    return pc.Scene(bars, *joints, DOWN)
+    spring = pc.SpringJoint((bars, 2), None, [(0.9, 0.0), (0.9, 1.0)], 5.0, damping=0.1, rest_length=0.8)
+    return pc.Scene(bars, *joints, spring, DOWN)
 
 
 def frame() -> pc.Scene:

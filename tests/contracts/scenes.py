@@ -649,7 +649,7 @@ RIGID: dict[str, Case] = {
     "machine": Case(rigid_scenes.machine, 0.005),
     "struck": Case(rigid_scenes.struck, 0.005),
     "paddle": Case(rigid_scenes.paddle, 0.005),
-    "heap": Case(rigid_scenes.heap, 0.005, rigid_scenes.pile()),
+    "heap": Case(rigid_scenes.heap, 0.001, rigid_scenes.pile()),
 }
 """Scenes with rigid bodies."""
 

@@ -82,9 +82,12 @@ def test_a_mirror_changes_signs(name):
     compare(name, Transform(mirror))
 
 
-@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name].scene().bodies])
+@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name].scene().bodies and name != "heap"])
 def test_the_order_of_particles_does_not_matter(name):
-    """A permutation changes the order of sums, so rounding, and nothing else; results keep the caller's order."""
+    """A permutation changes the order of sums, so rounding, and nothing else; results keep the caller's order.
+
+    But sweeps over contacts, which end before they converge, take them in the order of the bodies.
+    """
     compare(name, Transform(axes(name)), shuffle=True)
 
 

@@ -37,7 +37,7 @@ from physcore.simulation.checkpoint import Checkpoint
 from physcore.simulation.earlier import Earlier
 from physcore.simulation.event import Event, checked
 from physcore.simulation.measured import Measured
-from physcore.simulation.notes import noted, of_scene
+from physcore.simulation.notes import material_drift, noted, of_scene
 from physcore.simulation.occurrences import Events
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance, version
@@ -323,7 +323,7 @@ class Simulation(Measured):
         with Progress(count, "simulating", shown) as bar:
             shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
             recording = collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
-        self._stepper.warn_of_drift(recording.energy.material_drift)
+        self._stepper.warn_of_drift(material_drift(recording))
         return noted(recording if watch is None else replace(recording, events=watch.events))
 
     def _watch_for(self, events: object, channels: tuple[str, ...] | None) -> Watch | None:

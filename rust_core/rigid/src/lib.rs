@@ -20,6 +20,7 @@ mod impacts;
 mod island;
 mod joint_system;
 pub mod joints;
+mod limits;
 pub mod mover;
 mod planar;
 pub mod pose;

@@ -24,6 +24,8 @@ pub struct HeldJoint {
     /// Mean forces of the rows and of the bounds in the last piece.
     pub loads: [f64; MOST_ROWS],
     pub bounds: [f64; 3],
+    /// Whether a row holds the lower and the upper limit in this piece.
+    pub held: [bool; 2],
     /// Impulse on the second body, and angular impulse about its anchor, in this step.
     pub reaction: [DVec3; 2],
 }
@@ -57,7 +59,8 @@ impl Island {
             });
             first.rows.joints.push(JointRows::new(held.bodies, rows.collect(), v));
             let Some((row, place)) = held.joint.freedom(held.bodies.map(|body| &self.movers[body])) else { continue };
-            for (which, bounds, target) in bounds_of(&held.joint, place, (length, h)) {
+            let bounds = bounds_of(&held.joint, place, (length, h)).into_iter();
+            for (which, bounds, target) in bounds.filter(|(which, _, _)| held.held.get(*which) != Some(&false)) {
                 let row = Row { target, impulse: (0.5 * length * held.bounds[which]).clamp(bounds[0], bounds[1]), ..row };
                 if let Some(bounded) = BoundedRow::new(held.bodies, row, bounds, v) {
                     first.rows.bounds.push(bounded);
@@ -120,15 +123,15 @@ impl Island {
 fn bounds_of(joint: &Joint, place: f64, (length, h): (f64, f64)) -> Vec<(usize, [f64; 2], f64)> {
     let mut rows = Vec::new();
     for which in LIMITS {
-        let way = joint.limits[which] - place;
+        let way = joint.limit(which) - place;
         let beyond = if which == 0 { way > 0.0 } else { way < 0.0 };
         if way.is_finite() {
             rows.push((which, LIMIT_BOUNDS[which], way / if beyond { h } else { length }));
         }
     }
     if let Some(motor) = joint.motor {
-        let most = 0.5 * length * motor.most;
-        rows.push((MOTOR, [-most, most], motor.speed));
+        let most = 0.5 * length * motor.most / joint.unit();
+        rows.push((MOTOR, [-most, most], joint.unit() * motor.speed));
     }
     rows
 }

@@ -4,7 +4,6 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::Island;
-use crate::mover::Mover;
 use crate::rows::{ContactImpulse, ContactRow, MOST_ROWS, Rows, Velocities};
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
@@ -20,7 +19,8 @@ pub struct FirstHalf {
     /// Gap of each contact, and error of each joint, that are left at the end of the piece.
     remainders: Vec<f64>,
     pub(super) errors: Vec<ArrayVec<f64, MOST_ROWS>>,
-    /// Velocity and angular velocity of each contact after the drift.
+    /// Velocities after the drift, and velocity and angular velocity of each contact.
+    drifted: Velocities,
     middle: Vec<(DVec3, DVec3)>,
     /// Energies dissipated by contacts, and supplied [J].
     pub lost: f64,
@@ -102,6 +102,7 @@ impl Island {
                 self.row(contact, &v).map_or_else(Default::default, |row| (row.velocity(&v), row.turning(&v)))
             })
             .collect();
+        first.drifted = v;
         (self.first, self.open, self.step) = (first, length, h);
     }
 
@@ -133,7 +134,7 @@ impl Island {
         }
         for ((rows, held), errors) in first.rows.joints.iter_mut().zip(&self.joints).zip(&first.errors) {
             let bodies = rows.bodies;
-            size = size.min(held.bodies.iter().map(|&body| self.movers[body].arm).filter(|&arm| arm > 0.0).fold(1.0, f64::min));
+            size = size.min(held.joint.lever);
             for ((row, (_, error)), left) in rows.rows.iter_mut().zip(self.equations(held)).zip(errors) {
                 let error = error - left;
                 row.target = row.velocity(bodies, v) - error / length;
@@ -170,13 +171,13 @@ impl Island {
         let tolerance = self.tolerance(length);
         rows.solve(&mut v, tolerance, self.accuracy.iterations);
         rows.apply(&mut self.movers);
-        let mut losses = first.lost + rows.stopped(&start, &v);
+        let mut losses = first.lost + rows.stopped(&first.drifted, &v);
         for ((row, &index), &middle) in rows.contacts.iter().zip(&first.contacts).zip(&first.middle) {
             losses += lost(row, self.contacts[index].strikes, middle, (row.velocity(&v), row.turning(&v)));
         }
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += losses.max(0.0);
-        self.meters.work += first.work + rows.supplied(&start, &v);
+        self.meters.work += first.work + rows.supplied(&first.drifted, &v);
         if length >= LONG * self.step {
             self.keep_loads(&first, &rows, length);
         }

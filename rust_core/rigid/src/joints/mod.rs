@@ -11,7 +11,7 @@ use crate::mover::{Mover, perpendicular};
 use crate::rows::{MOST_ROWS, Row};
 
 pub use spring::DampedSpring;
-pub(crate) use spring::{SpringForce, SpringRates};
+pub(crate) use spring::SpringForce;
 
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,11 +60,13 @@ pub struct Joint {
     pub motor: Option<Motor>,
     /// Size of the force at which the joint breaks [N].
     pub breaking_force: f64,
+    /// Radius of gyration of the bodies, the lever of rows about angles [m]: they have the units of the others.
+    pub lever: f64,
     /// Whether the bodies move in the plane.
     pub planar: bool,
 }
 
-/// Row of a joint and its error [m] or [rad].
+/// Row of a joint and its error [m].
 pub(crate) type Equation = (Row, f64);
 
 impl Joint {
@@ -81,8 +83,19 @@ impl Joint {
             limits: [f64::NEG_INFINITY, f64::INFINITY],
             motor: None,
             breaking_force: f64::INFINITY,
+            lever: lever(bodies),
             planar,
         }
+    }
+
+    /// Length of a unit of the coordinate of the joint: the lever for an angle, 1 for a way.
+    pub fn unit(&self) -> f64 {
+        if self.kind == JointKind::Prismatic { 1.0 } else { self.lever }
+    }
+
+    /// Lower or upper limit of the coordinate [m].
+    pub fn limit(&self, which: usize) -> f64 {
+        self.unit() * self.limits[which]
     }
 
     /// Equations of the joint at the poses of its bodies.
@@ -121,7 +134,7 @@ impl Joint {
                 let axis = other * self.axes[1];
                 for across in perpendicular(self.axes[0]) {
                     let across = one * across;
-                    rows.push((Row::new(DVec3::ZERO, [axis.cross(across); 2]), across.dot(axis)));
+                    rows.push((Row::new(DVec3::ZERO, [self.lever * axis.cross(across); 2]), self.lever * across.dot(axis)));
                 }
             }
             _ => {}
@@ -133,26 +146,26 @@ impl Joint {
     fn hold_orientation(&self, bodies: [&Mover; 2], rows: &mut ArrayVec<Equation, MOST_ROWS>) {
         if self.planar {
             let error = bodies[1].orientation.angle - bodies[0].orientation.angle - self.angle;
-            rows.push((Row::new(DVec3::ZERO, [DVec3::Z; 2]), error));
+            rows.push((Row::new(DVec3::ZERO, [self.lever * DVec3::Z; 2]), self.lever * error));
             return;
         }
         let first = bodies[0].orientation.quaternion;
         let error = bodies[1].orientation.quaternion * self.relative.inverse() * first.inverse();
         let vector = 2.0 * DVec3::new(error.x, error.y, error.z) * if error.w < 0.0 { -1.0 } else { 1.0 };
         for axis in DVec3::AXES {
-            rows.push((Row::new(DVec3::ZERO, [axis; 2]), axis.dot(vector)));
+            rows.push((Row::new(DVec3::ZERO, [self.lever * axis; 2]), self.lever * axis.dot(vector)));
         }
     }
 
-    /// Row of the motion that the joint allows, and its coordinate: the angle of a hinge [rad] or the way of a prismatic joint
-    /// [m].
+    /// Row of the motion that the joint allows, and its coordinate [m]: the angle of a hinge times the lever, or the way of a
+    /// prismatic joint.
     pub(crate) fn freedom(&self, bodies: [&Mover; 2]) -> Option<Equation> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
         let axis = one * self.axes[0];
         match self.kind {
             JointKind::Hinge if self.planar => {
                 let angle = bodies[1].orientation.angle - bodies[0].orientation.angle - self.angle;
-                Some((Row::new(DVec3::ZERO, [DVec3::Z; 2]), angle))
+                Some((Row::new(DVec3::ZERO, [self.lever * DVec3::Z; 2]), self.lever * angle))
             }
             JointKind::Hinge => {
                 let relative = bodies[0].orientation.quaternion.inverse() * bodies[1].orientation.quaternion;
@@ -160,7 +173,7 @@ impl Joint {
                 let along = DVec3::new(turn.x, turn.y, turn.z).dot(self.axes[0]);
                 let angle = 2.0 * libm::atan2(along, turn.w);
                 let turns = ((self.last - angle) / TAU).round();
-                Some((Row::new(DVec3::ZERO, [axis; 2]), angle + TAU * turns))
+                Some((Row::new(DVec3::ZERO, [self.lever * axis; 2]), self.lever * (angle + TAU * turns)))
             }
             JointKind::Prismatic => {
                 let arms = [one * self.anchors[0], other * self.anchors[1]];
@@ -176,6 +189,17 @@ impl Joint {
     pub fn is_bounded(&self) -> bool {
         self.motor.is_some() || self.limits.iter().any(|limit| limit.is_finite())
     }
+}
+
+/// Radius of gyration of two bodies by their inverse masses and moments [m]; 1 if both are fixed.
+fn lever(bodies: [&Mover; 2]) -> f64 {
+    let [mut masses, mut moments] = [0.0; 2];
+    for body in bodies {
+        let inverse = body.inverse_inertia();
+        masses += body.inverse_mass;
+        moments += inverse.x_axis.x + inverse.y_axis.y + inverse.z_axis.z;
+    }
+    if masses > 0.0 && moments > 0.0 { (masses / moments).sqrt() } else { 1.0 }
 }
 
 #[cfg(test)]

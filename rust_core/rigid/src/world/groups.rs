@@ -113,6 +113,7 @@ impl RigidWorld {
                     joint: world.joint,
                     loads: world.loads,
                     bounds: world.bounds,
+                    held: [true; 2],
                     reaction: [DVec3::ZERO; 2],
                 });
             } else {

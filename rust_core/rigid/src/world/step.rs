@@ -125,7 +125,7 @@ impl RigidWorld {
                     (joint.broken, joint.reaction) = (true, [DVec3::ZERO; 2]);
                 }
                 if let Some((_, place)) = held.joint.freedom(held.bodies.map(|body| &island.movers[body])) {
-                    joint.joint.last = place;
+                    joint.joint.last = place / joint.joint.unit();
                 }
             }
         }
