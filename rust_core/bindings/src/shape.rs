@@ -12,11 +12,7 @@ type MassProperties<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<
 
 /// Mass properties of the shape that a record declares.
 #[pyfunction]
-pub fn shape_properties<'py>(
-    py: Python<'py>,
-    record: &Bound<'py, PyAny>,
-    dimension: usize,
-) -> PyResult<MassProperties<'py>> {
+pub fn shape_properties<'py>(py: Python<'py>, record: &Bound<'py, PyAny>, dimension: usize) -> PyResult<MassProperties<'py>> {
     let mut reader = Reader { dimension, functions: Vec::new() };
     let kind: String = record.get_item("kind")?.extract()?;
     let item = reader.item(record, kind)?;

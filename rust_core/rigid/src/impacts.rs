@@ -9,15 +9,15 @@ use glam::DVec3;
 
 use crate::collision;
 use crate::direct;
-use crate::island::{Accuracy, Contact, Island, LIMIT_BOUNDS, LIMITS, Pair};
+use crate::island::{Accuracy, Contact, Island, Pair};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{BoundedRow, ContactRow, JointRows, Rows, Velocities};
+use crate::rows::{ContactRow, JointRows, Rows, Velocities};
 use crate::shapes::Shape;
 
 /// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
-const HIT: f64 = 1e-9;
-const CLOSED: f64 = 1e-6;
+pub(crate) const HIT: f64 = 1e-9;
+pub(crate) const CLOSED: f64 = 1e-6;
 /// Velocity that is no motion, over the largest speed.
 const REST: f64 = 1e-10;
 /// Velocity of a contact at rest, over that which forces give in a step.
@@ -33,22 +33,23 @@ const PIECES: usize = 8;
 const PIECES_PER_BODY: usize = 1;
 
 /// Path of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
-struct Path<'a> {
+pub(crate) struct Path<'a> {
     start: &'a Mover,
     end: &'a Mover,
     length: f64,
 }
 
 impl Path<'_> {
+    /// Body after a time.
+    pub fn mover(&self, time: f64) -> Mover {
+        let position = self.start.position + time * (self.start.velocity + time * self.bend());
+        let mover = Mover { position, spin: self.end.spin, ..*self.start };
+        Mover { orientation: mover.turned(time), ..mover }
+    }
+
     /// Pose after a time.
     fn at(&self, time: f64) -> Pose {
-        let bend = self.bend();
-        let mover = Mover {
-            position: self.start.position + time * (self.start.velocity + time * bend),
-            spin: self.end.spin,
-            ..*self.start
-        };
-        Pose { position: mover.position, rotation: mover.turned(time).matrix() }
+        self.mover(time).pose()
     }
 
     /// Half the acceleration [m/s²].
@@ -114,7 +115,7 @@ impl Island {
         contacts <= direct::MOST_OF_CONTACTS && contacts + joints <= direct::MOST
     }
 
-    /// Holds the contacts that are closed and do not open in this step.
+    /// Holds the contacts that are closed and do not open in this step, and the limits that joints have reached.
     fn hold_resting(&mut self, h: f64) {
         let v = Velocities::of(&self.movers);
         let still = REST * self.speed();
@@ -124,6 +125,7 @@ impl Island {
             let opening = self.row(&contact, &v).map_or(f64::INFINITY, |row| row.normal.dot(row.velocity(&v)));
             self.contacts[index].held = closed && opening <= (0.5 * h * self.pressing(&contact)).max(still);
         }
+        self.hold_closed_limits();
     }
 
     /// Bound on the acceleration that presses a contact [m/s²].
@@ -146,7 +148,7 @@ impl Island {
             }
         }
         let approach = |row: &ContactRow, v: &Velocities| -row.normal.dot(row.velocity(v));
-        if !rows.iter().any(|(row, _, _)| approach(row, &v) > still) {
+        if !rows.iter().any(|(row, _, _)| approach(row, &v) > still) && !self.strikes_limit(&v, still) {
             return;
         }
         if self.joints.is_empty() {
@@ -211,21 +213,6 @@ impl Island {
         true
     }
 
-    /// Rows of the limits that joints have reached, with the joints.
-    fn closed_limits(&self, v: &Velocities) -> Vec<(usize, BoundedRow)> {
-        let mut rows = Vec::new();
-        for (index, held) in self.joints.iter().enumerate() {
-            let Some((row, place)) = held.joint.freedom(held.bodies.map(|body| &self.movers[body])) else { continue };
-            for which in LIMITS {
-                let open = (place - held.joint.limit(which)) * if which == 0 { 1.0 } else { -1.0 };
-                if open <= CLOSED * held.joint.lever {
-                    rows.extend(BoundedRow::new(held.bodies, row, LIMIT_BOUNDS[which], v).map(|row| (index, row)));
-                }
-            }
-        }
-        rows
-    }
-
     /// Time of the first impact on the paths of a piece.
     fn first_impact(&self, shapes: &[Shape], start: &[Mover], length: f64) -> Option<f64> {
         let paths: Vec<Path<'_>> = start.iter().zip(&self.movers).map(|(start, end)| Path { start, end, length }).collect();
@@ -245,7 +232,8 @@ impl Island {
             };
             first = time.or(first);
         }
-        first
+        let limit = self.first_limit(&paths, first.unwrap_or(length));
+        limit.or(first)
     }
 
     /// Time until `until` at which the gap of a pair closes, by conservative advancement.
@@ -305,27 +293,31 @@ impl Contact {
                 return None;
             }
         }
-        let mut high = (until, end);
-        let mut side = 0;
-        for _ in 0..MOST_ADVANCES {
-            let time = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            let gap = self.gap(paths, time) - least;
-            if gap.abs() <= 0.1 * least || high.0 - low.0 <= f64::EPSILON * until {
-                return Some(time);
-            }
-            // The Illinois method.
-            if gap > 0.0 {
-                low = (time, gap);
-                high.1 *= if side == 1 { 0.5 } else { 1.0 };
-                side = 1;
-            } else {
-                high = (time, gap);
-                low.1 *= if side == -1 { 0.5 } else { 1.0 };
-                side = -1;
-            }
-        }
-        Some(low.0)
+        Some(first_zero(low, (until, end), 0.1 * least, |time| self.gap(paths, time) - least))
     }
+}
+
+/// Time at which a gap falls to 0, to a tolerance [m], between times with their gaps, by the Illinois method.
+pub(crate) fn first_zero(mut low: (f64, f64), mut high: (f64, f64), tolerance: f64, gap: impl Fn(f64) -> f64) -> f64 {
+    let until = high.0;
+    let mut side = 0;
+    for _ in 0..MOST_ADVANCES {
+        let time = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let gap = gap(time);
+        if gap.abs() <= tolerance || high.0 - low.0 <= f64::EPSILON * until {
+            return time;
+        }
+        if gap > 0.0 {
+            low = (time, gap);
+            high.1 *= if side == 1 { 0.5 } else { 1.0 };
+            side = 1;
+        } else {
+            high = (time, gap);
+            low.1 *= if side == -1 { 0.5 } else { 1.0 };
+            side = -1;
+        }
+    }
+    low.0
 }
 
 /// Impact of one contact alone, which adds to its impulses; returns the energy that it dissipates and the energy that fixed

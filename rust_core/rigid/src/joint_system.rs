@@ -50,7 +50,8 @@ impl JointSystem {
         while let Some((_, joint)) = queue.pop_first() {
             let mut row = std::mem::take(&mut blocks[joint]);
             let inverse = inverted(row.remove(&joint)?, joints[joint].rows.len());
-            let factors: Vec<(usize, Block)> = row.iter().map(|(&other, block)| (other, product(&transposed(block), &inverse))).collect();
+            let factors: Vec<(usize, Block)> =
+                row.iter().map(|(&other, block)| (other, product(&transposed(block), &inverse))).collect();
             for (other, factor) in &factors {
                 let own = &mut blocks[*other];
                 let before = own.len();

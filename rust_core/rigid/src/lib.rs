@@ -4,8 +4,8 @@
 //! - [`shapes`] and their mass properties;
 //! - contacts of convex parts, planar and spatial, and of whole shapes ([`collision`]);
 //! - pairs of bodies that are near each other ([`broad`]);
-//! - free [`rotation`], bodies during a step ([`mover`]), [`joints`] and their [`rows`] of impulses;
-//! - steps of a group of bodies ([`island`]): with each impact at its time ([`impacts`]), or of large groups ([`sweeps`]);
+//! - free [`rotation`], bodies during a step ([`mover`]) and their [`surface`]s, [`joints`], and rows of impulses;
+//! - steps of a group of bodies: with each impact at its time, or of large groups in sweeps;
 //! - the [`world`] of all bodies, and the springs between them.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "references may be the C library's"))]
@@ -16,19 +16,20 @@ pub mod contact;
 mod couple;
 mod direct;
 mod ground;
-pub mod impacts;
-pub mod island;
+mod impacts;
+mod island;
 mod joint_system;
 pub mod joints;
+mod limits;
 pub mod mover;
 mod planar;
 pub mod pose;
 pub mod rotation;
-pub mod rows;
+mod rows;
 pub mod shapes;
 mod spatial;
-mod springs;
-pub mod sweeps;
+pub mod surface;
+mod sweeps;
 mod thinning;
 pub mod world;
 

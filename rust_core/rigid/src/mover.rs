@@ -12,14 +12,17 @@ pub struct Mover {
     pub position: DVec3,
     /// Velocity of the center of mass [m/s].
     pub velocity: DVec3,
+    /// Orientation.
     pub orientation: Orientation,
     /// Angular momentum about the center of mass [kg·m²/s]; of a fixed body, the angular velocity [rad/s].
     pub spin: DVec3,
-    /// Acceleration by forces [m/s²], and torque [N·m], constant during a step.
+    /// Acceleration by forces, constant during a step [m/s²].
     pub acceleration: DVec3,
+    /// Torque of forces, constant during a step [N·m].
     pub torque: DVec3,
     /// Inverse mass [1/kg]; 0 for a fixed body.
     pub inverse_mass: f64,
+    /// Moments of inertia.
     pub inertia: Inertia,
     /// Largest distance of a surface point from the center [m]; 0 for a ball or disc, whose surface does not change by turning.
     pub arm: f64,

@@ -2,7 +2,7 @@
 //!
 //! The face with the widest gap is clipped against the face of the other core that looks at it most. Where two vertices are the
 //! nearest points, they are the contact (Gregorius, "The separating axis test between convex polyhedra", GDC 2013; Catto,
-//! Box2D v3).
+//! `Box2D` v3).
 
 use arrayvec::ArrayVec;
 use glam::DVec3;

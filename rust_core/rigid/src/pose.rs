@@ -34,11 +34,13 @@ impl Pose {
     }
 
     /// Pose of a frame given in this one.
+    #[must_use]
     pub fn compose(&self, inner: &Self) -> Self {
         Self { position: self.point(inner.position), rotation: self.rotation * inner.rotation }
     }
 
     /// Another pose, given in this frame.
+    #[must_use]
     #[inline]
     pub fn relative(&self, other: &Self) -> Self {
         let columns = [other.rotation.x_axis, other.rotation.y_axis, other.rotation.z_axis].map(|axis| self.local_vector(axis));

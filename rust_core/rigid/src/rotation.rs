@@ -1,12 +1,12 @@
 //! Free rotation of a rigid body, by a splitting of Euler's equations.
 //!
-//! With the angular momentum L in the world, its components l = RᵀL along the principal axes and a reference axis r,
+//! With the angular momentum L in the world, its components l = Rᵀ L along the principal axes and a reference axis r,
 //!
 //!     H = |L|²/2Iᵣ + Σₖ cₖ lₖ²/2,   cₖ = 1/Iₖ − 1/Iᵣ.
 //!
 //! The first part turns the body about L, and commutes with all others. The other two turn it about two of its axes. Their
 //! symmetric composition keeps L to rounding, is symplectic, reversible and of order 2, and exact for two equal moments. The
-//! reference axis is the one for which |cₐ c_b| is least. Source: F. Fassò, J. Comput. Phys. 189, 527 (2003).
+//! reference axis is the one for which the product of both c is least in size. Source: F. Fassò, J. Comput. Phys. 189, 527 (2003).
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -31,6 +31,7 @@ impl Orientation {
     }
 
     /// Orientation after a turn by the vector `angle` [rad] in the world.
+    #[must_use]
     pub fn turned(&self, angle: DVec3) -> Self {
         let quaternion = (rotation_by(angle) * self.quaternion).normalize();
         Self { quaternion, angle: self.angle + angle.z }

@@ -1,9 +1,9 @@
 //! Steps of large groups of bodies: equal pieces with few iterations each, in which all contacts within reach are rows.
 //!
-//! Each piece has the two halves of [`crate::island`]. The arms and normals of contacts stay as they are during the step, and
-//! gaps follow from the velocities at the contacts. A gap that would close within a piece is closed at its end at most, so that
+//! Each piece has the two halves of a piece of a small group. The arms and normals of contacts stay as they are during the step,
+//! and gaps follow from the velocities at the contacts. A gap that would close within a piece is closed at its end at most, so that
 //! nothing passes through anything, at the price of the time of impact. Overlaps are pushed apart by a damped spring, whose
-//! velocity the second half removes. Source: E. Catto, "Solver2D", 2024 (small steps with soft contacts and relaxation).
+//! velocity the second half removes. Source: E. Catto, "`Solver2D`", 2024 (small steps with soft contacts and relaxation).
 
 use glam::DVec3;
 
@@ -70,6 +70,7 @@ impl Island {
     /// Advances the group by `h` seconds in equal pieces. The last one is left open.
     pub fn sweep(&mut self, shapes: &[Shape], h: f64, (pieces, accuracy): (usize, Accuracy)) {
         self.accuracy = accuracy;
+        self.joints.iter_mut().for_each(|held| held.held = [true; 2]);
         // Impacts may pass the largest speed on to any body.
         let way = 2.0 * h * self.speed();
         self.find_contacts(shapes, |_, pair| way.min(pair.size));

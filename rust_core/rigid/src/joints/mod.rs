@@ -11,7 +11,7 @@ use crate::mover::{Mover, perpendicular};
 use crate::rows::{MOST_ROWS, Row};
 
 pub use spring::DampedSpring;
-pub(crate) use spring::{SpringForce, SpringRates};
+pub(crate) use spring::SpringForce;
 
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +58,7 @@ pub struct Joint {
     pub limits: [f64; 2],
     /// Motor, if there is one.
     pub motor: Option<Motor>,
-    /// Force at which the joint breaks [N].
+    /// Size of the force at which the joint breaks [N].
     pub breaking_force: f64,
     /// Radius of gyration of the bodies, the lever of rows about angles [m]: they have the units of the others.
     pub lever: f64,
@@ -67,7 +67,7 @@ pub struct Joint {
 }
 
 /// Row of a joint and its error [m].
-pub type Equation = (Row, f64);
+pub(crate) type Equation = (Row, f64);
 
 impl Joint {
     /// Joint of two bodies at their present poses.
@@ -99,7 +99,7 @@ impl Joint {
     }
 
     /// Equations of the joint at the poses of its bodies.
-    pub fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<Equation, MOST_ROWS> {
+    pub(crate) fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<Equation, MOST_ROWS> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
         let arms = [one * self.anchors[0], other * self.anchors[1]];
         let way = (bodies[1].position + arms[1]) - (bodies[0].position + arms[0]);
@@ -159,7 +159,7 @@ impl Joint {
 
     /// Row of the motion that the joint allows, and its coordinate [m]: the angle of a hinge times the lever, or the way of a
     /// prismatic joint.
-    pub fn freedom(&self, bodies: [&Mover; 2]) -> Option<Equation> {
+    pub(crate) fn freedom(&self, bodies: [&Mover; 2]) -> Option<Equation> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
         let axis = one * self.axes[0];
         match self.kind {

@@ -36,7 +36,7 @@ pub(super) fn parts(item: &Item, dimension: usize) -> Result<(Vec<Part>, MassPro
         }
         ("Hull", 3) => {
             let part = hull(item, &finite_rows(item, "points", 3)?)?;
-            let mass = MassProperties::polyhedron(part.triangles());
+            let mass = MassProperties::polyhedron(&part.triangles());
             one(part, mass)
         }
         ("MeshShape", 3) => mesh::parts(item),
@@ -111,7 +111,7 @@ fn poses(item: &Item, count: usize, dimension: usize) -> Result<Vec<Pose>> {
     } else {
         orientations(item, count)?.into_iter().map(|turn| DMat3::from_quat(turn)).collect()
     };
-    if !rotations.iter().all(|rotation| rotation.is_finite()) {
+    if !rotations.iter().all(DMat3::is_finite) {
         let name = if dimension == 2 { "angles" } else { "orientations" };
         return Err(item.wrong(name, "finite numbers, and orientations that are not 0", item.values.get(name)));
     }

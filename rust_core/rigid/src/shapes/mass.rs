@@ -86,7 +86,7 @@ impl MassProperties {
     }
 
     /// Interior of a closed surface of triangles, counterclockwise as seen from outside. An inverted surface has a negative size.
-    pub fn polyhedron(triangles: impl Iterator<Item = [DVec3; 3]> + Clone) -> Self {
+    pub fn polyhedron(triangles: &(impl Iterator<Item = [DVec3; 3]> + Clone)) -> Self {
         // Tetrahedra from a point of the surface, then from the center of mass, so that large coordinates do not cancel.
         let six = |[a, b, c]: [DVec3; 3]| a.dot(b.cross(c));
         let origin = triangles.clone().next().map_or(DVec3::ZERO, |triangle| triangle[0]);

@@ -28,7 +28,7 @@ pub(super) fn parts(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
     }
     let properties = |faces: &[[u32; 3]]| {
         let triangles: Vec<_> = faces.iter().map(|face| face.map(|corner| vertices[corner as usize])).collect();
-        MassProperties::polyhedron(triangles.into_iter())
+        MassProperties::polyhedron(&triangles.into_iter())
     };
     let mut mass = properties(&faces);
     if mass.size < 0.0 {
@@ -36,7 +36,7 @@ pub(super) fn parts(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
         mass = properties(&faces);
     }
     if let Some(part) = hull::polyhedron(&vertices) {
-        let whole = MassProperties::polyhedron(part.triangles());
+        let whole = MassProperties::polyhedron(&part.triangles());
         if (whole.size - mass.size).abs() <= CONVEX * whole.size {
             return Ok((vec![part], mass));
         }

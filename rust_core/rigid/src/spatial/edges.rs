@@ -48,7 +48,7 @@ impl Ridge {
 }
 
 /// Edges of a part that may separate it from a ball around `center` more than `least`.
-fn ridges<'a>(part: &'a Part, center: DVec3, least: f64) -> impl Iterator<Item = (usize, DVec3, DVec3, [DVec3; 2])> + 'a {
+fn ridges(part: &Part, center: DVec3, least: f64) -> impl Iterator<Item = (usize, DVec3, DVec3, [DVec3; 2])> + '_ {
     let edges = part.net.edges.iter().enumerate();
     edges.filter_map(move |(index, edge)| {
         let [start, end] = edge.ends.map(|vertex| part.vertices[vertex as usize]);

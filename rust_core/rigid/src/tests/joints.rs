@@ -136,7 +136,7 @@ fn free_chains_keep_their_momenta() {
     assert!((lab.energy() / energy - 1.0).abs() < 1e-3, "{}", lab.energy() / energy);
 }
 
-/// Twenty planks between two points, as a half circle, with a heavy one in the middle.
+/// Twenty planks between two points, as a half circle, with a heavy one in the middle. Planks that fold strike each other.
 #[test]
 fn a_chain_of_twenty_planks_bears_a_load() {
     let mut lab = Laboratory::new(2, DOWN);
@@ -150,7 +150,7 @@ fn a_chain_of_twenty_planks_bears_a_load() {
     for _ in 0..480 {
         lab.step(H, 1);
         assert!(lab.opening() < CLOSED, "{:e}", lab.opening());
-        assert!((lab.balance() - before).abs() < 1e-4 * scale, "{}", lab.balance() - before);
+        assert!((lab.balance() - before).abs() < 1e-3 * scale, "{}", lab.balance() - before);
     }
 }
 
@@ -303,7 +303,7 @@ fn a_wheel_stops_after_several_turns() {
         lab.step(H, 240);
         let joint = lab.world.state.joints[0].joint;
         let (_, place) = joint.freedom([&lab.mover(WORLD), &lab.mover(0)]).unwrap();
-        assert!((place - 10.0).abs() < 1e-9, "{place}");
+        assert!((place / joint.unit() - 10.0).abs() < 1e-9, "{place}");
         assert!(lab.world.angular_velocity(0).length() < 1e-9);
     }
 }

@@ -4,13 +4,13 @@ use glam::{DQuat, DVec3};
 use physcore_base::parallel::SERIAL;
 use physcore_base::scene::{Item, Value};
 
-use crate::island::{Meters, Surface};
+use crate::island::Meters;
 use crate::joints::{Joint, JointKind};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
-use crate::rows::Friction;
 use crate::shapes::Shape;
+use crate::surface::{Friction, Surface};
 use crate::world::{FixedSolid, Motion, RigidWorld, Solid, Turn, WORLD, WorldJoint};
 
 /// Bodies with their motions.

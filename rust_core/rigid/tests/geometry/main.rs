@@ -1,5 +1,7 @@
 //! Shapes, their mass properties, contacts and distances.
 
+#![allow(clippy::disallowed_methods, reason = "references may be the C library's")]
+
 mod broad;
 mod gaps;
 mod mass;

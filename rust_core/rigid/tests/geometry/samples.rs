@@ -11,7 +11,7 @@ use crate::reference::Convex;
 /// Item of a kind with numbers.
 pub fn item(kind: &str, numbers: &[(&'static str, f64)]) -> Item {
     let mut item = Item::new(kind, numbers.iter().map(|&(name, number)| (name, Value::Number(number))));
-    item.path = "bodies[0].shape".to_owned();
+    "bodies[0].shape".clone_into(&mut item.path);
     item
 }
 

@@ -1,12 +1,11 @@
 //! Rigid bodies, joints and boundaries of a scene.
 
 use glam::{DQuat, DVec3};
-use physcore_rigid::island::Surface;
 use physcore_rigid::joints::{DampedSpring, Joint, JointKind, Motor};
 use physcore_rigid::mover::Mover;
 use physcore_rigid::rotation::{Inertia, Orientation};
-use physcore_rigid::rows::Friction;
 use physcore_rigid::shapes::{self, MassProperties, Shape};
+use physcore_rigid::surface::{Friction, Surface};
 use physcore_rigid::world::{ContactSolver, FixedSolid, Motion, Point, RigidWorld, Solid, Turn, WORLD, WorldJoint};
 
 use super::RigidBodies;

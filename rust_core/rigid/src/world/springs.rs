@@ -5,14 +5,14 @@
 
 use glam::DVec3;
 
+use super::{Motion, Point, RigidWorld, WORLD};
 use crate::joints::{DampedSpring, Joint, SpringForce};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::world::{Motion, Point, RigidWorld, WORLD};
 
 /// Spring that acts in the present step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ActingSpring {
+pub(super) struct ActingSpring {
     /// Index among the joints.
     joint: usize,
     /// Indices of the ends among the movers; None at the world.
@@ -23,7 +23,7 @@ pub(crate) struct ActingSpring {
 
 /// Springs of the present step.
 #[derive(Debug, Default)]
-pub(crate) struct SpringStep {
+pub(super) struct SpringStep {
     acting: Vec<ActingSpring>,
     /// Acceleration [m/s²] and torque [N·m] by the springs at the start, of each body and particle.
     loads: Vec<[DVec3; 2]>,
@@ -56,7 +56,7 @@ impl RigidWorld {
     }
 
     /// Adds the forces of the springs to the movers of a step, at its start.
-    pub(crate) fn begin_springs(&mut self, movers: &mut [Mover], points: &[Point]) {
+    pub(super) fn begin_springs(&mut self, movers: &mut [Mover], points: &[Point]) {
         let bodies = self.bodies.len();
         let mut step = SpringStep::default();
         for (index, ends, joint, spring) in self.whole_springs() {
@@ -86,7 +86,7 @@ impl RigidWorld {
     }
 
     /// Adds the second half of the forces of the springs, at the end of a step of `h` seconds.
-    pub(crate) fn end_springs(&mut self, h: f64, bodies: &mut [Motion], others: &mut [Motion]) {
+    pub(super) fn end_springs(&mut self, h: f64, bodies: &mut [Motion], others: &mut [Motion]) {
         if self.springs.is_empty() {
             return;
         }
@@ -117,7 +117,7 @@ impl RigidWorld {
     }
 
     /// Meters the energies of the springs at the end of a step of `h` seconds, and breaks those that are pulled too much.
-    pub(crate) fn meter_springs(&mut self, h: f64, bodies: &[Motion], others: &[Motion]) {
+    pub(super) fn meter_springs(&mut self, h: f64, bodies: &[Motion], others: &[Motion]) {
         if self.springs.is_empty() {
             return;
         }

@@ -1,0 +1,153 @@
+//! Contacts of a group.
+
+use glam::DVec3;
+
+use super::{Island, Pair};
+use crate::collision;
+use crate::contact::{ContactPoint, Touch};
+use crate::mover::Mover;
+use crate::pose::Pose;
+use crate::rows::{ContactImpulse, ContactRow, Velocities};
+use crate::shapes::Shape;
+use crate::surface::Friction;
+
+/// Identity of a contact: the two bodies, and the features that touch.
+pub type ContactKey = (u32, u32, u32);
+
+/// Contact of two bodies of a group.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact {
+    /// Index of the pair.
+    pub pair: usize,
+    pub bodies: [usize; 2],
+    pub key: ContactKey,
+    pub point: ContactPoint,
+    /// Contact at the present poses.
+    pub touch: Touch,
+    pub friction: Friction,
+    pub restitution: f64,
+    /// Mean force and moment of the last piece.
+    pub load: ContactImpulse,
+    /// Whether a row holds the contact in this piece.
+    pub held: bool,
+    /// Whether the contact closes fast in this piece, so that its normal impulse dissipates energy.
+    pub strikes: bool,
+    /// Least normal velocity at the end of the piece [m/s].
+    pub rebound: f64,
+}
+
+impl Island {
+    /// Takes over the loads of contacts from the last step, which are in the order of their keys.
+    pub fn remember(&mut self, loads: &[(ContactKey, ContactImpulse)]) {
+        self.past.clear();
+        let mut place = 0;
+        for pair in &self.pairs {
+            place = seek(loads, place, pair.key);
+            let own = loads[place..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
+            self.past.extend(own);
+        }
+    }
+
+    /// Finds the contacts within `reach` of each pair [m]. Contacts that were there before keep their loads.
+    pub fn find_contacts(&mut self, shapes: &[Shape], reach: impl Fn(&Self, &Pair) -> f64) {
+        let poses: Vec<Pose> = self.movers.iter().map(Mover::pose).collect();
+        let before = std::mem::replace(&mut self.contacts, std::mem::take(&mut self.known));
+        let mut points = Vec::new();
+        let (mut known, mut place) = (0, 0);
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let [one, other] = pair.bodies;
+            let [first, second] = pair.bodies.map(|body| &self.surfaces[body]);
+            points.clear();
+            let dimension = if self.planar { 2 } else { 3 };
+            let sides = ((&shapes[first.shape], &poses[one]), (&shapes[second.shape], &poses[other]));
+            collision::contacts(sides.0, sides.1, reach(self, pair), dimension, &mut points);
+            while known < before.len() && before[known].pair < index {
+                known += 1;
+            }
+            place = seek(&self.past, place, pair.key);
+            let past = before[known..].iter().take_while(|contact| contact.pair == index);
+            let between = poses[other].position - poses[one].position;
+            for &point in &points {
+                let last = past.clone().find(|contact| contact.key.2 == point.feature);
+                let fallback = last.map_or_else(|| between.try_normalize().unwrap_or(DVec3::X), |contact| contact.touch.normal);
+                let touch = point.at([&poses[one], &poses[other]], fallback);
+                self.contacts.push(Contact {
+                    pair: index,
+                    bodies: pair.bodies,
+                    key: (pair.key.0, pair.key.1, point.feature),
+                    point,
+                    touch,
+                    friction: Friction::between(first.friction, second.friction),
+                    restitution: first.restitution.max(second.restitution),
+                    load: last.map_or_else(
+                        || {
+                            let mut own = self.past[place..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
+                            own.find(|(key, _)| key.2 == point.feature).map_or_else(ContactImpulse::default, |own| own.1)
+                        },
+                        |contact| contact.load,
+                    ),
+                    held: false,
+                    strikes: false,
+                    rebound: 0.0,
+                });
+            }
+        }
+        self.known = before;
+        self.known.clear();
+    }
+
+    /// Row of a contact at the present poses.
+    pub fn row(&self, contact: &Contact, v: &Velocities) -> Option<ContactRow> {
+        let arms = contact.bodies.map(|body| contact.touch.point - self.movers[body].position);
+        ContactRow::new(contact.bodies, arms, contact.touch.normal, contact.friction, v)
+    }
+
+    /// Evaluates all contacts at the present poses.
+    pub fn renew_touches(&mut self) {
+        let poses: Vec<Pose> = self.movers.iter().map(Mover::pose).collect();
+        for contact in &mut self.contacts {
+            let [one, other] = contact.bodies.map(|body| &poses[body]);
+            contact.touch = contact.point.at([one, other], contact.touch.normal);
+        }
+    }
+
+    /// Contact evaluated at the present poses.
+    pub fn touch(&self, contact: &Contact) -> Touch {
+        let [one, other] = contact.bodies.map(|body| self.movers[body].pose());
+        contact.point.at([&one, &other], contact.touch.normal)
+    }
+
+    /// Points of a contact that friction holds: in the frames of the two bodies, with the arm from there to the contact [m].
+    /// A rounded body is held at its core, so that it rolls.
+    pub fn anchors(&self, contact: &Contact) -> [(DVec3, DVec3); 2] {
+        std::array::from_fn(|side| {
+            let pose = self.movers[contact.bodies[side]].pose();
+            let radius = contact.point.radii[side];
+            if radius > 0.0 {
+                let core = contact.touch.point - radius * if side == 0 { 1.0 } else { -1.0 } * contact.touch.normal;
+                (pose.local_point(core), contact.touch.point - core)
+            } else {
+                (pose.local_point(contact.touch.point), DVec3::ZERO)
+            }
+        })
+    }
+
+    /// Way that the second body's point of contact moved against the first's [m].
+    pub fn way(&self, contact: &Contact, anchors: &[(DVec3, DVec3); 2], middle: &Velocities, length: f64) -> DVec3 {
+        let [one, other] = std::array::from_fn(|side| {
+            let body = contact.bodies[side];
+            let (local, arm) = anchors[side];
+            let rolled = length * (middle.at(body, arm) - middle.at(body, DVec3::ZERO));
+            self.movers[body].pose().point(local) + rolled + arm
+        });
+        other - one
+    }
+}
+
+/// Place from `place` on of the first load of a pair, or of the next one, in ascending order.
+fn seek(loads: &[(ContactKey, ContactImpulse)], place: usize, pair: (u32, u32)) -> usize {
+    const NEAR: usize = 8;
+    let below = |(key, _): &(ContactKey, ContactImpulse)| (key.0, key.1) < pair;
+    let near = loads[place..].iter().take(NEAR).take_while(|load| below(load)).count();
+    if near < NEAR { place + near } else { place + loads[place..].partition_point(below) }
+}

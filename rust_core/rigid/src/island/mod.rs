@@ -1,0 +1,141 @@
+//! Group of bodies that contacts and joints connect, during a step.
+//!
+//! A step is velocity Verlet with constraint impulses, as in RATTLE. It is taken in pieces of length k:
+//!
+//!     v½ = v + k/2 a + M⁻¹ Jᵀ(x) λ,   x ← x + k v½    λ so that gaps at the end are ≥ 0, and joints are closed
+//!     v ← v½ + k/2 a + M⁻¹ Jᵀ(x) μ                     μ so that no gap closes, with λ + μ ≥ 0
+//!
+//! Friction acts with both halves. Impulses of contacts that last do no work but that of friction, which is the impulse times
+//! the mean of the slips before and after. Sources: H. C. Andersen, J. Comput. Phys. 52, 24 (1983); J. J. Moreau, "Numerical
+//! aspects of the sweeping process", Comput. Meth. Appl. Mech. Eng. 177, 329 (1999).
+
+mod contacts;
+mod joints;
+mod pieces;
+
+use crate::mover::Mover;
+use crate::rows::ContactImpulse;
+use crate::surface::Surface;
+use crate::sweeps::Sweep;
+
+pub use contacts::{Contact, ContactKey};
+pub(crate) use joints::{HeldJoint, LIMIT_BOUNDS, LIMITS};
+pub use pieces::{FirstHalf, lost};
+
+/// Numerical parameters of contacts and joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Largest number of iterations over all rows.
+    pub iterations: usize,
+    /// Change of relative velocities that ends the iterations, over the largest velocity.
+    pub velocities: f64,
+    /// Largest number of linearizations of gaps and errors of joints.
+    pub linearizations: usize,
+    /// Error of gaps and joints that ends them, over the size of the bodies.
+    pub positions: f64,
+}
+
+impl Accuracy {
+    /// Parameters of small groups.
+    pub const FINE: Self = Self { iterations: 200, velocities: 1e-10, linearizations: 10, positions: 1e-11 };
+}
+
+/// Pair of bodies that may touch.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair {
+    pub bodies: [usize; 2],
+    /// Indices of the bodies in the world.
+    pub key: (u32, u32),
+    /// Least size of the two bodies [m].
+    pub size: f64,
+}
+
+/// Energies of a group in a step [J].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Meters {
+    /// Dissipated by contacts and by the limits of joints.
+    pub dissipated: f64,
+    /// Dissipated by the damping of springs.
+    pub damped: f64,
+    /// Supplied by motors, and by bodies that move as prescribed.
+    pub work: f64,
+}
+
+/// Group of bodies during a step.
+#[derive(Debug)]
+pub struct Island {
+    pub movers: Vec<Mover>,
+    /// Index of each mover in the world.
+    pub members: Vec<usize>,
+    pub surfaces: Vec<Surface>,
+    pub pairs: Vec<Pair>,
+    pub contacts: Vec<Contact>,
+    pub joints: Vec<HeldJoint>,
+    pub planar: bool,
+    pub accuracy: Accuracy,
+    pub meters: Meters,
+    /// Length of the step, and of the last piece, which is left open [s].
+    pub step: f64,
+    pub open: f64,
+    /// Buffers of a sweep, and whether its last piece is open.
+    sweep: Sweep,
+    is_swept: bool,
+    /// Buffer of contacts.
+    known: Vec<Contact>,
+    /// Loads of the contacts of the last step.
+    past: Vec<(ContactKey, ContactImpulse)>,
+    first: FirstHalf,
+}
+
+impl Island {
+    /// Group without contacts yet.
+    pub fn new(planar: bool, accuracy: Accuracy) -> Self {
+        Self {
+            movers: Vec::new(),
+            members: Vec::new(),
+            surfaces: Vec::new(),
+            pairs: Vec::new(),
+            contacts: Vec::new(),
+            joints: Vec::new(),
+            planar,
+            accuracy,
+            meters: Meters::default(),
+            step: 0.0,
+            open: 0.0,
+            sweep: Sweep::default(),
+            is_swept: false,
+            known: Vec::new(),
+            past: Vec::new(),
+            first: FirstHalf::default(),
+        }
+    }
+
+    /// Removes all bodies, and keeps the buffers.
+    pub fn clear(&mut self) {
+        self.movers.clear();
+        self.members.clear();
+        self.surfaces.clear();
+        self.pairs.clear();
+        self.contacts.clear();
+        self.joints.clear();
+        self.past.clear();
+        self.meters = Meters::default();
+        self.accuracy = Accuracy::FINE;
+    }
+
+    /// Largest speed of a surface point [m/s].
+    pub fn speed(&self) -> f64 {
+        let of = |mover: &Mover| mover.velocity.length() + mover.angular_velocity().length() * mover.arm;
+        self.movers.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// Buffers of a sweep.
+    pub fn take_sweep(&mut self) -> Sweep {
+        std::mem::take(&mut self.sweep)
+    }
+
+    /// Leaves the last piece of a sweep open.
+    pub fn open_sweep(&mut self, sweep: Sweep, length: f64, h: f64) {
+        (self.sweep, self.is_swept, self.open, self.step) = (sweep, true, length, h);
+    }
+}

@@ -1,0 +1,36 @@
+//! Surfaces of bodies, and friction between them.
+
+/// Friction of a contact.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Friction {
+    /// Coulomb's coefficient μ.
+    pub sliding: f64,
+    /// Lever arm of the moment of friction about the tangents [m].
+    pub rolling: f64,
+    /// Lever arm of the moment of friction about the normal [m].
+    pub torsional: f64,
+}
+
+impl Friction {
+    /// Friction between two surfaces: the geometric mean of Coulomb's coefficients, the larger lever arms. A particle has that of
+    /// the body which it meets.
+    pub(crate) fn between(one: Option<Self>, other: Option<Self>) -> Self {
+        let (Some(one), Some(other)) = (one, other) else { return one.or(other).unwrap_or_default() };
+        Friction {
+            sliding: (one.sliding * other.sliding).sqrt(),
+            rolling: one.rolling.max(other.rolling),
+            torsional: one.torsional.max(other.torsional),
+        }
+    }
+}
+
+/// Surface of a mover.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface {
+    /// Index of the shape.
+    pub shape: usize,
+    /// Friction; None for a particle, which has the friction of the body that it meets.
+    pub friction: Option<Friction>,
+    /// Coefficient of restitution.
+    pub restitution: f64,
+}
