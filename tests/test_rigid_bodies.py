@@ -407,3 +407,39 @@ def test_broken_joints_exert_no_force_and_saved_ones_stay_broken(tmp_path):
         np.testing.assert_allclose(run["planks"].velocities[1], (0.0, -G * 40 / 240), rtol=0.05, atol=1e-3)
         np.testing.assert_array_equal(run.fields["joint_forces"][1], 0.0)
     assert len({run.state_hash() for run in runs}) == 1
+
+
+@pytest.mark.parametrize("joint", [pc.Rod, pc.Hinge])
+@pytest.mark.parametrize("gap", [0.0, 1e-3])
+@pytest.mark.parametrize("dt", [1 / 480, 1 / 2000])
+def test_a_cradle_of_pendulums_passes_one_impact_on(joint, gap, dt):
+    """With e = 1 the last disc rises to the height of the first, and the others stay.
+
+    The disc struck last is at most two gaps from its lowest point, where the rods are askew by 2 gap/l.
+    """
+    row, angles = (0.2 + gap) * np.arange(3), np.array([-0.6, 0.0, 0.0])
+    places = np.column_stack([row + np.sin(angles), -np.cos(angles)])
+    discs = pc.RigidBodies(pc.Disc(0.1), places, friction=0.0, restitution=1.0, mass=1.0)
+    if joint is pc.Rod:
+        joints = [pc.Rod((discs, k), None, [places[k], (row[k], 0.0)]) for k in range(3)]
+    else:
+        joints = [pc.Hinge((discs, k), None, (row[k], 0.0)) for k in range(3)]
+    recording = pc.simulate(pc.Scene(discs, *joints, pc.Gravity((0.0, -G))), 1.0, fps=60, dt=dt)
+    heights = recording[discs].positions[..., 1] + 1.0
+    highest = np.argmax(heights[:, 2])
+    assert heights[highest, 2] == pytest.approx(1.0 - math.cos(0.6), rel=0.01)
+    assert heights[highest, :2].max() < 1e-4
+    assert recording.energy.dissipated[-1] < 1e-9
+
+
+@pytest.mark.parametrize("letter", "sgzy")
+def test_a_letter_that_tumbles_down_steps_gains_no_energy(letter):
+    """Parts of a concave polygon touch a step beside the vertex that bears it; only the surface of the whole counts."""
+    shape = pc.polygon_from_mask(letter, 0.8)
+    words = pc.RigidBody(shape, (-0.2, 0.4), velocity=(1.2, 0.0), friction=0.3, restitution=0.3)
+    steps = pc.RigidBodies(
+        pc.Rectangle(0.75, 3.0), [(0.75 * k - 0.375, -1.5 - 0.4 * k) for k in range(5)], fixed=range(5), friction=0.4
+    )
+    floor = pc.Floor(-2.0, restitution=0.2, friction=0.5)
+    recording = pc.simulate(pc.Scene(words, steps, floor, pc.Gravity((0.0, -G))), 2.0, fps=120, dt=1 / 480)
+    assert np.abs(recording.energy.drift).max() < 1e-3

@@ -75,6 +75,13 @@ DEMOS = (
     "folds",
     "knot",
     "brachistochrone",
+    "cradle",
+    "dominoes",
+    "wrecking_ball",
+    "dzhanibekov",
+    "gyroscope",
+    "galton",
+    "bridge",
 )
 """All demos; the first one is the default."""
 

@@ -8,6 +8,8 @@ use crate::shapes::Part;
 
 /// Gap that counts as closed, relative to the size of the parts. Points closer than that have no direction.
 pub(crate) const CLOSED: f64 = 1e-9;
+/// Largest depth at which an overlap is resolved, over the depth of the overlap.
+const DEEPER: f64 = 4.0;
 
 /// Contact of two discs or balls, if they are within reach [m]. `width` is the number of features of the second shape.
 #[inline]
@@ -112,10 +114,12 @@ impl<'a> Couple<'a> {
         self.parts[*owner].shows_face(*face) && self.parts[1 - owner].shows_vertex(*vertex, against())
     }
 
-    /// Face with the widest gap whose normal belongs to both surfaces.
-    pub fn widest_shown(&self) -> Option<FaceGap> {
-        let [one, other] = [0, 1].map(|owner| self.widest_of(owner, |gap| self.shows(gap)));
-        [one, other].into_iter().flatten().reduce(|one, other| if other.gap > one.gap { other } else { one })
+    /// Face with the widest gap whose normal belongs to both surfaces, for cores that overlap by `-gap` [m]; none if it is far
+    /// deeper, because other parts are nearer to the surface there.
+    pub fn widest_shown(&self, gap: f64) -> Option<FaceGap> {
+        let [one, other] = [0, 1].map(|owner| self.widest_of(owner, |face| self.shows(face)));
+        let widest = [one, other].into_iter().flatten().reduce(|one, other| if other.gap > one.gap { other } else { one });
+        widest.filter(|face| face.gap >= DEEPER * gap - self.closed())
     }
 
     /// Adds a contact between points of the cores in the frames of `body` and of the other.

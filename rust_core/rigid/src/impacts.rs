@@ -151,20 +151,30 @@ impl Island {
         if !rows.iter().any(|(row, _, _)| approach(row, &v) > still) && !self.strikes_limit(&v, still) {
             return;
         }
-        if self.joints.is_empty() {
-            for _ in 0..MOST_PASSES {
-                let mut struck = false;
-                for (row, restitution, least) in &mut rows {
-                    if *restitution * approach(row, &v) > *least {
-                        let (lost, supplied) = bounce(row, *restitution, &mut v);
-                        self.meters.dissipated += lost;
-                        self.meters.work += supplied;
-                        struck = true;
+        for _ in 0..MOST_PASSES {
+            let mut struck = false;
+            for each in &mut rows {
+                let (row, restitution, least) = each;
+                let rebound = *restitution * approach(row, &v);
+                if rebound <= *least {
+                    continue;
+                }
+                struck = true;
+                if self.joints.is_empty() {
+                    let (lost, supplied) = bounce(row, *restitution, &mut v);
+                    self.meters.dissipated += lost;
+                    self.meters.work += supplied;
+                } else {
+                    // Joints pass impulses on, and take part in each impact.
+                    let one = std::slice::from_ref(each);
+                    if !self.strike_together(one, &[rebound]) {
+                        self.strike_together(one, &[0.0]);
                     }
+                    v = Velocities::of(&self.movers);
                 }
-                if !struck {
-                    break;
-                }
+            }
+            if !struck {
+                break;
             }
         }
         let bounces = rows.iter().map(|(row, restitution, least)| {
@@ -198,7 +208,10 @@ impl Island {
         rows.solve(&mut v, self.accuracy.velocities * self.speed(), self.accuracy.iterations);
         let of = |row: &ContactRow, v: &Velocities| (row.velocity(v), row.turning(v));
         let lost: f64 = rows.contacts.iter().map(|row| -row.work(of(row, &start), of(row, &v))).sum();
-        if lost < 0.0 && targets.iter().any(|&target| target > 0.0) {
+        // The error of the solve.
+        let impulses: f64 = rows.contacts.iter().map(|row| row.impulse.normal + row.impulse.tangential.length()).sum();
+        let error = impulses * self.accuracy.velocities * self.speed();
+        if lost < -error && targets.iter().any(|&target| target > 0.0) {
             return false;
         }
         rows.apply(&mut self.movers);

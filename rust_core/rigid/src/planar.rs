@@ -31,7 +31,7 @@ pub(crate) fn contacts(couple: &Couple, contacts: &mut Vec<ContactPoint>) {
         Nearest::Face(face) if couple.shows(&face) => Clip::new(couple, &face).add(couple, contacts),
         // Overlaps are resolved along the surface, of whatever parts it consists.
         Nearest::Face(face) if face.gap <= couple.closed() => {
-            if let Some(face) = couple.widest_shown() {
+            if let Some(face) = couple.widest_shown(face.gap) {
                 Clip::new(couple, &face).add(couple, contacts);
             }
         }

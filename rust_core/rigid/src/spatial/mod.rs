@@ -42,7 +42,7 @@ pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
         (Axis::Edges(edges), ..) if edges.is_shown(couple) => clip::add_edges(couple, edges, points),
         // Overlaps are resolved along the surface, of whatever parts it consists.
         _ if axis.gap() <= couple.closed() => {
-            if let Some(face) = couple.widest_shown() {
+            if let Some(face) = couple.widest_shown(axis.gap()) {
                 clip::add_face(couple, face, &clip::of_face(couple, face), points);
             }
         }
