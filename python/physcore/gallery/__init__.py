@@ -82,6 +82,7 @@ DEMOS = (
     "gyroscope",
     "galton",
     "bridge",
+    "letters",
 )
 """All demos; the first one is the default."""
 
