@@ -221,7 +221,7 @@ def _all() -> Iterator[Entrance]:
             if thing is getattr(pc, method, None):
                 continue  # A function of the package that is a method too.
             if (not method.startswith("_") or method == "__getitem__") and callable(thing) and method not in INTERNAL:
-                keys = method in ("__getitem__", "first_spring", "index", "parts", "path", "slice")
+                keys = method in ("__getitem__", "first_spring", "index", "parts", "path", "place", "slice")
                 yield _entrance(thing, f"{receiver}.{method}", f"{name}.{method}", name, keys=keys)
 
 

@@ -24,6 +24,8 @@ from physcore.spelling import UnknownKey, did_you_mean
 
 BodyKey: TypeAlias = Body | int | str
 """Key of a body: the object, its index in the scene, or its name."""
+GATHERED = ("positions", "velocities", "mass", "charge", "radius", "fixed")
+"""Quantities of all particles."""
 ItemKey: TypeAlias = BodyKey | System | Boundary | Constraint | Probe
 """Key of a body or another item with results: a system or a probe by object or name, a boundary or a constraint by
 object.
@@ -58,7 +60,17 @@ class Contents:
         return tuple(body for body in self.bodies if not body.is_rigid)
 
     def gather(self, name: str) -> NDArray[Any]:
-        """A quantity of all particles, such as "mass", in the order of results, shape (N,) or (N, D)."""
+        """A quantity of all particles, in the order of results, shape (N,) or (N, D).
+
+            scene.gather("mass")
+
+        Args:
+            name: "positions", "velocities", "mass", "charge", "radius" or "fixed".
+
+        Raises:
+            SceneError: there is no such quantity.
+        """
+        name = word(name, "gather.name", GATHERED)
         parts = [getattr(body, name) for body in self.particle_bodies]
         return np.concatenate(parts) if parts else getattr(self.bodies[0], name)[:0] if self.bodies else np.empty(0)
 
@@ -179,7 +191,19 @@ class Contents:
         return self.rows(item, name)[self.are_particles]
 
     def rows(self, item: ActingItem, field: str) -> BoolArray:
-        """Whether an item acts on each row of the engine's fields of particles, which have rigid bodies too."""
+        """Whether an item acts on each row of the engine's fields of particles, which have rigid bodies too.
+
+            scene.rows(scene.forces[0], "on")
+
+        Args:
+            item: a force, a boundary or a constraint.
+            field: "on", or another field of the item that names bodies.
+
+        Raises:
+            SceneError: the item is neither, or has no such field.
+        """
+        self.targets(item)  # raises the error
+        word(field, "rows.field", item.naming)
         named = item.among(self.bodies, "members.item").targets(field)
         if named is None:
             named = self.targets(item) if field == "on" else self.bodies
@@ -217,7 +241,13 @@ class Contents:
         return f"bodies[{index if name is None else repr(name)}]"
 
     def place(self, key: BodyKey) -> slice:
-        """The slice of a body in the engine's fields of particles, which have a row for each rigid body too."""
+        """The slice of a body in the engine's fields of particles, which have a row for each rigid body too.
+
+            scene.place(scene.bodies[0])
+
+        Raises:
+            KeyError: there is no such body.
+        """
         index = self.index(key)
         start = sum(map(len, self.bodies[:index]))
         return slice(start, start + len(self.bodies[index]))

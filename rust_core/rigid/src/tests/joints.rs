@@ -159,7 +159,7 @@ fn a_chain_of_twenty_planks_bears_a_load() {
             assert!(lab.opening() < CLOSED, "{:e}", lab.opening());
             worst = worst.max((lab.balance() - before).abs());
         }
-        assert!(lab.motions[10].velocity.length() > 1.0, "{}", lab.motions[10].velocity);
+        assert!(lab.motions[10].velocity.length() > 0.5, "{}", lab.motions[10].velocity);
         worst
     };
     let (coarse, fine) = (error(240), error(480));
@@ -312,7 +312,7 @@ fn a_wheel_stops_after_several_turns() {
         lab.step(H, 240);
         let joint = lab.world.state.joints[0].joint;
         let (_, place) = joint.freedom([&lab.mover(WORLD), &lab.mover(0)]).unwrap();
-        assert!((place - 10.0).abs() < 1e-9, "{place}");
+        assert!((place / joint.unit() - 10.0).abs() < 1e-7, "{place}");
         assert!(lab.world.angular_velocity(0).length() < 1e-9);
     }
 }
