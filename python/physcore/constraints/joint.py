@@ -49,9 +49,9 @@ class PairJoint(Joint):
     """
 
     one: End
-    """What is joined: a tuple of one body or selection; None for the world."""
+    """First end: a tuple of one body or selection; None for the world."""
     other: End
-    """What it is joined to, likewise."""
+    """Second end, likewise."""
 
     element: ClassVar[Element | None] = "joints"
     naming: ClassVar[tuple[str, ...]] = ("one", "other")

@@ -126,6 +126,6 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     Its vertical component is half of the weight.
     """
     recording = recordings["bridge"]
-    last = [hinge for hinge in recording.scene.constraints if isinstance(hinge, pc.Hinge)][PLANKS]
+    last = [joint for joint in recording.scene.constraints if joint.element == "joints"][PLANKS]
     force = float(np.hypot(*recording[last].force[3]))
     return Figure("force of a hinge", force, math.hypot(tension(), 0.5 * PLANKS * PLANK), "by statics", 1e-2, "N")

@@ -203,7 +203,7 @@ class Contents:
             SceneError: the item is neither, or has no such field.
         """
         self.targets(item)  # raises the error
-        word(field, "rows.field", item.naming)
+        word(field, "rows.field", ("on", *item.naming))
         named = item.among(self.bodies, "members.item").targets(field)
         if named is None:
             named = self.targets(item) if field == "on" else self.bodies

@@ -29,8 +29,9 @@ CASES: dict[int, tuple[tuple[int, int], ...]] = {
     13: ((RIGHT, TOP),),
     14: ((TOP, LEFT),),
 }
-"""Segments of a square, from side to side with the inside on the left, by the corners that are inside: upper left 1,
-upper right 2, lower right 4, lower left 8. Opposite corners are not connected.
+"""Segments of a square, from side to side with the inside on the left, by the corners that are inside.
+
+The corners are upper left 1, upper right 2, lower right 4, lower left 8. Opposite corners are not connected.
 """
 
 

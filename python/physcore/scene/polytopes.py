@@ -19,7 +19,7 @@ from physcore.scene.solids import Ball, Capsule, Cuboid, Disc, PlanarShape, Rect
 
 FLAT = 1e-12
 """Least area of a polygon and least volume of a mesh, relative to their extent, and least sine of the angle between
-sides that turn back: above the rounding of coordinates.
+sides that turn back.
 """
 
 Placed: TypeAlias = tuple[Shape, ArrayLike] | tuple[Shape, ArrayLike, ArrayLike]

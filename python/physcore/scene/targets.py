@@ -1,4 +1,4 @@
-"""What an item acts on: bodies, their names, and some of their particles."""
+"""Targets of an item: bodies, their names, and some of their particles."""
 
 from __future__ import annotations
 

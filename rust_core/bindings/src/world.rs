@@ -264,8 +264,8 @@ impl World {
         Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
 
-    /// Divide steps of dt seconds, and later ones of other sizes, into equal substeps of each system whose own limit is smaller, if
-    /// there are several.
+    /// Divide steps of dt seconds, and later ones of other sizes, into equal substeps of each of several systems whose own
+    /// limit is smaller.
     fn divide(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
         self.change(py, |world| world.divide(dt, &interrupted))
     }

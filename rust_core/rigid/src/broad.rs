@@ -3,7 +3,7 @@
 //! Space is cut into columns along x. The boxes of a column are swept in the order of their lower ends. Boxes that would cover
 //! many columns, and infinite ones, are compared with all others.
 
-use crate::shapes::Bounds;
+use crate::shapes::BoundingBox;
 
 /// Largest number of columns of a box along y or z.
 const WIDEST: f64 = 4.0;
@@ -14,22 +14,22 @@ const COLUMNS: f64 = 1e6;
 
 /// Box in a column.
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct BroadEntry {
     column: [u32; 2],
     start: f64,
     index: u32,
 }
 
-/// Columns of equal width along y and z; a single one along an axis that few would cut.
-struct Columns {
+/// BroadColumns of equal width along y and z; a single one along an axis that few would cut.
+struct BroadColumns {
     lower: [f64; 2],
     width: f64,
     is_cut: [bool; 2],
 }
 
-impl Columns {
-    /// Columns of twice the mean size of the boxes.
-    fn new(bounds: &[Bounds]) -> Self {
+impl BroadColumns {
+    /// BroadColumns of twice the mean size of the boxes.
+    fn new(bounds: &[BoundingBox]) -> Self {
         let (mut lower, mut upper, mut sum, mut count) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], 0.0, 0.0_f64);
         for one in bounds.iter().filter(|one| one.is_finite()) {
             for axis in [0, 1] {
@@ -50,21 +50,21 @@ impl Columns {
     }
 
     /// First and last column of a box along y and z.
-    fn range(&self, one: &Bounds) -> [[u32; 2]; 2] {
+    fn range(&self, one: &BoundingBox) -> [[u32; 2]; 2] {
         [0, 1].map(|axis| [one.lower, one.upper].map(|corner| self.place(axis, corner[axis + 1])))
     }
 
     /// Whether a box is infinite or would cover many columns.
-    fn is_wide(&self, one: &Bounds) -> bool {
+    fn is_wide(&self, one: &BoundingBox) -> bool {
         let size = one.upper - one.lower;
         !one.is_finite() || [size.y, size.z].iter().zip(self.is_cut).any(|(size, cut)| cut && *size > WIDEST * self.width)
     }
 }
 
 /// Replaces `pairs` by all pairs i < j of overlapping boxes of which at least one moves, in ascending order.
-pub fn pairs(bounds: &[Bounds], moves: &[bool], pairs: &mut Vec<[u32; 2]>) {
+pub fn pairs(bounds: &[BoundingBox], moves: &[bool], pairs: &mut Vec<[u32; 2]>) {
     pairs.clear();
-    let columns = Columns::new(bounds);
+    let columns = BroadColumns::new(bounds);
     let (mut entries, mut wide) = (Vec::with_capacity(2 * bounds.len()), Vec::new());
     for (index, one) in (0..).zip(bounds) {
         if columns.is_wide(one) {
@@ -73,7 +73,7 @@ pub fn pairs(bounds: &[Bounds], moves: &[bool], pairs: &mut Vec<[u32; 2]>) {
         }
         let [[y0, y1], [z0, z1]] = columns.range(one);
         for y in y0..=y1 {
-            entries.extend((z0..=z1).map(|z| Entry { column: [y, z], start: one.lower.x, index }));
+            entries.extend((z0..=z1).map(|z| BroadEntry { column: [y, z], start: one.lower.x, index }));
         }
     }
     let mut meet = |one: u32, other: u32| {

@@ -4,13 +4,13 @@ use glam::DVec3;
 
 use crate::contact::ContactPoint;
 use crate::couple::{self, Couple};
-use crate::ground::Ground;
+use crate::ground::GroundContact;
 use crate::pose::Pose;
-use crate::shapes::{Part, Shape};
+use crate::shapes::{Part, SolidShape};
 use crate::{planar, spatial, thinning};
 
-/// Shape at a pose.
-type Placed<'a> = (&'a Shape, &'a Pose);
+/// SolidShape at a pose.
+type Placed<'a> = (&'a SolidShape, &'a Pose);
 
 /// Adds the contacts whose gap is at most `reach` [m] between two shapes at their poses. The reach of a fast body may be many
 /// times its size.
@@ -28,8 +28,8 @@ pub fn contacts(first: Placed, second: Placed, reach: f64, dimension: usize, poi
     match [first, second].map(|(shape, _)| (shape.single(), shape.is_ground())) {
         [(Some(one), _), (Some(other), _)] => of_pair([one, other], points),
         [(_, true), (_, true)] => {}
-        [(_, true), _] => Ground::each(first, second, 0, reach, |ground| ground.add_contacts(reach, width, points)),
-        [_, (_, true)] => Ground::each(second, first, 1, reach, |ground| ground.add_contacts(reach, width, points)),
+        [(_, true), _] => GroundContact::each(first, second, 0, reach, |ground| ground.add_contacts(reach, width, points)),
+        [_, (_, true)] => GroundContact::each(second, first, 1, reach, |ground| ground.add_contacts(reach, width, points)),
         _ => {
             let start = points.len();
             each_pair(first, second, reach, |parts| of_pair(parts, points));
@@ -53,15 +53,15 @@ fn distance(parts: [&Part; 2], poses: [&Pose; 2], dimension: usize) -> (f64, DVe
     if dimension == 2 { planar::separation(&couple) } else { spatial::separation(&couple) }
 }
 
-/// Replaces `found` by the distances of all pairs of convex parts that may be within `reach` [m], as those of [`separation`]:
-/// each with its unit normal from the first shape to the second. A plane across the normal separates the two parts.
+/// Replaces `found` by the distances of all pairs of convex parts that may be within `reach` [m]. Each has its unit normal from
+/// the first shape to the second. A plane across the normal separates the two parts.
 pub fn separations(first: Placed, second: Placed, reach: f64, dimension: usize, found: &mut Vec<(f64, DVec3)>) {
     found.clear();
     let poses = [first.1, second.1];
     match [first, second].map(|(shape, _)| shape.is_ground()) {
         [true, true] => {}
-        [true, false] => Ground::each(first, second, 0, reach, |ground| found.push(ground.distance())),
-        [false, true] => Ground::each(second, first, 1, reach, |ground| found.push(ground.distance())),
+        [true, false] => GroundContact::each(first, second, 0, reach, |ground| found.push(ground.distance())),
+        [false, true] => GroundContact::each(second, first, 1, reach, |ground| found.push(ground.distance())),
         _ => each_pair(first, second, reach, |parts| {
             if !couple::is_apart(parts, poses, reach) {
                 found.push(distance(parts, poses, dimension));

@@ -13,8 +13,8 @@ pub enum Normal {
     Second(DVec3),
     /// From the point of the first body to the point of the second.
     Points,
-    /// From the point of the second body to the point of the first, where one of the bodies is hollow: the outside of a sphere,
-    /// whose radius counts as negative.
+    /// From the point of the second body to the point of the first, where one of the bodies is hollow. The radius of a hollow
+    /// sphere counts as negative.
     Hollow,
     /// From a line through the point of the first body, in its frame, to the point of the second.
     FirstLine(DVec3),
@@ -37,7 +37,7 @@ pub struct ContactPoint {
     pub feature: u32,
 }
 
-/// Contact at given poses.
+/// GroupContact at given poses.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch {
     /// Distance between the surfaces along the normal [m]; negative if they overlap.
@@ -49,7 +49,7 @@ pub struct Touch {
 }
 
 impl ContactPoint {
-    /// Contact at the poses of the two bodies. Points that coincide have the normal `fallback`.
+    /// GroupContact at the poses of the two bodies. Points that coincide have the normal `fallback`.
     #[inline]
     pub fn at(&self, [first, second]: [&Pose; 2], fallback: DVec3) -> Touch {
         let [one, other] = [first.point(self.points[0]), second.point(self.points[1])];

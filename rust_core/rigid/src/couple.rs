@@ -11,7 +11,7 @@ pub(crate) const CLOSED: f64 = 1e-9;
 /// Largest depth at which an overlap is resolved, over the depth of the overlap.
 const DEEPER: f64 = 4.0;
 
-/// Contact of two discs or balls, if they are within reach [m]. `width` is the number of features of the second shape.
+/// GroupContact of two discs or balls, if they are within reach [m]. `width` is the number of features of the second shape.
 #[inline]
 pub(crate) fn of_round(parts: [&Part; 2], poses: [&Pose; 2], reach: f64, width: u32) -> Option<ContactPoint> {
     let points = parts.map(|part| part.vertices[0]);
@@ -54,7 +54,7 @@ pub(crate) struct FaceGap {
 }
 
 impl<'a> Couple<'a> {
-    /// Parts of two bodies.
+    /// ConvexParts of two bodies.
     pub fn new(parts: [&'a Part; 2], poses: [&'a Pose; 2], reach: f64, width: u32) -> Self {
         let other_in = [poses[0].relative(poses[1]), poses[1].relative(poses[0])];
         Self { parts, poses, other_in, reach, width }
@@ -114,8 +114,8 @@ impl<'a> Couple<'a> {
         self.parts[*owner].shows_face(*face) && self.parts[1 - owner].shows_vertex(*vertex, against())
     }
 
-    /// Face with the widest gap whose normal belongs to both surfaces, for cores that overlap by `-gap` [m]; none if it is far
-    /// deeper, because other parts are nearer to the surface there.
+    /// Face with the widest gap whose normal belongs to both surfaces, for cores that overlap by `-gap` [m]. None if it is far
+    /// deeper: other parts are nearer to the surface there.
     pub fn widest_shown(&self, gap: f64) -> Option<FaceGap> {
         let [one, other] = [0, 1].map(|owner| self.widest_of(owner, |face| self.shows(face)));
         let widest = [one, other].into_iter().flatten().reduce(|one, other| if other.gap > one.gap { other } else { one });

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use crate::mover::perpendicular;
-use crate::rows::{Row, Rows, Velocities};
+use crate::rows::{BodyVelocities, Row, Rows};
 
 /// Largest numbers of rows, and of rows of contacts.
 pub const MOST: usize = 240;
@@ -26,9 +26,9 @@ enum Unknown {
     Tangent(usize, DVec3),
 }
 
-/// Equation of an unknown, the direction of its impulse, and its residual.
+/// HeldEquation of an unknown, the direction of its impulse, and its residual.
 #[derive(Debug, Clone, Copy)]
-struct Equation {
+struct HeldEquation {
     unknown: Unknown,
     bodies: [usize; 2],
     row: Row,
@@ -37,7 +37,7 @@ struct Equation {
 
 impl Rows {
     /// Takes a Newton step with the rows that hold at present, if they are few; returns whether it did.
-    pub fn solve_held(&mut self, v: &mut Velocities) -> bool {
+    pub fn solve_held(&mut self, v: &mut BodyVelocities) -> bool {
         let equations = self.held();
         let count = equations.len();
         if count == 0 || count > MOST {
@@ -64,9 +64,9 @@ impl Rows {
     }
 
     /// Equations of the rows that hold.
-    fn held(&self) -> Vec<Equation> {
+    fn held(&self) -> Vec<HeldEquation> {
         let mut equations = Vec::new();
-        let mut add = |unknown, bodies, row, column| equations.push(Equation { unknown, bodies, row, column });
+        let mut add = |unknown, bodies, row, column| equations.push(HeldEquation { unknown, bodies, row, column });
         for (index, joint) in self.joints.iter().enumerate() {
             for (place, row) in joint.rows.iter().enumerate() {
                 add(Unknown::Joint(index, place), joint.bodies, *row, *row);
@@ -118,7 +118,7 @@ impl Rows {
 }
 
 /// Entry of J M⁻¹ C.
-fn coupling(equation: &Equation, other: &Equation, v: &Velocities) -> f64 {
+fn coupling(equation: &HeldEquation, other: &HeldEquation, v: &BodyVelocities) -> f64 {
     let mut sum = 0.0;
     for (side, body) in equation.bodies.into_iter().enumerate() {
         for (across, same) in other.bodies.into_iter().enumerate() {

@@ -6,12 +6,12 @@ use glam::DVec3;
 use crate::contact::{ContactPoint, Normal};
 use crate::couple::as_normal;
 use crate::pose::Pose;
-use crate::shapes::{Bounds, Form, Part, Shape};
+use crate::shapes::{BoundingBox, Part, ShapeForm, SolidShape};
 use crate::spatial;
 
 /// Half-space or hollow of one body, the `owner`, and part of the other.
-pub(crate) struct Ground<'a> {
-    form: &'a Form,
+pub(crate) struct GroundContact<'a> {
+    form: &'a ShapeForm,
     owner: usize,
     poses: [&'a Pose; 2],
     part: &'a Part,
@@ -19,14 +19,20 @@ pub(crate) struct Ground<'a> {
     into: Pose,
 }
 
-impl Ground<'_> {
+impl GroundContact<'_> {
     /// Calls `visit` with the parts of a shape that may be within `reach` of the ground [m]. The ground is the shape of `owner`.
-    pub fn each(ground: (&Shape, &Pose), other: (&Shape, &Pose), owner: usize, reach: f64, mut visit: impl FnMut(Ground)) {
+    pub fn each(
+        ground: (&SolidShape, &Pose),
+        other: (&SolidShape, &Pose),
+        owner: usize,
+        reach: f64,
+        mut visit: impl FnMut(GroundContact),
+    ) {
         let poses = if owner == 0 { [ground.1, other.1] } else { [other.1, ground.1] };
         let into = ground.1.relative(other.1);
         let form = &ground.0.form;
-        other.0.near(&Bounds::EVERYWHERE, &mut |part| {
-            let near = Ground { form, owner, poses, part, into };
+        other.0.near(&BoundingBox::EVERYWHERE, &mut |part| {
+            let near = GroundContact { form, owner, poses, part, into };
             // A ball around the part is beyond reach of most.
             let (center, radius) = part.ball;
             if near.gap(into.point(center)).0 + part.radius - radius <= reach {
@@ -39,9 +45,9 @@ impl Ground<'_> {
     /// hollow.
     fn gap(&self, point: DVec3) -> (f64, Option<DVec3>) {
         match *self.form {
-            Form::HalfSpace(normal) => (normal.dot(point) - self.part.radius, Some(normal)),
-            Form::Hollow(radius) => (radius - point.length() - self.part.radius, (-point).try_normalize()),
-            Form::Parts(_) | Form::Terrain(_) => (f64::INFINITY, None),
+            ShapeForm::HalfSpace(normal) => (normal.dot(point) - self.part.radius, Some(normal)),
+            ShapeForm::Hollow(radius) => (radius - point.length() - self.part.radius, (-point).try_normalize()),
+            ShapeForm::ConvexParts(_) | ShapeForm::GroundProfile(_) => (f64::INFINITY, None),
         }
     }
 
@@ -75,9 +81,9 @@ impl Ground<'_> {
                 continue;
             }
             let (foot, radius, normal) = match *form {
-                Form::HalfSpace(normal) => (point - normal.dot(point) * normal, 0.0, as_normal(owner, normal)),
-                Form::Hollow(radius) => (DVec3::ZERO, -radius, Normal::Hollow),
-                Form::Parts(_) | Form::Terrain(_) => continue,
+                ShapeForm::HalfSpace(normal) => (point - normal.dot(point) * normal, 0.0, as_normal(owner, normal)),
+                ShapeForm::Hollow(radius) => (DVec3::ZERO, -radius, Normal::Hollow),
+                ShapeForm::ConvexParts(_) | ShapeForm::GroundProfile(_) => continue,
             };
             let [high, low] = in_order(owner, [0, part.first + vertex]);
             contacts.push(ContactPoint {

@@ -1,7 +1,7 @@
 //! Impacts of the bodies of a group, at their times and in sequence.
 //!
-//! A step is cut where a gap closes on the path of a trial piece. The impact then acts on the velocities at that time: first
-//! the pairs with restitution, one after another until none approaches, then all contacts together without restitution.
+//! A step is cut where a gap closes on the path of a trial piece. The impact then acts on the velocities at that time. Pairs
+//! with restitution come first, one after another until none approaches. All contacts together without restitution follow.
 //! Bounces that last less than a step are contacts at rest. Sources for the times: B. Mirtich, "Impulse-based dynamic
 //! simulation of rigid body systems", 1996; of the law: W. J. Stronge, "Impact Mechanics", 2000.
 
@@ -9,11 +9,11 @@ use glam::DVec3;
 
 use crate::collision;
 use crate::direct;
-use crate::island::{Accuracy, Contact, Island, Pair};
+use crate::island::{Accuracy, BodyPair, GroupContact, Island};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{ContactRow, JointRows, Rows, Velocities};
-use crate::shapes::Shape;
+use crate::rows::{BodyVelocities, ContactRow, JointRows, Rows};
+use crate::shapes::SolidShape;
 
 /// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
 pub(crate) const HIT: f64 = 1e-9;
@@ -32,14 +32,14 @@ const SHORTEST: f64 = 1e-9;
 const PIECES: usize = 8;
 const PIECES_PER_BODY: usize = 1;
 
-/// Path of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
-pub(crate) struct Path<'a> {
+/// BodyPath of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
+pub(crate) struct BodyPath<'a> {
     start: &'a Mover,
     end: &'a Mover,
     length: f64,
 }
 
-impl Path<'_> {
+impl BodyPath<'_> {
     /// Body after a time.
     pub fn mover(&self, time: f64) -> Mover {
         let position = self.start.position + time * (self.start.velocity + time * self.bend());
@@ -70,11 +70,11 @@ impl Path<'_> {
 impl Island {
     /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. After many impacts, or
     /// where many contacts bear, the rest of the step is taken in equal pieces.
-    pub fn advance(&mut self, shapes: &[Shape], h: f64, rest: (usize, Accuracy)) {
+    pub fn advance(&mut self, shapes: &[SolidShape], h: f64, rest: (usize, Accuracy)) {
         let most = PIECES + PIECES_PER_BODY * self.movers.len();
         let mut time = 0.0;
         for _ in 0..most {
-            let reach = |island: &Self, pair: &Pair| {
+            let reach = |island: &Self, pair: &BodyPair| {
                 let of = |&body: &usize| {
                     let mover = &island.movers[body];
                     h * (mover.velocity.length()
@@ -117,7 +117,7 @@ impl Island {
 
     /// Holds the contacts that are closed and do not open in this step, and the limits that joints have reached.
     fn hold_resting(&mut self, h: f64) {
-        let v = Velocities::of(&self.movers);
+        let v = BodyVelocities::of(&self.movers);
         let still = REST * self.speed();
         for index in 0..self.contacts.len() {
             let contact = self.contacts[index];
@@ -129,7 +129,7 @@ impl Island {
     }
 
     /// Bound on the acceleration that presses a contact [m/s²].
-    pub fn pressing(&self, contact: &Contact) -> f64 {
+    pub fn pressing(&self, contact: &GroupContact) -> f64 {
         contact.bodies.iter().map(|&body| self.movers[body].acceleration.length()).sum()
     }
 
@@ -137,7 +137,7 @@ impl Island {
     fn strike(&mut self, h: f64) {
         let pushed = self.movers.iter().map(|mover| mover.acceleration.length()).fold(0.0, f64::max);
         let still = REST * self.speed() + RESTING * h * pushed;
-        let mut v = Velocities::of(&self.movers);
+        let mut v = BodyVelocities::of(&self.movers);
         let mut rows = Vec::new();
         for contact in &self.contacts {
             if contact.touch.gap <= CLOSED * self.pairs[contact.pair].size {
@@ -147,7 +147,7 @@ impl Island {
                 rows.push((row, contact.restitution, least.max(still)));
             }
         }
-        let approach = |row: &ContactRow, v: &Velocities| -row.normal.dot(row.velocity(v));
+        let approach = |row: &ContactRow, v: &BodyVelocities| -row.normal.dot(row.velocity(v));
         if !rows.iter().any(|(row, _, _)| approach(row, &v) > still) && !self.strikes_limit(&v, still) {
             return;
         }
@@ -170,7 +170,7 @@ impl Island {
                     if !self.strike_together(one, &[rebound]) {
                         self.strike_together(one, &[0.0]);
                     }
-                    v = Velocities::of(&self.movers);
+                    v = BodyVelocities::of(&self.movers);
                 }
             }
             if !struck {
@@ -192,8 +192,8 @@ impl Island {
     /// Resolves the impacts of all contacts together, with these velocities after them. Returns false, and changes nothing, if
     /// that would add energy.
     fn strike_together(&mut self, struck: &[(ContactRow, f64, f64)], targets: &[f64]) -> bool {
-        let start = Velocities::of(&self.movers);
-        let mut v = Velocities::of(&self.movers);
+        let start = BodyVelocities::of(&self.movers);
+        let mut v = BodyVelocities::of(&self.movers);
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
         for held in &self.joints {
             let equations = held.joint.equations(held.bodies.map(|body| &self.movers[body]));
@@ -206,7 +206,7 @@ impl Island {
             rows.contacts.push(row.anew(target));
         }
         rows.solve(&mut v, self.accuracy.velocities * self.speed(), self.accuracy.iterations);
-        let of = |row: &ContactRow, v: &Velocities| (row.velocity(v), row.turning(v));
+        let of = |row: &ContactRow, v: &BodyVelocities| (row.velocity(v), row.turning(v));
         let lost: f64 = rows.contacts.iter().map(|row| -row.work(of(row, &start), of(row, &v))).sum();
         // The error of the solve.
         let impulses: f64 = rows.contacts.iter().map(|row| row.impulse.normal + row.impulse.tangential.length()).sum();
@@ -227,15 +227,16 @@ impl Island {
     }
 
     /// Time of the first impact on the paths of a piece.
-    fn first_impact(&self, shapes: &[Shape], start: &[Mover], length: f64) -> Option<f64> {
-        let paths: Vec<Path<'_>> = start.iter().zip(&self.movers).map(|(start, end)| Path { start, end, length }).collect();
+    fn first_impact(&self, shapes: &[SolidShape], start: &[Mover], length: f64) -> Option<f64> {
+        let paths: Vec<BodyPath<'_>> =
+            start.iter().zip(&self.movers).map(|(start, end)| BodyPath { start, end, length }).collect();
         let mut first = None;
         let mut known = 0;
         for (index, pair) in self.pairs.iter().enumerate() {
             let count = self.contacts[known..].iter().take_while(|contact| contact.pair == index).count();
             let contacts = &self.contacts[known..known + count];
             known += count;
-            let closed = |contact: &&Contact| contact.held || contact.start_gap(&paths) <= CLOSED * pair.size;
+            let closed = |contact: &&GroupContact| contact.held || contact.start_gap(&paths) <= CLOSED * pair.size;
             let until = first.unwrap_or(length);
             let time = if contacts.iter().any(|contact| closed(&contact)) {
                 let open = contacts.iter().filter(|contact| !contact.held);
@@ -250,7 +251,7 @@ impl Island {
     }
 
     /// Time until `until` at which the gap of a pair closes, by conservative advancement.
-    fn approach(&self, pair: &Pair, paths: &[Path<'_>], shapes: &[Shape], until: f64) -> Option<f64> {
+    fn approach(&self, pair: &BodyPair, paths: &[BodyPath<'_>], shapes: &[SolidShape], until: f64) -> Option<f64> {
         let [one, other] = pair.bodies.map(|body| &paths[body]);
         let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
         let dimension = if self.planar { 2 } else { 3 };
@@ -279,18 +280,18 @@ impl Island {
     }
 }
 
-impl Contact {
-    fn gap(&self, paths: &[Path<'_>], time: f64) -> f64 {
+impl GroupContact {
+    fn gap(&self, paths: &[BodyPath<'_>], time: f64) -> f64 {
         let [one, other] = self.bodies.map(|body| paths[body].at(time));
         self.point.at([&one, &other], self.touch.normal).gap
     }
 
-    fn start_gap(&self, paths: &[Path<'_>]) -> f64 {
+    fn start_gap(&self, paths: &[BodyPath<'_>]) -> f64 {
         self.gap(paths, 0.0)
     }
 
     /// Time until `until` at which the gap of an open contact of a pair falls to `least`, if it is below at the end.
-    fn closes(&self, paths: &[Path<'_>], until: f64, least: f64) -> Option<f64> {
+    fn closes(&self, paths: &[BodyPath<'_>], until: f64, least: f64) -> Option<f64> {
         let end = self.gap(paths, until) - least;
         if end >= 0.0 {
             return None;
@@ -335,7 +336,7 @@ pub(crate) fn first_zero(mut low: (f64, f64), mut high: (f64, f64), tolerance: f
 
 /// Impact of one contact alone, which adds to its impulses; returns the energy that it dissipates and the energy that fixed
 /// bodies supply [J].
-fn bounce(row: &mut ContactRow, restitution: f64, v: &mut Velocities) -> (f64, f64) {
+fn bounce(row: &mut ContactRow, restitution: f64, v: &mut BodyVelocities) -> (f64, f64) {
     let before = (row.velocity(v), row.turning(v));
     let approach = -row.normal.dot(before.0);
     for restitution in [restitution, 0.0] {

@@ -9,26 +9,26 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use arrayvec::ArrayVec;
 
-use crate::rows::{JointRows, MOST_ROWS, Velocities, inverted};
+use crate::rows::{BodyVelocities, JointRows, MOST_ROWS, inverted};
 
 /// Shift of the diagonal, over its entries.
 const SHIFT: f64 = 1e-10;
 /// Largest number of blocks, over that of joints: more take longer than iterations.
 const MOST_BLOCKS: usize = 32;
 
-/// Block of two joints.
-type Block = [[f64; MOST_ROWS]; MOST_ROWS];
+/// JointBlock of two joints.
+type JointBlock = [[f64; MOST_ROWS]; MOST_ROWS];
 
-const NOTHING: Block = [[0.0; MOST_ROWS]; MOST_ROWS];
+const NOTHING: JointBlock = [[0.0; MOST_ROWS]; MOST_ROWS];
 
 /// Column of the factorization.
 #[derive(Debug)]
 struct Column {
     joint: usize,
     /// Inverse of the diagonal block.
-    inverse: Block,
+    inverse: JointBlock,
     /// Blocks of L, with their joints.
-    factors: Vec<(usize, Block)>,
+    factors: Vec<(usize, JointBlock)>,
 }
 
 /// Factorized rows of all joints of a group.
@@ -39,7 +39,7 @@ pub(crate) struct JointSystem {
 
 impl JointSystem {
     /// Factorization for the rows of joints; None if there are fewer than two of them, or if it has too many blocks.
-    pub fn new(joints: &[JointRows], v: &Velocities) -> Option<Self> {
+    pub fn new(joints: &[JointRows], v: &BodyVelocities) -> Option<Self> {
         if joints.len() < 2 {
             return None;
         }
@@ -50,7 +50,7 @@ impl JointSystem {
         while let Some((_, joint)) = queue.pop_first() {
             let mut row = std::mem::take(&mut blocks[joint]);
             let inverse = inverted(row.remove(&joint)?, joints[joint].rows.len());
-            let factors: Vec<(usize, Block)> =
+            let factors: Vec<(usize, JointBlock)> =
                 row.iter().map(|(&other, block)| (other, product(&transposed(block), &inverse))).collect();
             for (other, factor) in &factors {
                 let own = &mut blocks[*other];
@@ -74,7 +74,7 @@ impl JointSystem {
     }
 
     /// Solves the rows of all joints; returns the largest change of a relative velocity.
-    pub fn relax(&self, joints: &mut [JointRows], v: &mut Velocities) -> f64 {
+    pub fn relax(&self, joints: &mut [JointRows], v: &mut BodyVelocities) -> f64 {
         let mut values: Vec<[f64; MOST_ROWS]> = joints.iter().map(|joint| joint.lacks(v)).collect();
         let change = values.iter().flatten().fold(0.0, |largest: f64, lack| largest.max(lack.abs()));
         for Column { joint, factors, .. } in &self.columns {
@@ -98,7 +98,7 @@ impl JointSystem {
 }
 
 /// Blocks of the matrix, by joints; None if there are too many.
-fn blocks(joints: &[JointRows], v: &Velocities) -> Option<Vec<BTreeMap<usize, Block>>> {
+fn blocks(joints: &[JointRows], v: &BodyVelocities) -> Option<Vec<BTreeMap<usize, JointBlock>>> {
     let bodies = joints.iter().flat_map(|joint| joint.bodies).max().map_or(0, |last| last + 1);
     let mut at: Vec<ArrayVec<(usize, usize), MOST_BLOCKS>> = vec![ArrayVec::new(); bodies];
     for (index, joint) in joints.iter().enumerate() {
@@ -106,7 +106,7 @@ fn blocks(joints: &[JointRows], v: &Velocities) -> Option<Vec<BTreeMap<usize, Bl
             at[body].try_push((index, side)).ok()?;
         }
     }
-    let mut blocks: Vec<BTreeMap<usize, Block>> = joints.iter().map(|_| BTreeMap::new()).collect();
+    let mut blocks: Vec<BTreeMap<usize, JointBlock>> = joints.iter().map(|_| BTreeMap::new()).collect();
     for (body, own) in at.iter().enumerate() {
         for &(one, side) in own {
             for &(other, across) in own {
@@ -132,10 +132,10 @@ fn dot(one: &[f64; MOST_ROWS], other: &[f64; MOST_ROWS]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
-fn transposed(block: &Block) -> Block {
+fn transposed(block: &JointBlock) -> JointBlock {
     std::array::from_fn(|i| std::array::from_fn(|j| block[j][i]))
 }
 
-fn product(one: &Block, other: &Block) -> Block {
+fn product(one: &JointBlock, other: &JointBlock) -> JointBlock {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..MOST_ROWS).map(|k| one[i][k] * other[k][j]).sum()))
 }

@@ -1,9 +1,9 @@
 //! Limits of the joints of a group, as contacts without restitution.
 
-use crate::impacts::{CLOSED, HIT, Path, first_zero};
+use crate::impacts::{BodyPath, CLOSED, HIT, first_zero};
 use crate::island::{HeldJoint, Island, LIMIT_BOUNDS, LIMITS};
 use crate::mover::Mover;
-use crate::rows::{BoundedRow, Velocities};
+use crate::rows::{BodyVelocities, BoundedRow};
 
 impl HeldJoint {
     /// Way that is left to a limit [m]; infinite without limit.
@@ -14,7 +14,7 @@ impl HeldJoint {
     }
 
     /// Time until `until` at which a limit is reached that was not at the start.
-    fn reaches(&self, which: usize, paths: &[Path<'_>], until: f64) -> Option<f64> {
+    fn reaches(&self, which: usize, paths: &[BodyPath<'_>], until: f64) -> Option<f64> {
         let least = HIT * self.joint.lever;
         let way = |time: f64| {
             let [one, other] = self.bodies.map(|body| paths[body].mover(time));
@@ -38,7 +38,7 @@ impl Island {
     }
 
     /// Rows of the limits that joints have reached, with the joints.
-    pub fn closed_limits(&self, v: &Velocities) -> Vec<(usize, BoundedRow)> {
+    pub fn closed_limits(&self, v: &BodyVelocities) -> Vec<(usize, BoundedRow)> {
         let row = |(index, which): (usize, usize)| {
             let held = &self.joints[index];
             let (row, _) = held.joint.freedom(held.bodies.map(|body| &self.movers[body]))?;
@@ -48,7 +48,7 @@ impl Island {
     }
 
     /// Whether a joint runs into a limit that it has reached, faster than `still` [m/s].
-    pub fn strikes_limit(&self, v: &Velocities, still: f64) -> bool {
+    pub fn strikes_limit(&self, v: &BodyVelocities, still: f64) -> bool {
         self.closed_limits(v).iter().any(|(_, bounded)| {
             let velocity = bounded.row.velocity(bounded.bodies, v);
             (if bounded.bounds == LIMIT_BOUNDS[0] { -velocity } else { velocity }) > still
@@ -63,7 +63,7 @@ impl Island {
     }
 
     /// Time until `until` at which a joint first reaches a limit on the paths of a piece.
-    pub fn first_limit(&self, paths: &[Path<'_>], until: f64) -> Option<f64> {
+    pub fn first_limit(&self, paths: &[BodyPath<'_>], until: f64) -> Option<f64> {
         let mut first = None;
         for held in self.joints.iter().filter(|held| held.joint.is_bounded()) {
             for which in LIMITS.into_iter().filter(|&which| !held.held[which]) {

@@ -11,9 +11,9 @@ use crate::contact::{ContactPoint, Normal};
 use crate::couple::{Couple, FaceGap, as_normal};
 use crate::shapes::Part;
 
-/// Nearest features of two cores.
+/// NearestFeatures features of two cores.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Nearest {
+enum NearestFeatures {
     /// Vertices of the first and the second core.
     Vertices([usize; 2]),
     /// Face of one core and vertex of the other, with their distance, or minus their depth.
@@ -27,10 +27,10 @@ pub(crate) fn contacts(couple: &Couple, contacts: &mut Vec<ContactPoint>) {
         return;
     }
     match nearest(couple, &widest) {
-        Nearest::Vertices(vertices) if shows(couple, vertices) => add_points(couple, vertices, contacts),
-        Nearest::Face(face) if couple.shows(&face) => Clip::new(couple, &face).add(couple, contacts),
+        NearestFeatures::Vertices(vertices) if shows(couple, vertices) => add_points(couple, vertices, contacts),
+        NearestFeatures::Face(face) if couple.shows(&face) => Clip::new(couple, &face).add(couple, contacts),
         // Overlaps are resolved along the surface, of whatever parts it consists.
-        Nearest::Face(face) if face.gap <= couple.closed() => {
+        NearestFeatures::Face(face) if face.gap <= couple.closed() => {
             if let Some(face) = couple.widest_shown(face.gap) {
                 Clip::new(couple, &face).add(couple, contacts);
             }
@@ -64,23 +64,23 @@ fn widest(couple: &Couple) -> Option<FaceGap> {
     }
 }
 
-/// Nearest features of the cores; of cores that overlap, the face of the least depth.
-fn nearest(couple: &Couple, widest: &FaceGap) -> Nearest {
+/// NearestFeatures features of the cores; of cores that overlap, the face of the least depth.
+fn nearest(couple: &Couple, widest: &FaceGap) -> NearestFeatures {
     let is_flat = couple.parts.iter().all(|part| part.vertices.len() <= 2);
     // Two segments on a line have no gap along a face.
     if widest.gap <= couple.closed() && !(is_flat && widest.gap >= -couple.closed()) {
-        return Nearest::Face(*widest);
+        return NearestFeatures::Face(*widest);
     }
     if Clip::new(couple, widest).gap() <= widest.gap + couple.closed() {
-        return Nearest::Face(*widest);
+        return NearestFeatures::Face(*widest);
     }
     let (distance, features) = closest(couple, widest);
-    if distance <= couple.closed() { Nearest::Face(*widest) } else { features }
+    if distance <= couple.closed() { NearestFeatures::Face(*widest) } else { features }
 }
 
 /// Least distance between a vertex of a core and an edge or vertex of the other.
-fn closest(couple: &Couple, widest: &FaceGap) -> (f64, Nearest) {
-    let mut best = (f64::INFINITY, Nearest::Face(*widest));
+fn closest(couple: &Couple, widest: &FaceGap) -> (f64, NearestFeatures) {
+    let mut best = (f64::INFINITY, NearestFeatures::Face(*widest));
     for owner in [0, 1] {
         let [polygon, other] = [couple.parts[owner], couple.parts[1 - owner]];
         for (vertex, local) in other.vertices.iter().enumerate() {
@@ -89,8 +89,8 @@ fn closest(couple: &Couple, widest: &FaceGap) -> (f64, Nearest) {
                 let (gap, end) = to_edge(polygon, face, point);
                 if gap < best.0 {
                     let vertices = |end| if owner == 0 { [end, vertex] } else { [vertex, end] };
-                    let face = Nearest::Face(FaceGap { gap, owner, face, vertex });
-                    best = (gap, end.map_or(face, |end| Nearest::Vertices(vertices(end))));
+                    let face = NearestFeatures::Face(FaceGap { gap, owner, face, vertex });
+                    best = (gap, end.map_or(face, |end| NearestFeatures::Vertices(vertices(end))));
                 }
             }
         }
@@ -113,7 +113,7 @@ fn to_edge(polygon: &Part, face: usize, point: DVec3) -> (f64, Option<usize>) {
     }
 }
 
-/// Edge of a core that looks at a face of the other most, clipped to that face.
+/// PartEdge of a core that looks at a face of the other most, clipped to that face.
 struct Clip {
     owner: usize,
     /// Normal of the face, in the frame of its body.
@@ -197,8 +197,8 @@ pub(crate) fn separation(couple: &Couple) -> (f64, DVec3) {
     };
     let Some(widest) = widest(couple) else { return between([0, 0]) };
     match nearest(couple, &widest) {
-        Nearest::Vertices(vertices) => between(vertices),
-        Nearest::Face(FaceGap { gap, owner, face, .. }) => {
+        NearestFeatures::Vertices(vertices) => between(vertices),
+        NearestFeatures::Face(FaceGap { gap, owner, face, .. }) => {
             let normal = couple.poses[owner].rotation * couple.parts[owner].normals[face];
             (gap - couple.rounding(), if owner == 0 { normal } else { -normal })
         }

@@ -1,16 +1,16 @@
 //! Steps of large groups of bodies: equal pieces with few iterations each, in which all contacts within reach are rows.
 //!
 //! Each piece has the two halves of a piece of a small group. The arms and normals of contacts stay as they are during the step,
-//! and gaps follow from the velocities at the contacts. A gap that would close within a piece is closed at its end at most, so that
-//! nothing passes through anything, at the price of the time of impact. Overlaps are pushed apart by a damped spring, whose
+//! and gaps follow from the velocities at the contacts. A gap that would close within a piece is closed at its end at most. Nothing
+//! passes through anything, at the price of the time of impact. Overlaps are pushed apart by a damped spring, whose
 //! velocity the second half removes. Source: E. Catto, "`Solver2D`", 2024 (small steps with soft contacts and relaxation).
 
 use glam::DVec3;
 
 use crate::island::{Accuracy, FirstHalf, Island, lost};
 use crate::rotation::Inertia;
-use crate::rows::{ContactImpulse, Rows, Velocities};
-use crate::shapes::Shape;
+use crate::rows::{BodyVelocities, ContactImpulse, Rows};
+use crate::shapes::SolidShape;
 
 /// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
 const DAMPING: f64 = 10.0;
@@ -36,17 +36,17 @@ impl Softness {
 
 /// Contacts of a group during a step.
 #[derive(Debug, Default)]
-pub struct Sweep {
+pub struct GroupSweep {
     /// Rows of a half of a piece; those of contacts last throughout the step.
     half: FirstHalf,
     /// Each contact of the rows.
     touching: Vec<Touching>,
-    /// Velocities, and those at the start of a half if there are joints.
-    v: Velocities,
-    start: Velocities,
+    /// BodyVelocities, and those at the start of a half if there are joints.
+    v: BodyVelocities,
+    start: BodyVelocities,
 }
 
-/// Contact during a step.
+/// GroupContact during a step.
 #[derive(Debug, Clone, Copy)]
 struct Touching {
     /// Gap [m].
@@ -68,7 +68,7 @@ struct Touching {
 
 impl Island {
     /// Advances the group by `h` seconds in equal pieces. The last one is left open.
-    pub fn sweep(&mut self, shapes: &[Shape], h: f64, (pieces, accuracy): (usize, Accuracy)) {
+    pub fn sweep(&mut self, shapes: &[SolidShape], h: f64, (pieces, accuracy): (usize, Accuracy)) {
         self.accuracy = accuracy;
         self.joints.iter_mut().for_each(|held| held.held = [true; 2]);
         // Impacts may pass the largest speed on to any body.
@@ -88,7 +88,7 @@ impl Island {
     }
 
     /// Ends the last piece of a sweep, at the velocities after the kick.
-    pub fn end_sweep(&mut self, sweep: &mut Sweep) {
+    pub fn end_sweep(&mut self, sweep: &mut GroupSweep) {
         sweep.v.fill(&self.movers);
         self.second_half(sweep, self.open);
         self.take_velocities(&sweep.v);
@@ -98,7 +98,7 @@ impl Island {
     }
 
     /// Rows of all contacts.
-    fn start_sweep(&mut self) -> Sweep {
+    fn start_sweep(&mut self) -> GroupSweep {
         let mut sweep = self.take_sweep();
         sweep.v.fill(&self.movers);
         sweep.half.rows.planar = self.planar;
@@ -124,8 +124,8 @@ impl Island {
     }
 
     /// Takes the first half of a piece, and its drift.
-    fn first_half(&mut self, sweep: &mut Sweep, length: f64, last: bool) {
-        let Sweep { half, touching, v, start } = sweep;
+    fn first_half(&mut self, sweep: &mut GroupSweep, length: f64, last: bool) {
+        let GroupSweep { half, touching, v, start } = sweep;
         let joined = !self.joints.is_empty();
         if joined {
             start.clone_from(v);
@@ -176,8 +176,8 @@ impl Island {
     }
 
     /// Takes the second half of a piece, at the velocities after the kick.
-    fn second_half(&mut self, sweep: &mut Sweep, length: f64) {
-        let Sweep { half, touching, v, start } = sweep;
+    fn second_half(&mut self, sweep: &mut GroupSweep, length: f64) {
+        let GroupSweep { half, touching, v, start } = sweep;
         let joined = !self.joints.is_empty();
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
         if joined {
@@ -218,7 +218,7 @@ impl Island {
     }
 
     /// Takes the velocities of a solve.
-    fn take_velocities(&mut self, v: &Velocities) {
+    fn take_velocities(&mut self, v: &BodyVelocities) {
         for (body, mover) in self.movers.iter_mut().enumerate().filter(|(_, mover)| !mover.is_fixed()) {
             let [linear, angular] = v.of_body(body);
             mover.velocity = linear;
@@ -230,7 +230,7 @@ impl Island {
 }
 
 /// Energy that contacts dissipate in half a piece [J]; takes their velocities for the start of the next.
-fn meter(half: &FirstHalf, touching: &mut [Touching], v: &Velocities) -> f64 {
+fn meter(half: &FirstHalf, touching: &mut [Touching], v: &BodyVelocities) -> f64 {
     let mut sum = 0.0;
     for (row, contact) in half.rows.contacts.iter().zip(touching) {
         let after = (row.velocity(v), row.turning(v));

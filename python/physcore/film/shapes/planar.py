@@ -61,7 +61,7 @@ CORES: dict[type[Shape], Callable[[Any], list[Core]]] = {
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """What is drawn of a shape at some scale, about its center of mass."""
+    """Drawing of a shape at some scale, about its center of mass."""
 
     points: FloatArray
     """Points of triangles and rims [m], shape (P, 2)."""

@@ -2,27 +2,27 @@
 
 use glam::DVec3;
 
-use super::{Island, Pair};
+use super::{BodyPair, Island};
 use crate::collision;
 use crate::contact::{ContactPoint, Touch};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{ContactImpulse, ContactRow, Velocities};
-use crate::shapes::Shape;
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow};
+use crate::shapes::SolidShape;
 use crate::surface::Friction;
 
 /// Identity of a contact: the two bodies, and the features that touch.
 pub type ContactKey = (u32, u32, u32);
 
-/// Contact of two bodies of a group.
+/// GroupContact of two bodies of a group.
 #[derive(Debug, Clone, Copy)]
-pub struct Contact {
+pub struct GroupContact {
     /// Index of the pair.
     pub pair: usize,
     pub bodies: [usize; 2],
     pub key: ContactKey,
     pub point: ContactPoint,
-    /// Contact at the present poses.
+    /// GroupContact at the present poses.
     pub touch: Touch,
     pub friction: Friction,
     pub restitution: f64,
@@ -49,7 +49,7 @@ impl Island {
     }
 
     /// Finds the contacts within `reach` of each pair [m]. Contacts that were there before keep their loads.
-    pub fn find_contacts(&mut self, shapes: &[Shape], reach: impl Fn(&Self, &Pair) -> f64) {
+    pub fn find_contacts(&mut self, shapes: &[SolidShape], reach: impl Fn(&Self, &BodyPair) -> f64) {
         let poses: Vec<Pose> = self.movers.iter().map(Mover::pose).collect();
         let before = std::mem::replace(&mut self.contacts, std::mem::take(&mut self.known));
         let mut points = Vec::new();
@@ -71,7 +71,7 @@ impl Island {
                 let last = past.clone().find(|contact| contact.key.2 == point.feature);
                 let fallback = last.map_or_else(|| between.try_normalize().unwrap_or(DVec3::X), |contact| contact.touch.normal);
                 let touch = point.at([&poses[one], &poses[other]], fallback);
-                self.contacts.push(Contact {
+                self.contacts.push(GroupContact {
                     pair: index,
                     bodies: pair.bodies,
                     key: (pair.key.0, pair.key.1, point.feature),
@@ -97,7 +97,7 @@ impl Island {
     }
 
     /// Row of a contact at the present poses.
-    pub fn row(&self, contact: &Contact, v: &Velocities) -> Option<ContactRow> {
+    pub fn row(&self, contact: &GroupContact, v: &BodyVelocities) -> Option<ContactRow> {
         let arms = contact.bodies.map(|body| contact.touch.point - self.movers[body].position);
         ContactRow::new(contact.bodies, arms, contact.touch.normal, contact.friction, v)
     }
@@ -111,15 +111,15 @@ impl Island {
         }
     }
 
-    /// Contact evaluated at the present poses.
-    pub fn touch(&self, contact: &Contact) -> Touch {
+    /// GroupContact evaluated at the present poses.
+    pub fn touch(&self, contact: &GroupContact) -> Touch {
         let [one, other] = contact.bodies.map(|body| self.movers[body].pose());
         contact.point.at([&one, &other], contact.touch.normal)
     }
 
     /// Points of a contact that friction holds: in the frames of the two bodies, with the arm from there to the contact [m].
     /// A rounded body is held at its core, so that it rolls.
-    pub fn anchors(&self, contact: &Contact) -> [(DVec3, DVec3); 2] {
+    pub fn anchors(&self, contact: &GroupContact) -> [(DVec3, DVec3); 2] {
         std::array::from_fn(|side| {
             let pose = self.movers[contact.bodies[side]].pose();
             let radius = contact.point.radii[side];
@@ -133,7 +133,7 @@ impl Island {
     }
 
     /// Way that the second body's point of contact moved against the first's [m].
-    pub fn way(&self, contact: &Contact, anchors: &[(DVec3, DVec3); 2], middle: &Velocities, length: f64) -> DVec3 {
+    pub fn way(&self, contact: &GroupContact, anchors: &[(DVec3, DVec3); 2], middle: &BodyVelocities, length: f64) -> DVec3 {
         let [one, other] = std::array::from_fn(|side| {
             let body = contact.bodies[side];
             let (local, arm) = anchors[side];

@@ -4,14 +4,14 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::{FirstHalf, Island};
-use crate::joints::{Equation, Joint};
-use crate::rows::{BoundedRow, JointRows, MOST_ROWS, Row, Rows, Velocities};
+use crate::joints::{Joint, JointEquation};
+use crate::rows::{BodyVelocities, BoundedRow, JointRows, MOST_ROWS, Row, Rows};
 
 /// Bounded rows of a joint.
 pub const LIMITS: [usize; 2] = [0, 1];
 const MOTOR: usize = 2;
 
-/// Bounds of the impulse of a lower and of an upper limit.
+/// BoundingBox of the impulse of a lower and of an upper limit.
 pub const LIMIT_BOUNDS: [[f64; 2]; 2] = [[0.0, f64::INFINITY], [f64::NEG_INFINITY, 0.0]];
 
 /// Joint of two bodies of a group.
@@ -43,12 +43,12 @@ impl HeldJoint {
 
 impl Island {
     /// Equations of a joint at the present poses.
-    pub fn equations(&self, held: &HeldJoint) -> ArrayVec<Equation, MOST_ROWS> {
+    pub fn equations(&self, held: &HeldJoint) -> ArrayVec<JointEquation, MOST_ROWS> {
         held.joint.equations(held.bodies.map(|body| &self.movers[body]))
     }
 
     /// Adds the rows of the joints at the start of a piece.
-    pub fn hold_joints(&self, (length, h): (f64, f64), v: &Velocities, first: &mut FirstHalf) {
+    pub fn hold_joints(&self, (length, h): (f64, f64), v: &BodyVelocities, first: &mut FirstHalf) {
         for (index, held) in self.joints.iter().enumerate() {
             let equations = self.equations(held);
             first.errors.push(equations.iter().map(|(_, error)| error * (1.0 - length / h)).collect());
@@ -72,7 +72,7 @@ impl Island {
     }
 
     /// Adds the rows of the joints at the end of a piece.
-    pub fn hold_joint_velocities(&self, first: &FirstHalf, v: &Velocities, rows: &mut Rows) {
+    pub fn hold_joint_velocities(&self, first: &FirstHalf, v: &BodyVelocities, rows: &mut Rows) {
         for (held, past) in self.joints.iter().zip(&first.rows.joints) {
             let equations = self.equations(held).into_iter().zip(&past.rows);
             let equations = equations.map(|((row, _), past)| Row { impulse: past.impulse, ..row });

@@ -16,9 +16,9 @@ mod pieces;
 use crate::mover::Mover;
 use crate::rows::ContactImpulse;
 use crate::surface::Surface;
-use crate::sweeps::Sweep;
+use crate::sweeps::GroupSweep;
 
-pub use contacts::{Contact, ContactKey};
+pub use contacts::{ContactKey, GroupContact};
 pub(crate) use joints::{HeldJoint, LIMIT_BOUNDS, LIMITS};
 pub use pieces::{FirstHalf, lost};
 
@@ -40,9 +40,9 @@ impl Accuracy {
     pub const FINE: Self = Self { iterations: 200, velocities: 1e-10, linearizations: 10, positions: 1e-11 };
 }
 
-/// Pair of bodies that may touch.
+/// BodyPair of bodies that may touch.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair {
+pub struct BodyPair {
     pub bodies: [usize; 2],
     /// Indices of the bodies in the world.
     pub key: (u32, u32),
@@ -68,8 +68,8 @@ pub struct Island {
     /// Index of each mover in the world.
     pub members: Vec<usize>,
     pub surfaces: Vec<Surface>,
-    pub pairs: Vec<Pair>,
-    pub contacts: Vec<Contact>,
+    pub pairs: Vec<BodyPair>,
+    pub contacts: Vec<GroupContact>,
     pub joints: Vec<HeldJoint>,
     pub planar: bool,
     pub accuracy: Accuracy,
@@ -78,10 +78,10 @@ pub struct Island {
     pub step: f64,
     pub open: f64,
     /// Buffers of a sweep, and whether its last piece is open.
-    sweep: Sweep,
+    sweep: GroupSweep,
     is_swept: bool,
     /// Buffer of contacts.
-    known: Vec<Contact>,
+    known: Vec<GroupContact>,
     /// Loads of the contacts of the last step.
     past: Vec<(ContactKey, ContactImpulse)>,
     first: FirstHalf,
@@ -102,7 +102,7 @@ impl Island {
             meters: Meters::default(),
             step: 0.0,
             open: 0.0,
-            sweep: Sweep::default(),
+            sweep: GroupSweep::default(),
             is_swept: false,
             known: Vec::new(),
             past: Vec::new(),
@@ -130,12 +130,12 @@ impl Island {
     }
 
     /// Buffers of a sweep.
-    pub fn take_sweep(&mut self) -> Sweep {
+    pub fn take_sweep(&mut self) -> GroupSweep {
         std::mem::take(&mut self.sweep)
     }
 
     /// Leaves the last piece of a sweep open.
-    pub fn open_sweep(&mut self, sweep: Sweep, length: f64, h: f64) {
+    pub fn open_sweep(&mut self, sweep: GroupSweep, length: f64, h: f64) {
         (self.sweep, self.is_swept, self.open, self.step) = (sweep, true, length, h);
     }
 }

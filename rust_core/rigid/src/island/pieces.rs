@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::Island;
-use crate::rows::{ContactImpulse, ContactRow, MOST_ROWS, Rows, Velocities};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, MOST_ROWS, Rows};
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
 const LONG: f64 = 0.1;
@@ -13,14 +13,14 @@ const LONG: f64 = 0.1;
 #[derive(Debug, Default)]
 pub struct FirstHalf {
     pub rows: Rows,
-    /// Contact of each row; joint of each bounded row.
+    /// GroupContact of each row; joint of each bounded row.
     pub contacts: Vec<usize>,
     pub(super) bounded: Vec<(usize, usize)>,
     /// Gap of each contact, and error of each joint, that are left at the end of the piece.
     remainders: Vec<f64>,
     pub(super) errors: Vec<ArrayVec<f64, MOST_ROWS>>,
-    /// Velocities after the drift, and velocity and angular velocity of each contact.
-    drifted: Velocities,
+    /// BodyVelocities after the drift, and velocity and angular velocity of each contact.
+    drifted: BodyVelocities,
     middle: Vec<(DVec3, DVec3)>,
     /// Energies dissipated by contacts, and supplied [J].
     pub lost: f64,
@@ -48,10 +48,10 @@ impl Island {
     /// Takes the first half of a piece of a step of `h` seconds, and its drift. Gaps and errors of joints that are there at the
     /// start are closed within a step, however short the piece is.
     pub fn begin_piece(&mut self, length: f64, h: f64) {
-        let start = Velocities::of(&self.movers);
+        let start = BodyVelocities::of(&self.movers);
         let tolerance = self.tolerance(length);
         self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * length));
-        let mut v = Velocities::of(&self.movers);
+        let mut v = BodyVelocities::of(&self.movers);
         let mut first = FirstHalf::default();
         first.rows.planar = self.planar;
         self.hold_joints((length, h), &v, &mut first);
@@ -74,7 +74,7 @@ impl Island {
             first.rows.solve(&mut v, tolerance, self.accuracy.iterations);
             self.movers.copy_from_slice(&kicked);
             first.rows.apply(&mut self.movers);
-            let middle = Velocities::of(&self.movers);
+            let middle = BodyVelocities::of(&self.movers);
             self.movers.iter_mut().for_each(|mover| mover.drift(length));
             let last = linearization + 1 == self.accuracy.linearizations;
             if last || !self.correct(&mut first, &anchors, (&v, &middle), length) {
@@ -91,8 +91,8 @@ impl Island {
 
     /// Leaves a piece open after its drift.
     fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
-        // Velocities at the new poses, for the second half.
-        let v = Velocities::of(&self.movers);
+        // BodyVelocities at the new poses, for the second half.
+        let v = BodyVelocities::of(&self.movers);
         self.renew_touches();
         first.middle = first
             .contacts
@@ -111,7 +111,7 @@ impl Island {
         &self,
         first: &mut FirstHalf,
         anchors: &[[(DVec3, DVec3); 2]],
-        (v, middle): (&Velocities, &Velocities),
+        (v, middle): (&BodyVelocities, &BodyVelocities),
         length: f64,
     ) -> bool {
         let mut worst = 0.0_f64;
@@ -154,7 +154,7 @@ impl Island {
         }
         let first = std::mem::take(&mut self.first);
         let length = self.open;
-        let start = Velocities::of(&self.movers);
+        let start = BodyVelocities::of(&self.movers);
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
         self.hold_joint_velocities(&first, &start, &mut rows);
         for (past, &index) in first.rows.contacts.iter().zip(&first.contacts) {
@@ -166,7 +166,7 @@ impl Island {
             row.least = if past.impulse.normal > 0.0 { contact.rebound } else { 0.0 };
             rows.contacts.push(row);
         }
-        let mut v = Velocities::of(&self.movers);
+        let mut v = BodyVelocities::of(&self.movers);
         rows.start(&mut v);
         let tolerance = self.tolerance(length);
         rows.solve(&mut v, tolerance, self.accuracy.iterations);

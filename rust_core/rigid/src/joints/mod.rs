@@ -67,7 +67,7 @@ pub struct Joint {
 }
 
 /// Row of a joint and its error [m].
-pub(crate) type Equation = (Row, f64);
+pub(crate) type JointEquation = (Row, f64);
 
 impl Joint {
     /// Joint of two bodies at their present poses.
@@ -99,7 +99,7 @@ impl Joint {
     }
 
     /// Equations of the joint at the poses of its bodies.
-    pub(crate) fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<Equation, MOST_ROWS> {
+    pub(crate) fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<JointEquation, MOST_ROWS> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
         let arms = [one * self.anchors[0], other * self.anchors[1]];
         let way = (bodies[1].position + arms[1]) - (bodies[0].position + arms[0]);
@@ -143,7 +143,7 @@ impl Joint {
     }
 
     /// Adds equations that fix the orientations to each other.
-    fn hold_orientation(&self, bodies: [&Mover; 2], rows: &mut ArrayVec<Equation, MOST_ROWS>) {
+    fn hold_orientation(&self, bodies: [&Mover; 2], rows: &mut ArrayVec<JointEquation, MOST_ROWS>) {
         if self.planar {
             let error = bodies[1].orientation.angle - bodies[0].orientation.angle - self.angle;
             rows.push((Row::new(DVec3::ZERO, [self.lever * DVec3::Z; 2]), self.lever * error));
@@ -159,7 +159,7 @@ impl Joint {
 
     /// Row of the motion that the joint allows, and its coordinate [m]: the angle of a hinge times the lever, or the way of a
     /// prismatic joint.
-    pub(crate) fn freedom(&self, bodies: [&Mover; 2]) -> Option<Equation> {
+    pub(crate) fn freedom(&self, bodies: [&Mover; 2]) -> Option<JointEquation> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());
         let axis = one * self.axes[0];
         match self.kind {
@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use crate::pose::Pose;
     use crate::rotation::{Inertia, Orientation, rotation_by};
-    use crate::rows::Velocities;
+    use crate::rows::BodyVelocities;
 
     fn mover(position: DVec3, turn: DVec3, velocity: DVec3, spin: DVec3) -> Mover {
         Mover {
@@ -241,7 +241,7 @@ mod tests {
                 joint.equations([&bodies[0], &bodies[1]]).iter().map(|(_, error)| *error).collect::<Vec<_>>()
             };
             let (plus, minus) = (after(1e-5), after(-1e-5));
-            let velocities = Velocities::of(&start);
+            let velocities = BodyVelocities::of(&start);
             for (index, (row, error)) in joint.equations([&start[0], &start[1]]).iter().enumerate() {
                 let rate = (plus[index] - minus[index]) / 2e-5;
                 let expected = row.velocity([0, 1], &velocities);

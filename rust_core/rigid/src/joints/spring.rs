@@ -66,8 +66,8 @@ impl Joint {
         }
     }
 
-    /// Bounds that a spring adds to the squares of the angular frequencies [1/s²] and the decay rates [1/s] of each body and
-    /// its spin, with the part that both bodies share first.
+    /// Bounds on the squares of the angular frequencies [1/s²] and on the decay rates [1/s] by a spring, for each body. The part
+    /// that both bodies share comes first.
     ///
     /// A displacement u and a rotation θ of a body move the anchor by u + θ × r, up to second order with r. The spring is as
     /// stiff as k along its direction and k (1 − l₀/l) across it, and its tension T resists a rotation with T |r|.
@@ -97,7 +97,7 @@ impl Joint {
     }
 }
 
-/// Bounds of a spring at one of its bodies.
+/// BoundingBox of a spring at one of its bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SpringRates {
     /// Square of the angular frequency [1/s²] and decay rate [1/s] with the other body at rest.

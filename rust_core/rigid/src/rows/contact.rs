@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Velocities;
+use super::BodyVelocities;
 use crate::mover::{Mover, perpendicular};
 use crate::surface::Friction;
 
@@ -33,7 +33,7 @@ impl ContactImpulse {
     }
 }
 
-/// Contact between two bodies at one point.
+/// GroupContact between two bodies at one point.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactRow {
     pub bodies: [usize; 2],
@@ -58,8 +58,8 @@ pub struct ContactRow {
 }
 
 impl ContactRow {
-    /// Contact without impulse; None if neither body can be moved.
-    pub fn new(bodies: [usize; 2], arms: [DVec3; 2], normal: DVec3, friction: Friction, v: &Velocities) -> Option<Self> {
+    /// GroupContact without impulse; None if neither body can be moved.
+    pub fn new(bodies: [usize; 2], arms: [DVec3; 2], normal: DVec3, friction: Friction, v: &BodyVelocities) -> Option<Self> {
         let response = |along: DVec3| v.response(bodies[0], arms[0], along) + v.response(bodies[1], arms[1], along);
         let inverse = normal.dot(response(normal));
         if inverse <= 0.0 {
@@ -101,24 +101,24 @@ impl ContactRow {
 
     /// Relative velocity of the second body at the point [m/s].
     #[inline(always)]
-    pub fn velocity(&self, v: &Velocities) -> DVec3 {
+    pub fn velocity(&self, v: &BodyVelocities) -> DVec3 {
         v.at(self.bodies[1], self.arms[1]) - v.at(self.bodies[0], self.arms[0])
     }
 
     /// Relative angular velocity [rad/s].
-    pub fn turning(&self, v: &Velocities) -> DVec3 {
+    pub fn turning(&self, v: &BodyVelocities) -> DVec3 {
         v.angular[self.bodies[1]] - v.angular[self.bodies[0]]
     }
 
     #[inline(always)]
-    pub fn push(&self, impulse: DVec3, v: &mut Velocities) {
+    pub fn push(&self, impulse: DVec3, v: &mut BodyVelocities) {
         v.push(self.bodies[0], self.arms[0], -impulse);
         v.push(self.bodies[1], self.arms[1], impulse);
     }
 
     /// Solves this contact alone; returns the largest change of a relative velocity [m/s].
     #[inline(always)]
-    pub fn relax(&mut self, v: &mut Velocities) -> f64 {
+    pub fn relax(&mut self, v: &mut BodyVelocities) -> f64 {
         let relative = self.velocity(v);
         let along = self.normal.dot(relative);
         let stiff = 1.0 - self.yields;
@@ -147,7 +147,7 @@ impl ContactRow {
     }
 
     /// Solves this contact alone to a tolerance [m/s].
-    pub fn settle(&mut self, v: &mut Velocities, tolerance: f64, most: usize) {
+    pub fn settle(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) {
         for _ in 0..most {
             if self.relax(v) <= tolerance {
                 return;
@@ -156,7 +156,7 @@ impl ContactRow {
     }
 
     /// Removes the impulses from the velocities.
-    pub fn undo(&self, v: &mut Velocities) {
+    pub fn undo(&self, v: &mut BodyVelocities) {
         self.push(-(self.impulse.normal * self.normal + self.impulse.tangential), v);
         let [one, other] = self.bodies;
         v.angular[one] += v.inverse_inertia[one] * self.impulse.turning;
@@ -164,7 +164,7 @@ impl ContactRow {
     }
 
     /// Solves the moments of rolling and torsional friction under a normal impulse.
-    fn relax_turning(&mut self, load: f64, v: &mut Velocities) {
+    fn relax_turning(&mut self, load: f64, v: &mut BodyVelocities) {
         let turning = self.turning(v);
         let about = self.normal.dot(turning) * self.normal;
         let [torsion, roll] = self.moments;
@@ -181,7 +181,7 @@ impl ContactRow {
     }
 
     /// Energy supplied by fixed bodies, which move as prescribed [J].
-    pub fn supplied(&self, v: &Velocities) -> f64 {
+    pub fn supplied(&self, v: &BodyVelocities) -> f64 {
         let impulse = self.impulse.normal * self.normal + self.impulse.tangential;
         let of = |side: usize, sign: f64| {
             let body = self.bodies[side];

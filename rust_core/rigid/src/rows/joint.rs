@@ -3,10 +3,10 @@
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-use super::{MOST_ROWS, Velocities};
+use super::{BodyVelocities, MOST_ROWS};
 use crate::mover::Mover;
 
-/// Equation J v = b between two bodies, J v = l·(v₂ − v₁) + a₂·ω₂ − a₁·ω₁.
+/// JointEquation J v = b between two bodies, J v = l·(v₂ − v₁) + a₂·ω₂ − a₁·ω₁.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
     /// Direction l.
@@ -26,13 +26,13 @@ impl Row {
     }
 
     /// Relative velocity J v.
-    pub fn velocity(&self, [one, other]: [usize; 2], v: &Velocities) -> f64 {
+    pub fn velocity(&self, [one, other]: [usize; 2], v: &BodyVelocities) -> f64 {
         self.linear.dot(v.linear[other] - v.linear[one]) + self.angular[1].dot(v.angular[other])
             - self.angular[0].dot(v.angular[one])
     }
 
     /// J M⁻¹ Jᵀ of this row and another one of the same bodies.
-    pub fn coupling(&self, row: &Self, [one, other]: [usize; 2], v: &Velocities) -> f64 {
+    pub fn coupling(&self, row: &Self, [one, other]: [usize; 2], v: &BodyVelocities) -> f64 {
         let masses = v.inverse_mass[one] + v.inverse_mass[other];
         masses * self.linear.dot(row.linear)
             + self.angular[0].dot(v.inverse_inertia[one] * row.angular[0])
@@ -40,7 +40,7 @@ impl Row {
     }
 
     /// Adds an impulse to the velocities.
-    pub fn push(&self, impulse: f64, [one, other]: [usize; 2], v: &mut Velocities) {
+    pub fn push(&self, impulse: f64, [one, other]: [usize; 2], v: &mut BodyVelocities) {
         v.linear[one] -= v.inverse_mass[one] * impulse * self.linear;
         v.linear[other] += v.inverse_mass[other] * impulse * self.linear;
         v.angular[one] -= v.inverse_inertia[one] * (impulse * self.angular[0]);
@@ -48,7 +48,7 @@ impl Row {
     }
 
     /// Energy supplied by fixed bodies, which move as prescribed [J].
-    pub fn supplied(&self, bodies: [usize; 2], v: &Velocities) -> f64 {
+    pub fn supplied(&self, bodies: [usize; 2], v: &BodyVelocities) -> f64 {
         let of = |side: usize, sign: f64| {
             let body = bodies[side];
             let fixed = v.inverse_mass[body] == 0.0;
@@ -80,7 +80,7 @@ pub struct JointRows {
 
 impl JointRows {
     /// Prepares the rows of a joint.
-    pub fn new(bodies: [usize; 2], rows: ArrayVec<Row, MOST_ROWS>, v: &Velocities) -> Self {
+    pub fn new(bodies: [usize; 2], rows: ArrayVec<Row, MOST_ROWS>, v: &BodyVelocities) -> Self {
         let mut matrix = [[0.0; MOST_ROWS]; MOST_ROWS];
         for (i, row) in rows.iter().enumerate() {
             for (j, other) in rows.iter().enumerate() {
@@ -90,15 +90,15 @@ impl JointRows {
         Self { bodies, inverse: inverted(matrix, rows.len()), rows }
     }
 
-    /// Velocities that the rows lack.
-    pub fn lacks(&self, v: &Velocities) -> [f64; MOST_ROWS] {
+    /// BodyVelocities that the rows lack.
+    pub fn lacks(&self, v: &BodyVelocities) -> [f64; MOST_ROWS] {
         let mut lacks = [0.0; MOST_ROWS];
         self.rows.iter().zip(&mut lacks).for_each(|(row, lack)| *lack = row.target - row.velocity(self.bodies, v));
         lacks
     }
 
     /// Adds impulses to the rows and to the velocities.
-    pub fn push(&mut self, impulses: &[f64; MOST_ROWS], v: &mut Velocities) {
+    pub fn push(&mut self, impulses: &[f64; MOST_ROWS], v: &mut BodyVelocities) {
         for (row, impulse) in self.rows.iter_mut().zip(impulses) {
             row.impulse += impulse;
             row.push(*impulse, self.bodies, v);
@@ -106,7 +106,7 @@ impl JointRows {
     }
 
     /// Solves the rows of this joint; returns the largest change of a relative velocity.
-    pub fn relax(&mut self, v: &mut Velocities) -> f64 {
+    pub fn relax(&mut self, v: &mut BodyVelocities) -> f64 {
         let lacks = self.lacks(v);
         let of = |weights: &[f64; MOST_ROWS]| weights.iter().zip(&lacks).map(|(weight, lack)| weight * lack).sum();
         let impulses = self.inverse.each_ref().map(of);
@@ -154,7 +154,7 @@ pub struct BoundedRow {
 
 impl BoundedRow {
     /// Prepares a row; None if neither body can be moved along it.
-    pub fn new(bodies: [usize; 2], row: Row, bounds: [f64; 2], v: &Velocities) -> Option<Self> {
+    pub fn new(bodies: [usize; 2], row: Row, bounds: [f64; 2], v: &BodyVelocities) -> Option<Self> {
         let inverse = row.coupling(&row, bodies, v);
         (inverse > 0.0).then_some(Self { bodies, row, bounds, mass: 1.0 / inverse })
     }
@@ -165,11 +165,11 @@ impl BoundedRow {
     }
 
     /// Work of the impulse on the relative motion [J].
-    pub fn work(&self, before: &Velocities, after: &Velocities) -> f64 {
+    pub fn work(&self, before: &BodyVelocities, after: &BodyVelocities) -> f64 {
         0.5 * self.row.impulse * (self.row.velocity(self.bodies, before) + self.row.velocity(self.bodies, after))
     }
 
-    pub fn relax(&mut self, v: &mut Velocities) -> f64 {
+    pub fn relax(&mut self, v: &mut BodyVelocities) -> f64 {
         let lack = self.row.target - self.row.velocity(self.bodies, v);
         let [least, most] = self.bounds;
         let impulse = (self.row.impulse + self.mass * lack).clamp(least, most);

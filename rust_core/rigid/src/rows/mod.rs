@@ -22,17 +22,17 @@ const SWEEPS: usize = 4;
 /// Largest number of rows of a joint.
 pub const MOST_ROWS: usize = 6;
 
-/// Velocities during a solve, with the inverse masses and inertias.
+/// BodyVelocities during a solve, with the inverse masses and inertias.
 #[derive(Debug, Clone, Default)]
-pub struct Velocities {
+pub struct BodyVelocities {
     linear: Vec<DVec3>,
     angular: Vec<DVec3>,
     inverse_mass: Vec<f64>,
     inverse_inertia: Vec<DMat3>,
 }
 
-impl Velocities {
-    /// Velocities of movers in their present orientations.
+impl BodyVelocities {
+    /// BodyVelocities of movers in their present orientations.
     pub fn of(movers: &[Mover]) -> Self {
         let mut velocities = Self::default();
         velocities.fill(movers);
@@ -112,12 +112,12 @@ pub struct Rows {
 
 impl Rows {
     /// Factorizes the rows of the joints.
-    pub fn link(&mut self, v: &Velocities) {
+    pub fn link(&mut self, v: &BodyVelocities) {
         self.system = JointSystem::new(&self.joints, v);
     }
 
     /// Adds the initial impulses to the velocities.
-    pub fn start(&self, v: &mut Velocities) {
+    pub fn start(&self, v: &mut BodyVelocities) {
         for joint in &self.joints {
             joint.rows.iter().for_each(|row| row.push(row.impulse, joint.bodies, v));
         }
@@ -132,8 +132,8 @@ impl Rows {
 
     /// Iterates in alternating order until no relative velocity changes by more than `tolerance` [m/s]; returns whether it
     /// came to that. A Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
-    pub fn solve(&mut self, v: &mut Velocities, tolerance: f64, most: usize) -> bool {
-        let mut before: Option<(f64, Vec<f64>, Velocities)> = None;
+    pub fn solve(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) -> bool {
+        let mut before: Option<(f64, Vec<f64>, BodyVelocities)> = None;
         // Iterations from one Newton step to the next, and to the next decision.
         let (mut wait, mut next) = (SWEEPS, SWEEPS);
         for iteration in 0..most {
@@ -163,7 +163,7 @@ impl Rows {
     }
 
     /// Relaxes all rows once; returns the largest change of a relative velocity [m/s].
-    pub fn relax_all(&mut self, iteration: usize, v: &mut Velocities) -> f64 {
+    pub fn relax_all(&mut self, iteration: usize, v: &mut BodyVelocities) -> f64 {
         let mut change = 0.0_f64;
         match &self.system {
             Some(system) => change = system.relax(&mut self.joints, v),
@@ -206,7 +206,7 @@ impl Rows {
 
     /// Energy that motors, and bodies that move as prescribed, supply by the impulses [J], from velocities before to
     /// velocities after them.
-    pub fn supplied(&self, before: &Velocities, after: &Velocities) -> f64 {
+    pub fn supplied(&self, before: &BodyVelocities, after: &BodyVelocities) -> f64 {
         let of_joint = |joint: &JointRows| joint.rows.iter().map(|row| row.supplied(joint.bodies, after)).sum::<f64>();
         let of_bound = |bounded: &BoundedRow| {
             let drive = if bounded.drives() { bounded.work(before, after) } else { 0.0 };
@@ -218,7 +218,7 @@ impl Rows {
     }
 
     /// Energy that the limits of joints dissipate [J].
-    pub fn stopped(&self, before: &Velocities, after: &Velocities) -> f64 {
+    pub fn stopped(&self, before: &BodyVelocities, after: &BodyVelocities) -> f64 {
         let limits = self.bounds.iter().filter(|bounded| !bounded.drives());
         -limits.map(|bounded| bounded.work(before, after)).sum::<f64>()
     }

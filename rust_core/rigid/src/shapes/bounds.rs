@@ -6,14 +6,14 @@ use crate::pose::Pose;
 
 /// Box along the axes; infinite where a body is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
+pub struct BoundingBox {
     /// Corner with the smallest coordinates [m].
     pub lower: DVec3,
     /// Corner with the largest coordinates [m].
     pub upper: DVec3,
 }
 
-impl Bounds {
+impl BoundingBox {
     /// Whole space.
     pub const EVERYWHERE: Self = Self { lower: DVec3::NEG_INFINITY, upper: DVec3::INFINITY };
     /// Box without points, the start of a union.

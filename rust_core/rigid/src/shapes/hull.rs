@@ -36,9 +36,9 @@ pub(super) fn polygon(points: &[DVec3]) -> Option<Part> {
     (vertices.len() > 2).then(|| Part::polygon(vertices, 0.0))
 }
 
-/// Triangle of a hull that is being built.
+/// HullTriangle of a hull that is being built.
 #[derive(Debug, Clone, Copy)]
-struct Triangle {
+struct HullTriangle {
     corners: [u32; 3],
     normal: DVec3,
 }
@@ -52,13 +52,13 @@ pub(super) fn polyhedron(points: &[DVec3]) -> Option<Part> {
 }
 
 /// Triangles of the hull, counterclockwise as seen from outside, one point at a time.
-fn triangles(points: &[DVec3], tolerance: f64) -> Option<Vec<Triangle>> {
+fn triangles(points: &[DVec3], tolerance: f64) -> Option<Vec<HullTriangle>> {
     let triangle = |corners: [u32; 3]| {
         let [a, b, c] = corners.map(|corner| points[corner as usize]);
-        Triangle { corners, normal: (b - a).cross(c - a).normalize_or_zero() }
+        HullTriangle { corners, normal: (b - a).cross(c - a).normalize_or_zero() }
     };
     let height =
-        |triangle: &Triangle, point: u32| triangle.normal.dot(points[point as usize] - points[triangle.corners[0] as usize]);
+        |triangle: &HullTriangle, point: u32| triangle.normal.dot(points[point as usize] - points[triangle.corners[0] as usize]);
     let start = tetrahedron(points, tolerance)?;
     let [a, b, c, d] = start;
     let mut hull = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]].map(triangle).to_vec();
@@ -71,7 +71,7 @@ fn triangles(points: &[DVec3], tolerance: f64) -> Option<Vec<Triangle>> {
         let seen = || hull.iter().zip(&sees).filter(|(_, sees)| **sees).map(|(triangle, _)| triangle.corners);
         let sides: Vec<[u32; 2]> = seen().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
         let horizon = sides.iter().filter(|[from, to]| !sides.contains(&[*to, *from]));
-        let new: Vec<Triangle> = horizon.map(|&[from, to]| triangle([from, to, point])).collect();
+        let new: Vec<HullTriangle> = horizon.map(|&[from, to]| triangle([from, to, point])).collect();
         let mut kept = sees.iter();
         hull.retain(|_| kept.next() == Some(&false));
         hull.extend(new);

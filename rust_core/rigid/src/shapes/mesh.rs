@@ -12,7 +12,7 @@ use super::{MassProperties, Part, hull};
 /// Difference of the volumes of a surface and of its hull, relative to these, at which it counts as convex.
 const CONVEX: f64 = 1e-9;
 
-/// Parts and mass properties of the closed surface of the item's `vertices` and `faces`.
+/// ConvexParts and mass properties of the closed surface of the item's `vertices` and `faces`.
 pub(super) fn parts(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
     let vertices = finite_rows(item, "vertices", 3)?;
     let mut faces = item.tuples::<3>("faces")?.to_vec();
@@ -41,14 +41,14 @@ pub(super) fn parts(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
             return Ok((vec![part], mass));
         }
     }
-    let surface = Surface::new(vertices, faces);
+    let surface = MeshSurface::new(vertices, faces);
     match surface {
         Some(surface) => Ok(((0..surface.faces.len()).map(|face| surface.part(face)).collect(), mass)),
         None => wrong("triangles that are not flat", "one without an area".to_owned()),
     }
 }
 
-/// Edge that a surface lacks a neighbor at, and the number of faces along it in this direction and the other.
+/// PartEdge that a surface lacks a neighbor at, and the number of faces along it in this direction and the other.
 fn open_edge(faces: &[[u32; 3]]) -> ([u32; 2], usize) {
     let halves = || faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let count = |[from, to]: [u32; 2]| {
@@ -61,7 +61,7 @@ fn open_edge(faces: &[[u32; 3]]) -> ([u32; 2], usize) {
 }
 
 /// Closed surface of triangles.
-struct Surface {
+struct MeshSurface {
     vertices: Vec<DVec3>,
     faces: Vec<[u32; 3]>,
     normals: Vec<DVec3>,
@@ -70,7 +70,7 @@ struct Surface {
     corners: Vec<Corner>,
 }
 
-impl Surface {
+impl MeshSurface {
     /// None if a face has no normal.
     fn new(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Option<Self> {
         let normal = |face: &[u32; 3]| {

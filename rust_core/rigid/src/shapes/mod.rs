@@ -20,18 +20,18 @@ mod terrain;
 mod tree;
 mod walls;
 
-pub use bounds::Bounds;
+pub use bounds::BoundingBox;
 pub use mass::MassProperties;
 pub(crate) use part::Part;
-pub(crate) use parts::Parts;
+pub(crate) use parts::ConvexParts;
 use plane::Planar;
-pub(crate) use terrain::Terrain;
-pub use walls::{Wall, walls};
+pub(crate) use terrain::GroundProfile;
+pub use walls::{WallShape, walls};
 
-/// Shape of a body in its frame.
+/// SolidShape of a body in its frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
-    pub(crate) form: Form,
+pub struct SolidShape {
+    pub(crate) form: ShapeForm,
     /// Number of features, by which points of contact are told apart.
     pub(crate) features: u32,
     reach: f64,
@@ -39,19 +39,19 @@ pub struct Shape {
 
 /// Kind of a shape.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Form {
+pub(crate) enum ShapeForm {
     /// Union of convex parts.
-    Parts(Parts),
+    ConvexParts(ConvexParts),
     /// All points below the plane through the origin with this unit normal.
     HalfSpace(DVec3),
     /// All points beyond a sphere of this radius about the origin [m].
     Hollow(f64),
     /// All points below a height field.
-    Terrain(Terrain),
+    GroundProfile(GroundProfile),
 }
 
-impl Shape {
-    /// Shape of a record, moved so that its center of mass is the origin, and its mass properties as declared.
+impl SolidShape {
+    /// SolidShape of a record, moved so that its center of mass is the origin, and its mass properties as declared.
     ///
     /// # Errors
     /// If there is no shape of that kind in this dimension, or one of its parameters is not acceptable.
@@ -73,17 +73,17 @@ impl Shape {
 
     /// Half-space below the plane through the origin with this unit normal. Only for fixed bodies.
     pub fn half_space(normal: DVec3) -> Self {
-        Self { form: Form::HalfSpace(normal), features: 1, reach: f64::INFINITY }
+        Self { form: ShapeForm::HalfSpace(normal), features: 1, reach: f64::INFINITY }
     }
 
     /// Outside of a sphere about the origin. Only for fixed bodies.
     pub fn hollow(radius: f64) -> Self {
-        Self { form: Form::Hollow(radius), features: 1, reach: f64::INFINITY }
+        Self { form: ShapeForm::Hollow(radius), features: 1, reach: f64::INFINITY }
     }
 
-    /// Ground below a height field. Only for fixed bodies.
-    pub(crate) fn terrain(terrain: Terrain) -> Self {
-        Self { features: terrain.features(), form: Form::Terrain(terrain), reach: f64::INFINITY }
+    /// GroundContact below a height field. Only for fixed bodies.
+    pub(crate) fn terrain(terrain: GroundProfile) -> Self {
+        Self { features: terrain.features(), form: ShapeForm::GroundProfile(terrain), reach: f64::INFINITY }
     }
 
     /// Union of convex parts.
@@ -99,7 +99,7 @@ impl Shape {
             .collect();
         let farthest = |part: &Part| part.vertices.iter().map(|vertex| vertex.length()).fold(0.0, f64::max) + part.radius;
         let reach = parts.iter().map(farthest).fold(0.0, f64::max);
-        Self { form: Form::Parts(Parts::new(parts)), features, reach }
+        Self { form: ShapeForm::ConvexParts(ConvexParts::new(parts)), features, reach }
     }
 
     /// Largest distance of a point of the surface from the origin [m]; infinite for a half-space.
@@ -109,45 +109,45 @@ impl Shape {
 
     /// Whether the shape is a disc or a ball about the origin, which turning does not change.
     pub fn is_round(&self) -> bool {
-        matches!(&self.form, Form::Parts(parts) if matches!(parts.all[..], [Part { ref vertices, .. }] if vertices[..] == [DVec3::ZERO]))
+        matches!(&self.form, ShapeForm::ConvexParts(parts) if matches!(parts.all[..], [Part { ref vertices, .. }] if vertices[..] == [DVec3::ZERO]))
     }
 
     /// Calls `visit` with the convex parts whose boxes overlap another, in the frame of the body; a half-space and a hollow have
     /// none.
-    pub(crate) fn near(&self, bounds: &Bounds, visit: &mut dyn FnMut(&Part)) {
+    pub(crate) fn near(&self, bounds: &BoundingBox, visit: &mut dyn FnMut(&Part)) {
         match &self.form {
-            Form::Parts(parts) => parts.near(bounds, visit),
-            Form::Terrain(terrain) => terrain.near(bounds, visit),
-            Form::HalfSpace(_) | Form::Hollow(_) => {}
+            ShapeForm::ConvexParts(parts) => parts.near(bounds, visit),
+            ShapeForm::GroundProfile(terrain) => terrain.near(bounds, visit),
+            ShapeForm::HalfSpace(_) | ShapeForm::Hollow(_) => {}
         }
     }
 
     /// Part of a shape that consists of one alone.
     #[inline]
     pub(crate) fn single(&self) -> Option<&Part> {
-        if let Form::Parts(parts) = &self.form { parts.single() } else { None }
+        if let ShapeForm::ConvexParts(parts) = &self.form { parts.single() } else { None }
     }
 
     /// Whether the shape is a half-space or a hollow, without parts.
     #[inline]
     pub(crate) fn is_ground(&self) -> bool {
-        matches!(self.form, Form::HalfSpace(_) | Form::Hollow(_))
+        matches!(self.form, ShapeForm::HalfSpace(_) | ShapeForm::Hollow(_))
     }
 
     /// Box along the axes around the shape at a pose.
-    pub fn bounds(&self, pose: &Pose) -> Bounds {
+    pub fn bounds(&self, pose: &Pose) -> BoundingBox {
         match &self.form {
-            Form::Parts(parts) => parts.bounds(pose),
-            Form::HalfSpace(normal) => half_space_bounds(pose.rotation * *normal, pose.position),
-            Form::Hollow(_) => Bounds::EVERYWHERE,
-            Form::Terrain(terrain) => terrain.bounds().moved(pose),
+            ShapeForm::ConvexParts(parts) => parts.bounds(pose),
+            ShapeForm::HalfSpace(normal) => half_space_bounds(pose.rotation * *normal, pose.position),
+            ShapeForm::Hollow(_) => BoundingBox::EVERYWHERE,
+            ShapeForm::GroundProfile(terrain) => terrain.bounds().moved(pose),
         }
     }
 }
 
 /// Box around a half-space, infinite except above a plane along the axes.
-fn half_space_bounds(normal: DVec3, point: DVec3) -> Bounds {
-    let mut bounds = Bounds::EVERYWHERE;
+fn half_space_bounds(normal: DVec3, point: DVec3) -> BoundingBox {
+    let mut bounds = BoundingBox::EVERYWHERE;
     for axis in 0..3 {
         let is_along = (0..3).all(|other| other == axis || normal[other] == 0.0);
         if is_along && normal[axis] > 0.0 {

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::skin::{Corner, Skin};
-use super::tree::Tree;
-use super::{Bounds, Part, Planar};
+use super::tree::PartTree;
+use super::{BoundingBox, Part, Planar};
 
 /// Sine of the angle of a corner that counts as straight.
 const STRAIGHT: f64 = 1e-9;
@@ -47,9 +47,9 @@ impl Outline {
     pub fn crossing(vertices: &[DVec3]) -> Option<[usize; 2]> {
         let count = vertices.len();
         let edge = |index: usize| [vertices[index], vertices[(index + 1) % count]];
-        let around = |ends: [DVec3; 2]| Bounds { lower: ends[0].min(ends[1]), upper: ends[0].max(ends[1]) };
-        let boxes: Vec<Bounds> = (0..count).map(|index| around(edge(index))).collect();
-        let tree = Tree::new(&boxes);
+        let around = |ends: [DVec3; 2]| BoundingBox { lower: ends[0].min(ends[1]), upper: ends[0].max(ends[1]) };
+        let boxes: Vec<BoundingBox> = (0..count).map(|index| around(edge(index))).collect();
+        let tree = PartTree::new(&boxes);
         let mut found: Option<[usize; 2]> = None;
         for one in 0..count {
             tree.near(&boxes[one], |other| {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Bounds;
+use super::BoundingBox;
 use super::plane::Planar;
 use super::skin::Skin;
 use crate::pose::Pose;
@@ -34,12 +34,12 @@ pub(crate) struct Net {
     /// Start of each face in `corners`, and the end of the last.
     pub starts: Vec<u32>,
     /// Edges between two faces.
-    pub edges: Vec<Edge>,
+    pub edges: Vec<PartEdge>,
 }
 
-/// Edge of a polyhedron.
+/// PartEdge of a polyhedron.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Edge {
+pub(crate) struct PartEdge {
     /// Vertices at its ends, in the order of the first of the faces.
     pub ends: [u32; 2],
     /// Faces on its left and on its right, as seen from outside.
@@ -65,7 +65,7 @@ impl Net {
             if key != other {
                 return None;
             }
-            net.edges.push(Edge { ends, faces: [left, right] });
+            net.edges.push(PartEdge { ends, faces: [left, right] });
         }
         Some(net)
     }
@@ -99,7 +99,7 @@ impl Part {
         if dimension == 2 {
             return Self::polygon(ends.to_vec(), radius);
         }
-        let net = Net { edges: vec![Edge { ends: [0, 1], faces: [0, 0] }], ..Net::default() };
+        let net = Net { edges: vec![PartEdge { ends: [0, 1], faces: [0, 0] }], ..Net::default() };
         Self::new(ends.to_vec(), Vec::new(), net, radius)
     }
 
@@ -129,7 +129,7 @@ impl Part {
 
     /// Triangle with two sides, of which the first has this normal.
     pub fn leaf(vertices: Vec<DVec3>, normal: DVec3) -> Self {
-        let edge = |ends: [u32; 2], faces: [u32; 2]| Edge { ends, faces };
+        let edge = |ends: [u32; 2], faces: [u32; 2]| PartEdge { ends, faces };
         let net = Net {
             corners: vec![0, 1, 2, 0, 2, 1],
             starts: vec![0, 3, 6],
@@ -151,9 +151,9 @@ impl Part {
         let edge = |from: u32| {
             let (next, before) = ((from + 1) % 3, (from + 2) % 3);
             [
-                Edge { ends: [from, next], faces: [0, 2 + from] },
-                Edge { ends: [from, from + 3], faces: [2 + from, 2 + before] },
-                Edge { ends: [from + 3, next + 3], faces: [2 + from, 1] },
+                PartEdge { ends: [from, next], faces: [0, 2 + from] },
+                PartEdge { ends: [from, from + 3], faces: [2 + from, 2 + before] },
+                PartEdge { ends: [from + 3, next + 3], faces: [2 + from, 1] },
             ]
         };
         let net = Net {
@@ -208,9 +208,12 @@ impl Part {
     }
 
     /// Box along the axes around the part at a pose.
-    pub fn bounds(&self, pose: &Pose) -> Bounds {
+    pub fn bounds(&self, pose: &Pose) -> BoundingBox {
         let corners = self.vertices.iter().map(|vertex| pose.point(*vertex));
-        corners.map(|corner| Bounds { lower: corner, upper: corner }).fold(Bounds::NOWHERE, Bounds::union).grown(self.radius)
+        corners
+            .map(|corner| BoundingBox { lower: corner, upper: corner })
+            .fold(BoundingBox::NOWHERE, BoundingBox::union)
+            .grown(self.radius)
     }
 
     /// Number of features.

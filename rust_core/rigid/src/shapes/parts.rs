@@ -1,7 +1,7 @@
 //! Unions of convex parts.
 
-use super::tree::Tree;
-use super::{Bounds, Part};
+use super::tree::PartTree;
+use super::{BoundingBox, Part};
 use crate::pose::Pose;
 
 /// Number of parts from which on a tree finds those near a place.
@@ -9,18 +9,18 @@ const MANY: usize = 8;
 
 /// Convex parts of a shape, at least one.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Parts {
+pub(crate) struct ConvexParts {
     pub all: Vec<Part>,
     /// Boxes of the parts in the frame of the body, and a tree of them; empty if there are few parts.
-    boxes: Vec<Bounds>,
-    tree: Tree,
+    boxes: Vec<BoundingBox>,
+    tree: PartTree,
 }
 
-impl Parts {
+impl ConvexParts {
     pub fn new(all: Vec<Part>) -> Self {
-        let boxes: Vec<Bounds> =
+        let boxes: Vec<BoundingBox> =
             if all.len() < MANY { Vec::new() } else { all.iter().map(|part| part.bounds(&Pose::WORLD)).collect() };
-        let tree = Tree::new(&boxes);
+        let tree = PartTree::new(&boxes);
         Self { all, boxes, tree }
     }
 
@@ -31,7 +31,7 @@ impl Parts {
     }
 
     /// Calls `visit` with the parts whose boxes overlap another, in the frame of the body.
-    pub fn near(&self, bounds: &Bounds, visit: &mut dyn FnMut(&Part)) {
+    pub fn near(&self, bounds: &BoundingBox, visit: &mut dyn FnMut(&Part)) {
         if self.boxes.is_empty() {
             self.all.iter().for_each(visit);
             return;
@@ -44,10 +44,10 @@ impl Parts {
     }
 
     /// Box around the parts at a pose: around their own, or around that of their union if they are many.
-    pub fn bounds(&self, pose: &Pose) -> Bounds {
+    pub fn bounds(&self, pose: &Pose) -> BoundingBox {
         match self.tree.bounds() {
             Some(bounds) => bounds.moved(pose),
-            None => self.all.iter().map(|part| part.bounds(pose)).fold(Bounds::NOWHERE, Bounds::union),
+            None => self.all.iter().map(|part| part.bounds(pose)).fold(BoundingBox::NOWHERE, BoundingBox::union),
         }
     }
 }

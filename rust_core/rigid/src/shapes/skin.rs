@@ -1,8 +1,8 @@
-//! Parts of a larger surface: which of their faces, edges and vertices are on it, and with which normals.
+//! ConvexParts of a larger surface: which of their faces, edges and vertices are on it, and with which normals.
 //!
 //! A body that slides from one part to the next must feel no edge between them. A contact counts only if its normal is one of
-//! the surface at the feature that touches: the normal of a face, one between those of two faces, or one of a vertex that no
-//! edge from it rises above.
+//! the surface at the feature that touches. A face has its normal, an edge all between those of its two faces. A vertex has
+//! all above which none of its edges rises.
 
 use glam::{DMat3, DVec3};
 

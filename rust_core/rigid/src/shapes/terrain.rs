@@ -7,29 +7,29 @@ use physcore_base::error::{Error, Result};
 use physcore_base::scene::{Item, Value};
 
 use super::skin::{Corner, Skin};
-use super::{Bounds, Part, Planar};
+use super::{BoundingBox, Part, Planar};
 
 /// Features of a prism: of the quadrilateral below a segment, and of that below a triangle.
 const FEATURES: [u32; 2] = [8, 20];
 
-/// Node of the grid.
-type Node = [usize; 2];
+/// ProfileNode of the grid.
+type ProfileNode = [usize; 2];
 
 /// Heights of the nodes of a uniform grid, along y in 2D and along z in 3D.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Terrain {
+pub(crate) struct GroundProfile {
     /// Heights [m] of nodes (i, j), with j varying fastest.
     heights: Vec<f64>,
     /// Number of nodes along each horizontal axis; in 2D one along y.
-    nodes: Node,
+    nodes: ProfileNode,
     spacing: f64,
     dimension: usize,
     lowest: f64,
     highest: f64,
 }
 
-impl Terrain {
-    /// Ground of an item's `heights` [m] at the nodes of a grid with its `spacing` [m], and its `origin`.
+impl GroundProfile {
+    /// GroundContact of an item's `heights` [m] at the nodes of a grid with its `spacing` [m], and its `origin`.
     pub fn declared(item: &Item, dimension: usize) -> Result<(Self, DVec3)> {
         let axes = dimension - 1;
         let array = match item.values.get("heights") {
@@ -60,16 +60,16 @@ impl Terrain {
     }
 
     /// Box around the ground, which has no lower end.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> BoundingBox {
         let end = self.nodes.map(|count| (count - 1) as f64 * self.spacing);
         match self.dimension {
-            2 => Bounds { lower: DVec3::Y * f64::NEG_INFINITY, upper: DVec3::new(end[0], self.highest, 0.0) },
-            _ => Bounds { lower: DVec3::new(0.0, 0.0, f64::NEG_INFINITY), upper: DVec3::new(end[0], end[1], self.highest) },
+            2 => BoundingBox { lower: DVec3::Y * f64::NEG_INFINITY, upper: DVec3::new(end[0], self.highest, 0.0) },
+            _ => BoundingBox { lower: DVec3::new(0.0, 0.0, f64::NEG_INFINITY), upper: DVec3::new(end[0], end[1], self.highest) },
         }
     }
 
     /// Calls `visit` with the prisms below the surface that reach into a box.
-    pub fn near(&self, bounds: &Bounds, visit: &mut dyn FnMut(&Part)) {
+    pub fn near(&self, bounds: &BoundingBox, visit: &mut dyn FnMut(&Part)) {
         let up = self.dimension - 1;
         let size = (bounds.upper - bounds.lower).max_element().max(self.spacing);
         let bottom = self.lowest.min(bounds.lower[up]) - size;
@@ -95,7 +95,7 @@ impl Terrain {
     }
 
     /// First and last cell along an axis that a box overlaps.
-    fn cells(&self, axis: usize, bounds: &Bounds) -> Option<[usize; 2]> {
+    fn cells(&self, axis: usize, bounds: &BoundingBox) -> Option<[usize; 2]> {
         if self.nodes[axis] == 1 {
             return Some([0, 0]);
         }
@@ -104,23 +104,23 @@ impl Terrain {
         (first <= last + 1.0 && end >= -1.0).then(|| [first, end].map(|cell| cell.clamp(0.0, last) as usize))
     }
 
-    fn height(&self, [i, j]: Node) -> f64 {
+    fn height(&self, [i, j]: ProfileNode) -> f64 {
         self.heights[i * self.nodes[1] + j]
     }
 
     /// Position of a node [m].
-    fn node(&self, node: Node) -> DVec3 {
+    fn node(&self, node: ProfileNode) -> DVec3 {
         let [x, y] = node.map(|index| index as f64 * self.spacing);
         if self.dimension == 2 { DVec3::new(x, self.height(node), 0.0) } else { DVec3::new(x, y, self.height(node)) }
     }
 
     /// Nodes of a cell: its first, the next along x, along y, and along both.
-    fn corners(&self, [i, j]: Node) -> [Node; 4] {
+    fn corners(&self, [i, j]: ProfileNode) -> [ProfileNode; 4] {
         let next = usize::from(self.nodes[1] > 1);
         [[i, j], [i + 1, j], [i, j + next], [i + 1, j + next]]
     }
 
-    /// Ground below the segment from node i to the next.
+    /// GroundContact below the segment from node i to the next.
     fn quadrilateral(&self, i: usize, bottom: f64) -> Part {
         let [left, right] = [[i, 0], [i + 1, 0]].map(|node| self.node(node));
         let mut part = Part::polygon(vec![left.with_y(bottom), right.with_y(bottom), right, left], 0.0);
@@ -139,25 +139,25 @@ impl Terrain {
     }
 
     /// Triangles of a cell, counterclockwise as seen from above.
-    fn triangles(&self, cell: Node) -> [[Node; 3]; 2] {
+    fn triangles(&self, cell: ProfileNode) -> [[ProfileNode; 3]; 2] {
         let [a, b, c, d] = self.corners(cell);
         if self.is_rising(cell) { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] }
     }
 
     /// Whether the diagonal of a cell is that from its first node.
-    fn is_rising(&self, cell: Node) -> bool {
+    fn is_rising(&self, cell: ProfileNode) -> bool {
         let [a, b, c, d] = self.corners(cell).map(|node| self.height(node));
         a + d >= b + c
     }
 
     /// Upward unit normal of a triangle.
-    fn normal(&self, triangle: [Node; 3]) -> DVec3 {
+    fn normal(&self, triangle: [ProfileNode; 3]) -> DVec3 {
         let [a, b, c] = triangle.map(|node| self.node(node));
         (b - a).cross(c - a).normalize()
     }
 
     /// Cells around an edge or, from a node to itself, around that node.
-    fn cells_at(&self, [from, to]: [Node; 2]) -> impl Iterator<Item = Node> + '_ {
+    fn cells_at(&self, [from, to]: [ProfileNode; 2]) -> impl Iterator<Item = ProfileNode> + '_ {
         let range = move |axis: usize| {
             let [low, high] = [from[axis].min(to[axis]), from[axis].max(to[axis])];
             high.saturating_sub(1)..=low.min(self.nodes[axis] - 2)
@@ -166,20 +166,20 @@ impl Terrain {
     }
 
     /// Normal of the surface on the left of a way between two neighbors; at the border, that of the upright side.
-    fn beside(&self, from: Node, to: Node) -> DVec3 {
-        let has = |triangle: &[Node; 3]| (0..3).any(|side| triangle[side] == from && triangle[(side + 1) % 3] == to);
+    fn beside(&self, from: ProfileNode, to: ProfileNode) -> DVec3 {
+        let has = |triangle: &[ProfileNode; 3]| (0..3).any(|side| triangle[side] == from && triangle[(side + 1) % 3] == to);
         let found = self.cells_at([from, to]).find_map(|cell| self.triangles(cell).into_iter().find(has));
         found.map_or_else(|| self.side(from, to), |triangle| self.normal(triangle))
     }
 
     /// Outward normal of the upright side below an edge of the border, which runs clockwise around the grid.
-    fn side(&self, from: Node, to: Node) -> DVec3 {
+    fn side(&self, from: ProfileNode, to: ProfileNode) -> DVec3 {
         let way = self.node(to) - self.node(from);
         DVec3::new(-way.y, way.x, 0.0).normalize()
     }
 
     /// Outward normals of the upright sides at a node, one for each axis.
-    fn sides(&self, node: Node) -> [Option<DVec3>; 2] {
+    fn sides(&self, node: ProfileNode) -> [Option<DVec3>; 2] {
         [0, 1].map(|axis| {
             let outward = DVec3::AXES[axis];
             if node[axis] == 0 { Some(-outward) } else { (node[axis] + 1 == self.nodes[axis]).then_some(outward) }
@@ -187,7 +187,7 @@ impl Terrain {
     }
 
     /// Surface around a node.
-    fn corner(&self, node: Node) -> Corner {
+    fn corner(&self, node: ProfileNode) -> Corner {
         let here = self.node(node);
         let sides = || self.sides(node).into_iter().flatten();
         let mut corner = Corner { ways: Vec::new(), outward: sides().sum() };
@@ -204,8 +204,8 @@ impl Terrain {
         corner
     }
 
-    /// Ground below a triangle of nodes.
-    fn prism(&self, triangle: [Node; 3], bottom: f64) -> Part {
+    /// GroundContact below a triangle of nodes.
+    fn prism(&self, triangle: [ProfileNode; 3], bottom: f64) -> Part {
         let top = triangle.map(|node| self.node(node));
         let vertices = top.into_iter().chain(top.map(|corner| corner.with_z(bottom))).collect();
         let sides = [0, 1, 2].map(|side| [triangle[side], triangle[(side + 1) % 3]]);

@@ -19,23 +19,23 @@ const BETTER: f64 = 1e-3;
 /// Difference of gaps that count as equal, relative to the size of the face.
 const LEVEL: f64 = 1e-6;
 
-/// Corner of the clipped face.
+/// ClipCorner of the clipped face.
 #[derive(Debug, Clone, Copy)]
-struct Corner {
+struct ClipCorner {
     /// Position in the frame of the body with the other face [m].
     point: DVec3,
     /// Features of that body and of the one whose face is clipped.
     features: [u32; 2],
-    /// Side from here to the next corner.
-    side: Side,
+    /// ClipSide from here to the next corner.
+    side: ClipSide,
 }
 
-/// Side of the clipped face.
+/// ClipSide of the clipped face.
 #[derive(Debug, Clone, Copy)]
-enum Side {
-    /// Side of the face itself, by its first vertex.
+enum ClipSide {
+    /// ClipSide of the face itself, by its first vertex.
     Own(u32),
-    /// Side of the face that it is clipped against, by its place.
+    /// ClipSide of the face that it is clipped against, by its place.
     Other(usize),
 }
 
@@ -61,12 +61,12 @@ impl Reference<'_> {
     }
 
     /// Clips a face to the sides of this one.
-    fn clip(&self, mut polygon: Vec<Corner>, whole: u32) -> Vec<Corner> {
+    fn clip(&self, mut polygon: Vec<ClipCorner>, whole: u32) -> Vec<ClipCorner> {
         let corners = self.part.net.face(self.face);
         for place in 0..corners.len() {
             let start = self.corner(place);
             let inward = self.normal.cross(self.corner(place + 1) - start);
-            let depth = |corner: &Corner| inward.dot(corner.point - start);
+            let depth = |corner: &ClipCorner| inward.dot(corner.point - start);
             let mut kept = Vec::with_capacity(polygon.len() + 1);
             for (index, corner) in polygon.iter().enumerate() {
                 let next = &polygon[(index + 1) % polygon.len()];
@@ -78,11 +78,11 @@ impl Reference<'_> {
                 if (here >= 0.0) != (there >= 0.0) && (polygon.len() > 2 || index == 0) {
                     let point = corner.point + (next.point - corner.point) * (here / (here - there));
                     let features = match corner.side {
-                        Side::Own(vertex) => [corners[place], vertex],
-                        Side::Other(side) => [corners[if (place + 1) % corners.len() == side { side } else { place }], whole],
+                        ClipSide::Own(vertex) => [corners[place], vertex],
+                        ClipSide::Other(side) => [corners[if (place + 1) % corners.len() == side { side } else { place }], whole],
                     };
-                    let side = if there >= 0.0 { corner.side } else { Side::Other(place) };
-                    kept.push(Corner { point, features, side });
+                    let side = if there >= 0.0 { corner.side } else { ClipSide::Other(place) };
+                    kept.push(ClipCorner { point, features, side });
                 }
             }
             polygon = kept;
@@ -155,7 +155,7 @@ fn facing(part: &Part, direction: DVec3, selects: impl Fn(&[u32]) -> bool) -> Op
 /// Points of a face, clipped to a face of the other body.
 pub(super) struct Manifold<'a> {
     reference: Reference<'a>,
-    corners: Vec<Corner>,
+    corners: Vec<ClipCorner>,
 }
 
 impl<'a> Manifold<'a> {
@@ -163,12 +163,12 @@ impl<'a> Manifold<'a> {
     fn new(couple: &Couple, reference: Reference<'a>, facing: Option<usize>) -> Self {
         let incident = couple.parts[1 - reference.owner];
         let into = &couple.other_in[reference.owner];
-        let corner = |vertex: u32| Corner {
+        let corner = |vertex: u32| ClipCorner {
             point: into.point(incident.vertices[vertex as usize]),
             features: [reference.part.face_feature(reference.face), vertex],
-            side: Side::Own(vertex),
+            side: ClipSide::Own(vertex),
         };
-        let polygon: Vec<Corner> = match facing {
+        let polygon: Vec<ClipCorner> = match facing {
             Some(face) => incident.net.face(face).iter().map(|&vertex| corner(vertex)).collect(),
             None => (0..incident.vertices.len() as u32).map(corner).collect(),
         };
@@ -185,8 +185,8 @@ impl<'a> Manifold<'a> {
     /// Adds the contacts within reach. Returns whether there are any.
     fn add(&self, couple: &Couple, normal: Normal, contacts: &mut Vec<ContactPoint>) -> bool {
         let Self { reference, corners } = self;
-        let within = |corner: &&Corner| reference.gap(corner.point) <= couple.limit();
-        let near: Vec<Corner> = corners.iter().filter(within).copied().collect();
+        let within = |corner: &&ClipCorner| reference.gap(corner.point) <= couple.limit();
+        let near: Vec<ClipCorner> = corners.iter().filter(within).copied().collect();
         let places: Vec<(DVec3, f64)> = near.iter().map(|corner| (corner.point, reference.gap(corner.point))).collect();
         for place in spread(&places, reference.normal, 3) {
             let (point, gap) = places[place];
@@ -198,8 +198,8 @@ impl<'a> Manifold<'a> {
     }
 }
 
-/// Well-spread points with their gaps, at most four, or two in 2D: the outermost of those with the smallest gap, the one farthest
-/// from it, and on each side of the line between them the one farthest from it.
+/// Well-spread points with their gaps, at most four, or two in 2D. The first is the outermost of those with the smallest gap,
+/// the second the one farthest from it. The others are farthest from the line between these, on each side.
 pub(crate) fn spread(points: &[(DVec3, f64)], normal: DVec3, dimension: usize) -> ArrayVec<usize, MOST> {
     let most = 2 * (dimension - 1);
     if points.len() <= most {

@@ -17,11 +17,11 @@ mod nearest;
 
 pub(crate) use clip::spread;
 use edges::EdgeGap;
-use nearest::Pair;
+use nearest::NearPair;
 
 /// Adds the contacts of two parts.
 pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
-    let add_pair = |pair: &Pair, points: &mut Vec<ContactPoint>| {
+    let add_pair = |pair: &NearPair, points: &mut Vec<ContactPoint>| {
         if pair.is_shown(couple) {
             nearest::add_pair(couple, pair, points);
         }
@@ -31,15 +31,15 @@ pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
         return;
     }
     let manifold = match axis {
-        Axis::Face(face) => Some(clip::of_face(couple, face)),
-        Axis::Edges(_) => None,
+        SeparatingAxis::Face(face) => Some(clip::of_face(couple, face)),
+        SeparatingAxis::Edges(_) => None,
     };
     let is_exact = manifold.as_ref().is_some_and(|manifold| manifold.gap() <= axis.gap() + couple.closed());
     let pair = if is_exact { None } else { axis.nearest(couple) };
     match (axis, pair, manifold) {
         (_, Some(pair), _) => add_pair(&pair, points),
-        (Axis::Face(face), _, Some(manifold)) if couple.shows(&face) => clip::add_face(couple, face, &manifold, points),
-        (Axis::Edges(edges), ..) if edges.is_shown(couple) => clip::add_edges(couple, edges, points),
+        (SeparatingAxis::Face(face), _, Some(manifold)) if couple.shows(&face) => clip::add_face(couple, face, &manifold, points),
+        (SeparatingAxis::Edges(edges), ..) if edges.is_shown(couple) => clip::add_edges(couple, edges, points),
         // Overlaps are resolved along the surface, of whatever parts it consists.
         _ if axis.gap() <= couple.closed() => {
             if let Some(face) = couple.widest_shown(axis.gap()) {
@@ -52,7 +52,7 @@ pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
 
 /// Direction along which two cores are farthest apart, or overlap least.
 #[derive(Debug, Clone, Copy)]
-enum Axis {
+enum SeparatingAxis {
     Face(FaceGap),
     Edges(EdgeGap),
 }
@@ -60,8 +60,8 @@ enum Axis {
 /// Excess of the gap along two edges over that of a face, from which on it counts, relative to the size of the parts.
 const EDGE: f64 = 1e-9;
 
-/// Axis of two cores. None if neither has a face.
-fn axis(couple: &Couple) -> Option<Axis> {
+/// SeparatingAxis of two cores. None if neither has a face.
+fn axis(couple: &Couple) -> Option<SeparatingAxis> {
     let face = match [0, 1].map(|owner| couple.widest(owner)) {
         [Some(one), Some(other)] => {
             if other.gap > one.gap + couple.closed() {
@@ -73,13 +73,13 @@ fn axis(couple: &Couple) -> Option<Axis> {
         [one, other] => one.or(other)?,
     };
     if face.gap > couple.limit() {
-        return Some(Axis::Face(face));
+        return Some(SeparatingAxis::Face(face));
     }
     let size = couple.parts[0].ball.1 + couple.parts[1].ball.1;
-    Some(edges::widest(couple, face.gap + EDGE * size).map_or(Axis::Face(face), Axis::Edges))
+    Some(edges::widest(couple, face.gap + EDGE * size).map_or(SeparatingAxis::Face(face), SeparatingAxis::Edges))
 }
 
-impl Axis {
+impl SeparatingAxis {
     fn gap(&self) -> f64 {
         match self {
             Self::Face(face) => face.gap,
@@ -99,7 +99,7 @@ impl Axis {
     }
 
     /// Nearest points of two cores that are apart, if they are not on the axis.
-    fn nearest(&self, couple: &Couple) -> Option<Pair> {
+    fn nearest(&self, couple: &Couple) -> Option<NearPair> {
         let is_exact = match self {
             Self::Face(_) => false,
             Self::Edges(edges) => edges.is_exact,

@@ -14,7 +14,7 @@ const NEARER: f64 = 1e-6;
 
 /// Point of an edge of each core; of a core without edges, its vertex.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pair {
+pub(super) struct NearPair {
     /// Distance of the points [m].
     pub distance: f64,
     edges: [usize; 2],
@@ -22,7 +22,7 @@ pub(super) struct Pair {
     along: [f64; 2],
 }
 
-impl Pair {
+impl NearPair {
     /// Points in the frames of their bodies [m].
     pub fn points(&self, couple: &Couple) -> [DVec3; 2] {
         [0, 1].map(|body| {
@@ -119,18 +119,18 @@ fn in_world(couple: &Couple, edges: [usize; 2]) -> [[DVec3; 2]; 2] {
 }
 
 /// Nearest points of two edges.
-pub(super) fn of_edges(couple: &Couple, edges: [usize; 2]) -> Pair {
+pub(super) fn of_edges(couple: &Couple, edges: [usize; 2]) -> NearPair {
     let (distance, along) = between(in_world(couple, edges));
-    Pair { distance, edges, along }
+    NearPair { distance, edges, along }
 }
 
 /// Nearest points of two cores without faces.
-pub(super) fn of_segments(couple: &Couple) -> Pair {
+pub(super) fn of_segments(couple: &Couple) -> NearPair {
     of_edges(couple, [0, 0])
 }
 
 /// Adds the contact of a pair of points; of nearly parallel edges also the ends of the part that they share.
-pub(super) fn add_pair(couple: &Couple, pair: &Pair, contacts: &mut Vec<ContactPoint>) {
+pub(super) fn add_pair(couple: &Couple, pair: &NearPair, contacts: &mut Vec<ContactPoint>) {
     let [one, other] = in_world(couple, pair.edges);
     let [way, across] = [one[1] - one[0], other[1] - other[0]];
     let sizes = way.length_squared() * across.length_squared();
@@ -153,7 +153,7 @@ pub(super) fn add_pair(couple: &Couple, pair: &Pair, contacts: &mut Vec<ContactP
             let (distance, along) = between([one, [other[end]; 2]]);
             (distance, [along[0], end as f64])
         };
-        Pair { distance, along, edges: pair.edges }
+        NearPair { distance, along, edges: pair.edges }
     };
     let normal = pair.normal(couple);
     let ends = [end(places[low] <= 0.0, 0.0, low), end(places[high] >= 1.0, 1.0, high)];
@@ -167,11 +167,11 @@ pub(super) fn add_pair(couple: &Couple, pair: &Pair, contacts: &mut Vec<ContactP
 }
 
 /// Nearest points of two cores that are apart by at least `gap` along a unit normal in the world.
-pub(super) fn closest(couple: &Couple, gap: f64, normal: DVec3) -> Pair {
+pub(super) fn closest(couple: &Couple, gap: f64, normal: DVec3) -> NearPair {
     let locals = [couple.poses[0].local_vector(normal), couple.poses[1].local_vector(-normal)];
     let supports = [0, 1].map(|body| couple.parts[body].support(locals[body]));
     let farthest = couple.vertex(0, supports[0].0).distance(couple.vertex(1, supports[1].0));
-    let mut best = Pair { distance: f64::INFINITY, edges: [0, 0], along: [0.0, 0.0] };
+    let mut best = NearPair { distance: f64::INFINITY, edges: [0, 0], along: [0.0, 0.0] };
     let mut limit = farthest;
     // Points nearer than `limit` are no deeper below the supports than its excess over the gap.
     let is_near = |body: usize, edge: usize, limit: f64| {

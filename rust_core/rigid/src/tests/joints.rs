@@ -1,4 +1,4 @@
-//! Motion of joined bodies: closed forms, conservation, loops and limits.
+//! CenterMotion of joined bodies: closed forms, conservation, loops and limits.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

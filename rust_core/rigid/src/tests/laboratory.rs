@@ -9,14 +9,14 @@ use crate::joints::{Joint, JointKind};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
-use crate::shapes::Shape;
+use crate::shapes::SolidShape;
 use crate::surface::{Friction, Surface};
-use crate::world::{FixedSolid, Motion, RigidWorld, Solid, Turn, WORLD, WorldJoint};
+use crate::world::{CenterMotion, FixedSolid, RigidWorld, SolidBody, Turn, WORLD, WorldJoint};
 
 /// Bodies with their motions.
 pub struct Laboratory {
     pub world: RigidWorld,
-    pub motions: Vec<Motion>,
+    pub motions: Vec<CenterMotion>,
     pub gravity: DVec3,
     pub meters: Meters,
     masses: Vec<f64>,
@@ -36,7 +36,7 @@ impl Laboratory {
 
     /// Adds a half-space at rest, below a plane through a point.
     pub fn add_wall(&mut self, normal: DVec3, position: DVec3, friction: f64, restitution: f64) {
-        self.world.shapes.push(Shape::half_space(normal));
+        self.world.shapes.push(SolidShape::half_space(normal));
         let friction = Some(Friction { sliding: friction, ..Friction::default() });
         let surface = Surface { shape: self.world.shapes.len() - 1, friction, restitution };
         self.world.walls.push(FixedSolid { surface, mover: Mover::wall(&Pose { position, ..Pose::WORLD }) });
@@ -52,7 +52,7 @@ impl Laboratory {
         (velocity, turning): (DVec3, DVec3),
     ) {
         let dimension = if self.world.planar { 2 } else { 3 };
-        let (shape, properties) = Shape::declared(item, dimension).unwrap();
+        let (shape, properties) = SolidShape::declared(item, dimension).unwrap();
         self.world.shapes.push(shape);
         let density = mass / properties.size;
         let inertia = if self.world.planar {
@@ -62,10 +62,10 @@ impl Laboratory {
         };
         let friction = Some(Friction { sliding: friction, ..Friction::default() });
         let surface = Surface { shape: self.world.shapes.len() - 1, friction, restitution };
-        self.world.bodies.push(Solid { surface, inverse_mass: 1.0 / mass, inertia });
+        self.world.bodies.push(SolidBody { surface, inverse_mass: 1.0 / mass, inertia });
         self.world.state.turns.push(Turn { orientation, spin: inertia.spin(&orientation, turning) });
         self.world.names.push(format!("body {}", self.motions.len()));
-        self.motions.push(Motion { position, velocity, drift: velocity });
+        self.motions.push(CenterMotion { position, velocity, drift: velocity });
         self.masses.push(mass);
     }
 
@@ -134,8 +134,9 @@ impl Laboratory {
 
     /// Kinetic and potential energy [J].
     pub fn energy(&self) -> f64 {
-        let of =
-            |(motion, mass): (&Motion, &f64)| mass * (0.5 * motion.velocity.length_squared() - self.gravity.dot(motion.position));
+        let of = |(motion, mass): (&CenterMotion, &f64)| {
+            mass * (0.5 * motion.velocity.length_squared() - self.gravity.dot(motion.position))
+        };
         let springs = self.world.spring_energy(|end| self.mover(end));
         self.motions.iter().zip(&self.masses).map(of).sum::<f64>() + self.world.rotational_energy() + springs
     }

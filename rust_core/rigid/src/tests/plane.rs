@@ -1,4 +1,4 @@
-//! Motion in the plane.
+//! CenterMotion in the plane.
 
 use glam::DVec3;
 

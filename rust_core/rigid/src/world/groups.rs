@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::{Point, RigidWorld, WORLD};
+use super::{FreePoint, RigidWorld, WORLD};
 use crate::broad;
-use crate::island::{Accuracy, HeldJoint, Island, Pair};
+use crate::island::{Accuracy, BodyPair, HeldJoint, Island};
 use crate::mover::Mover;
-use crate::shapes::Bounds;
+use crate::shapes::BoundingBox;
 use crate::surface::Surface;
 
 impl RigidWorld {
@@ -22,7 +22,7 @@ impl RigidWorld {
             let way = if mover.is_fixed() { h * speed(mover) } else { h * speed(mover).max(fastest.min(shape.reach() / h)) };
             shape.bounds(&mover.pose()).grown(way)
         };
-        let bounds: Vec<Bounds> = movers.iter().zip(surfaces).map(of).collect();
+        let bounds: Vec<BoundingBox> = movers.iter().zip(surfaces).map(of).collect();
         let moves: Vec<bool> = movers.iter().map(|mover| !mover.is_fixed()).collect();
         let mut pairs = Vec::new();
         broad::pairs(&bounds, &moves, &mut pairs);
@@ -49,7 +49,13 @@ impl RigidWorld {
     }
 
     /// Groups of movers that pairs and joints connect, in the order of their first members.
-    pub(super) fn groups(&mut self, movers: &[Mover], surfaces: &[Surface], pairs: &[[u32; 2]], points: &[Point]) -> Vec<Island> {
+    pub(super) fn groups(
+        &mut self,
+        movers: &[Mover],
+        surfaces: &[Surface],
+        pairs: &[[u32; 2]],
+        points: &[FreePoint],
+    ) -> Vec<Island> {
         let mut roots: Vec<u32> = (0..movers.len() as u32).collect();
         let free = |index: usize| !movers[index].is_fixed();
         let joints: Vec<(usize, [usize; 2])> = self.joints(movers.len(), points);
@@ -121,7 +127,7 @@ impl RigidWorld {
                     .map(|end| self.shapes[surfaces[end].shape].reach())
                     .map(|reach| if reach > 0.0 { reach } else { f64::INFINITY });
                 let size = size[0].min(size[1]);
-                island.pairs.push(Pair { bodies: local, key: (name(ends[0]), name(ends[1])), size });
+                island.pairs.push(BodyPair { bodies: local, key: (name(ends[0]), name(ends[1])), size });
             }
         }
         self.spare = spare;
@@ -130,7 +136,7 @@ impl RigidWorld {
     }
 
     /// Joints with the indices of their ends among the movers.
-    fn joints(&self, movers: usize, points: &[Point]) -> Vec<(usize, [usize; 2])> {
+    fn joints(&self, movers: usize, points: &[FreePoint]) -> Vec<(usize, [usize; 2])> {
         let bodies = self.bodies.len();
         let place = |end: usize| {
             if end < bodies {

@@ -1,8 +1,8 @@
 //! All rigid bodies of a scene with their orientations, contacts and joints.
 //!
-//! Matter moves the centers of mass. A step has two parts here: [`RigidWorld::drift`], after the first kick, finds groups of
-//! bodies that may touch or are joined, and moves these; [`RigidWorld::finish`], after the second kick, ends the last piece of
-//! each. Groups are independent of each other, so that the bits are the same for any number of threads.
+//! Matter moves the centers of mass. A step has two parts here. After the first kick, [`RigidWorld::drift`] finds groups
+//! of bodies that may touch or are joined, and moves these. After the second kick, [`RigidWorld::finish`] ends the last piece
+//! of each. Groups are independent of each other, so that the bits are the same for any number of threads.
 
 mod groups;
 mod overlaps;
@@ -16,7 +16,7 @@ use crate::island::{ContactKey, Island, Meters};
 use crate::mover::Mover;
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::ContactImpulse;
-use crate::shapes::Shape;
+use crate::shapes::SolidShape;
 use crate::surface::Surface;
 
 pub use overlaps::Overlap;
@@ -25,7 +25,7 @@ pub use state::{RigidState, Turn, WorldJoint};
 
 /// Constant properties of a rigid body.
 #[derive(Debug, Clone, Copy)]
-pub struct Solid {
+pub struct SolidBody {
     /// Surface with its shape.
     pub surface: Surface,
     /// Inverse mass [1/kg]; 0 for a fixed body.
@@ -45,7 +45,7 @@ pub struct FixedSolid {
 
 /// Particle that may meet bodies.
 #[derive(Debug, Clone, Copy)]
-pub struct Point {
+pub struct FreePoint {
     /// Index among all particles.
     pub index: usize,
     /// Surface; its shape is a ball or disc.
@@ -54,9 +54,9 @@ pub struct Point {
     pub inverse_mass: f64,
 }
 
-/// Motion of a center of mass or a particle in a step.
+/// CenterMotion of a center of mass or a particle in a step.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion {
+pub struct CenterMotion {
     /// Position at the start of the step [m]; then at its end.
     pub position: DVec3,
     /// Velocity at the start of the step [m/s].
@@ -91,9 +91,9 @@ pub struct RigidWorld {
     /// Whether the bodies move in the plane.
     pub planar: bool,
     /// Shapes of all surfaces.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<SolidShape>,
     /// Constant properties of the bodies.
-    pub bodies: Vec<Solid>,
+    pub bodies: Vec<SolidBody>,
     /// Fixed shapes that bound the bodies.
     pub walls: Vec<FixedSolid>,
     /// Paths of the bodies in the scene.
@@ -121,7 +121,7 @@ impl RigidWorld {
 
     /// Rotational energy of all bodies [J].
     pub fn rotational_energy(&self) -> f64 {
-        let of = |(body, turn): (&Solid, &Turn)| 0.5 * turn.spin.dot(body.inertia.inverse(&turn.orientation) * turn.spin);
+        let of = |(body, turn): (&SolidBody, &Turn)| 0.5 * turn.spin.dot(body.inertia.inverse(&turn.orientation) * turn.spin);
         let free = self.bodies.iter().zip(&self.state.turns).filter(|(body, _)| body.inverse_mass > 0.0);
         free.map(of).sum()
     }
@@ -145,7 +145,7 @@ impl RigidWorld {
     }
 
     /// Radius of a particle [m].
-    pub fn reach(&self, point: &Point) -> f64 {
+    pub fn reach(&self, point: &FreePoint) -> f64 {
         self.shapes[point.surface.shape].reach()
     }
 
@@ -161,7 +161,7 @@ impl RigidWorld {
     }
 
     /// Box that holds all bodies during a step of `h` seconds [m].
-    pub fn extent(&self, motions: &[Motion], h: f64) -> (DVec3, DVec3) {
+    pub fn extent(&self, motions: &[CenterMotion], h: f64) -> (DVec3, DVec3) {
         let mut extent = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for (body, motion) in motions.iter().enumerate() {
             let way = h * motion.velocity.length() + h * (motion.drift - motion.velocity).length();
@@ -174,14 +174,14 @@ impl RigidWorld {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let joints = self.state.joints.len() * size_of::<WorldJoint>();
-        self.bodies.len() * (size_of::<Solid>() + 2 * size_of::<Turn>() + size_of::<Mover>())
+        self.bodies.len() * (size_of::<SolidBody>() + 2 * size_of::<Turn>() + size_of::<Mover>())
             + size_of_val(self.walls.as_slice())
             + 2 * (joints + self.state.loads.len() * size_of::<(ContactKey, ContactImpulse)>())
-            + self.shapes.len() * size_of::<Shape>()
+            + self.shapes.len() * size_of::<SolidShape>()
     }
 
     /// Mover of a body in a step of `h` seconds.
-    pub fn mover(&self, body: usize, motion: &Motion, h: f64) -> Mover {
+    pub fn mover(&self, body: usize, motion: &CenterMotion, h: f64) -> Mover {
         let (solid, turn) = (&self.bodies[body], &self.state.turns[body]);
         let shape = &self.shapes[solid.surface.shape];
         Mover {

@@ -1,6 +1,6 @@
 //! Overlaps of bodies at the start.
 
-use super::{Motion, RigidWorld};
+use super::{CenterMotion, RigidWorld};
 use crate::collision;
 use crate::mover::Mover;
 use crate::surface::Surface;
@@ -18,7 +18,7 @@ pub struct Overlap {
 
 impl RigidWorld {
     /// Overlaps of bodies with each other and with walls.
-    pub fn overlaps(&self, motions: &[Motion]) -> Vec<Overlap> {
+    pub fn overlaps(&self, motions: &[CenterMotion]) -> Vec<Overlap> {
         let count = self.bodies.len();
         let mut movers: Vec<Mover> = motions.iter().enumerate().map(|(body, motion)| self.mover(body, motion, 1.0)).collect();
         let mut surfaces: Vec<Surface> = self.bodies.iter().map(|solid| solid.surface).collect();

@@ -1,11 +1,11 @@
 //! Springs between bodies, as forces in the steps of the world.
 //!
-//! A step is velocity Verlet: the forces at its start act until its end, where half of them gives way to half of those at the
+//! A step is velocity Verlet. The forces at its start act until its end. There half of them gives way to half of those at the
 //! end. Damping there acts on the predicted velocities v½ + h/2 a(0). Springs join no groups.
 
 use glam::DVec3;
 
-use super::{Motion, Point, RigidWorld, WORLD};
+use super::{CenterMotion, FreePoint, RigidWorld, WORLD};
 use crate::joints::{DampedSpring, Joint, SpringForce};
 use crate::mover::Mover;
 use crate::pose::Pose;
@@ -56,7 +56,7 @@ impl RigidWorld {
     }
 
     /// Adds the forces of the springs to the movers of a step, at its start.
-    pub(super) fn begin_springs(&mut self, movers: &mut [Mover], points: &[Point]) {
+    pub(super) fn begin_springs(&mut self, movers: &mut [Mover], points: &[FreePoint]) {
         let bodies = self.bodies.len();
         let mut step = SpringStep::default();
         for (index, ends, joint, spring) in self.whole_springs() {
@@ -86,7 +86,7 @@ impl RigidWorld {
     }
 
     /// Adds the second half of the forces of the springs, at the end of a step of `h` seconds.
-    pub(super) fn end_springs(&mut self, h: f64, bodies: &mut [Motion], others: &mut [Motion]) {
+    pub(super) fn end_springs(&mut self, h: f64, bodies: &mut [CenterMotion], others: &mut [CenterMotion]) {
         if self.springs.is_empty() {
             return;
         }
@@ -117,7 +117,7 @@ impl RigidWorld {
     }
 
     /// Meters the energies of the springs at the end of a step of `h` seconds, and breaks those that are pulled too much.
-    pub(super) fn meter_springs(&mut self, h: f64, bodies: &[Motion], others: &[Motion]) {
+    pub(super) fn meter_springs(&mut self, h: f64, bodies: &[CenterMotion], others: &[CenterMotion]) {
         if self.springs.is_empty() {
             return;
         }
@@ -137,9 +137,9 @@ impl RigidWorld {
     }
 
     /// Bodies and particles in a state.
-    fn movers_of(&self, bodies: &[Motion], others: &[Motion]) -> Vec<Mover> {
+    fn movers_of(&self, bodies: &[CenterMotion], others: &[CenterMotion]) -> Vec<Mover> {
         let own = bodies.iter().enumerate().map(|(body, motion)| self.mover(body, motion, 1.0));
-        let particle = |(motion, &inverse_mass): (&Motion, &f64)| Mover {
+        let particle = |(motion, &inverse_mass): (&CenterMotion, &f64)| Mover {
             position: motion.position,
             velocity: motion.velocity,
             inverse_mass,
@@ -162,11 +162,11 @@ impl RigidWorld {
         self.whole_springs().map(of).sum()
     }
 
-    /// Bounds that the springs add to the squares of the angular frequencies [1/s²] and to the decay rates [1/s] of the bodies
-    /// and particles at their ends: for the present directions of the springs, or for all directions `ahead`.
+    /// Bounds on the squares of the angular frequencies [1/s²] and on the decay rates [1/s] of the ends of springs. They hold
+    /// for the present directions of the springs, or for all directions `ahead`.
     ///
-    /// Of k (a + b)² ≤ k (1 + t) a² + k (1 + 1/t) b², with the motion of the two ends a and b, t = 1 is the better choice for
-    /// bodies with many springs, and the ratio of the effective masses for one spring, for which it is exact.
+    /// The ends move by a and b, and k (a + b)² ≤ k (1 + t) a² + k (1 + 1/t) b². For bodies with many springs t is 1. For one
+    /// spring it is the ratio of the effective masses, which is exact.
     pub fn spring_rates(&self, mover: impl Fn(usize) -> Mover, ahead: bool) -> Vec<(usize, [f64; 2])> {
         let mut rates: Vec<(usize, [[f64; 2]; 2])> = Vec::new();
         for (_, ends, joint, spring) in self.whole_springs() {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use physcore_base::parallel::{BlockedSlice, Executor};
 
-use super::{Motion, Point, RigidWorld, Turn};
+use super::{CenterMotion, FreePoint, RigidWorld, Turn};
 use crate::island::{Accuracy, Island, Meters};
 use crate::mover::Mover;
 use crate::pose::Pose;
@@ -16,9 +16,9 @@ impl RigidWorld {
     pub fn drift(
         &mut self,
         h: f64,
-        bodies: &mut [Motion],
-        points: &[Point],
-        motions: &mut [Motion],
+        bodies: &mut [CenterMotion],
+        points: &[FreePoint],
+        motions: &mut [CenterMotion],
         executor: &Executor,
     ) -> Vec<bool> {
         let count = self.bodies.len();
@@ -83,9 +83,9 @@ impl RigidWorld {
         moved
     }
 
-    /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick; changes their velocities, and
+    /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick. Changes their velocities;
     /// returns the energies of contacts and joints.
-    pub fn finish(&mut self, h: f64, bodies: &mut [Motion], others: &mut [Motion], executor: &Executor) -> Meters {
+    pub fn finish(&mut self, h: f64, bodies: &mut [CenterMotion], others: &mut [CenterMotion], executor: &Executor) -> Meters {
         self.end_springs(h, bodies, others);
         let count = self.bodies.len();
         let free = count + others.len();

@@ -4,9 +4,9 @@ use glam::{DQuat, DVec3};
 use physcore_rigid::joints::{DampedSpring, Joint, JointKind, Motor};
 use physcore_rigid::mover::Mover;
 use physcore_rigid::rotation::{Inertia, Orientation};
-use physcore_rigid::shapes::{self, MassProperties, Shape};
+use physcore_rigid::shapes::{self, MassProperties, SolidShape};
 use physcore_rigid::surface::{Friction, Surface};
-use physcore_rigid::world::{ContactSolver, FixedSolid, Motion, Point, RigidWorld, Solid, Turn, WORLD, WorldJoint};
+use physcore_rigid::world::{CenterMotion, ContactSolver, FixedSolid, FreePoint, RigidWorld, SolidBody, Turn, WORLD, WorldJoint};
 
 use super::RigidBodies;
 use crate::error::{Error, Result};
@@ -108,7 +108,7 @@ fn solver(item: &Item) -> Result<ContactSolver> {
 fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()> {
     let body = &scene.bodies[index];
     let (item, count) = (&body.item, body.positions.len());
-    let (shape, MassProperties { size, inertia, .. }) = Shape::declared(item.record("shape")?, scene.dimension)?;
+    let (shape, MassProperties { size, inertia, .. }) = SolidShape::declared(item.record("shape")?, scene.dimension)?;
     world.shapes.push(shape);
     let columns = ["friction", "restitution", "rolling_friction", "torsional_friction"];
     let [friction, restitution, rolling, torsional] = columns.map(|name| item.numbers(name, count));
@@ -128,7 +128,7 @@ fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()>
         let density = body.mass[row] / size;
         let inertia = if planar { Inertia::planar(density * inertia.z_axis.z) } else { Inertia::spatial(inertia * density) };
         let fixed = body.fixed[row];
-        world.bodies.push(Solid {
+        world.bodies.push(SolidBody {
             surface: Surface {
                 shape: world.shapes.len() - 1,
                 friction: Some(Friction { sliding: friction[row], rolling: rolling[row], torsional: torsional[row] }),
@@ -171,7 +171,7 @@ fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
 }
 
 /// Particles that may meet the bodies, in the caller's order. A particle has the friction and restitution of what it meets.
-fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properties<V>, engine: &[u32]) -> Vec<(u32, Point)> {
+fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properties<V>, engine: &[u32]) -> Vec<(u32, FreePoint)> {
     let mut points = Vec::new();
     let mut known: Vec<(f64, usize)> = Vec::new();
     for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| body.item.kind != RIGID_BODIES) {
@@ -179,14 +179,15 @@ fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properti
         for row in 0..body.positions.len() {
             let particle = engine[start + row];
             let radius = properties.radius[particle as usize];
-            let shape = known.iter().find(|(other, _)| *other == radius).map(|(_, shape)| *shape).unwrap_or_else(|| {
-                world.shapes.push(Shape::round(radius));
-                known.push((radius, world.shapes.len() - 1));
-                world.shapes.len() - 1
-            });
+            let shape = known.iter().find(|(other, _)| *other == radius).map(|(_, shape)| *shape);
+            let shape = shape.unwrap_or(world.shapes.len());
+            if shape == world.shapes.len() {
+                world.shapes.push(SolidShape::round(radius));
+                known.push((radius, shape));
+            }
             let inverse_mass = 1.0 / properties.mass[particle as usize];
             let surface = Surface { shape, friction: None, restitution: 0.0 };
-            points.push((particle, Point { index: start + row, surface, inverse_mass }));
+            points.push((particle, FreePoint { index: start + row, surface, inverse_mass }));
         }
     }
     points
@@ -198,7 +199,7 @@ fn add_joints(
     scene: &Scene,
     places: &[Option<usize>],
     starts: &[DVec3],
-    points: &[(u32, Point)],
+    points: &[(u32, FreePoint)],
 ) -> Result<Vec<bool>> {
     let mut joined = vec![false; points.len()];
     let mut numbers = vec![None; scene.constraints.len()];
@@ -217,8 +218,11 @@ fn add_joints(
             };
             if let Some(body) = *place {
                 ends[side] = body;
-                movers[side] =
-                    world.mover(body, &Motion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO }, 1.0);
+                movers[side] = world.mover(
+                    body,
+                    &CenterMotion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO },
+                    1.0,
+                );
             } else {
                 ends[side] = world.bodies.len() + particle;
                 movers[side].position = starts[particle];

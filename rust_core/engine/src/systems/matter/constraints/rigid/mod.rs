@@ -9,7 +9,7 @@ use glam::DVec3;
 use physcore_rigid::mover::Mover;
 use physcore_rigid::pose::Pose;
 use physcore_rigid::rotation::Orientation;
-use physcore_rigid::world::{ContactSolver, Motion, Point, RigidState, RigidWorld, Turn, WORLD};
+use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
 
 use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::error::{Error, Result};
@@ -38,13 +38,13 @@ pub struct RigidBodies {
     /// Particle of each body, in the caller's order.
     particles: Vec<u32>,
     /// Particles that may meet the bodies, with their indices in the engine's order.
-    points: Vec<(u32, Point)>,
+    points: Vec<(u32, FreePoint)>,
     /// Whether a joint holds each point, so that it always takes part.
     joined: Vec<bool>,
     /// Motions of the bodies in the present step.
-    motions: Vec<Motion>,
+    motions: Vec<CenterMotion>,
     /// Motions of all points in the present step.
-    others: Vec<Motion>,
+    others: Vec<CenterMotion>,
     /// Points that take part in the present step.
     near: Vec<usize>,
     order: u32,
@@ -88,7 +88,7 @@ impl RigidBodies {
         (0..V::DIMENSION).for_each(|axis| position[axis] = at.exact_position(axis, particle));
         let (position, velocity) = (at.properties.origin + position, at.velocity.get(particle).widen());
         if end < self.particles.len() {
-            self.world.mover(end, &Motion { position, velocity, drift: velocity }, 1.0)
+            self.world.mover(end, &CenterMotion { position, velocity, drift: velocity }, 1.0)
         } else {
             Mover { position, velocity, inverse_mass: at.properties.mass[particle].recip(), ..Mover::wall(&Pose::WORLD) }
         }
@@ -144,22 +144,22 @@ impl<V: Space> Constraint<V> for RigidBodies {
     fn about(&self) -> ConstraintProperties {
         let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let joints = self.world.state.joints.len();
-        let mut note = counted(self.particles.len(), "rigid body", "rigid bodies");
+        let mut notes = vec![counted(self.particles.len(), "rigid body", "rigid bodies")];
         if joints > 0 {
-            note += &format!(", {}", counted(joints, "joint", "joints"));
+            notes.push(counted(joints, "joint", "joints"));
         }
         if !self.points.is_empty() {
-            note += &format!(", {} may meet them", counted(self.points.len(), "particle", "particles"));
+            notes.push(format!("{} may meet them", counted(self.points.len(), "particle", "particles")));
         }
         let ContactSolver { substeps, iterations, sequential } = self.world.solver;
         if self.particles.len() > sequential {
             let pieces = counted(substeps, "substep", "substeps");
             let sweeps = counted(iterations, "iteration", "iterations");
-            note += &format!(", groups of more than {sequential} in {pieces} with {sweeps}");
+            notes.push(format!("groups of more than {sequential} in {pieces} with {sweeps}"));
         }
         ConstraintProperties {
             name: "rigid bodies",
-            stages: vec![ConstraintStage { name: "rigid bodies", note: Some(note), last: true }],
+            stages: vec![ConstraintStage { name: "rigid bodies", note: Some(notes.join(", ")), last: true }],
             order: self.order,
             varies: true,
             exact: true,
@@ -171,8 +171,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
     fn bytes(&self) -> usize {
         let count = self.particles.len();
         self.world.bytes()
-            + count * (size_of::<Motion>() + 2 * size_of::<Turn>())
-            + self.points.len() * size_of::<(Point, Motion)>()
+            + count * (size_of::<CenterMotion>() + 2 * size_of::<Turn>())
+            + self.points.len() * size_of::<(FreePoint, CenterMotion)>()
     }
 
     fn notes(&self) -> Vec<String> {
@@ -197,8 +197,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
             }
             most = if overlap.depth > MENTIONED * overlap.size { overlap.depth.max(most) } else { most };
         }
-        if let Some((depth, names)) = worst {
-            let found = format!("{} and {}, which overlap by {depth:.3e} m", names[0], names[1]);
+        if let Some((depth, [one, other])) = worst {
+            let found = format!("{one} and {other}, which overlap by {depth:.3e} m");
             return Err(Error::parameter(&self.path, "bodies that do not overlap at the start", found));
         }
         self.overlap = Some(most);
@@ -220,8 +220,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
             motion.drift = step.drift_velocity(*particle as usize);
         }
         self.choose(step.h);
-        let points: Vec<Point> = self.near.iter().map(|&index| self.points[index].1).collect();
-        let mut others: Vec<Motion> = self.near.iter().map(|&index| self.others[index]).collect();
+        let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
+        let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
         let moved = self.world.drift(step.h, &mut self.motions, &points, &mut others, step.executor);
         step.executor.check()?;
         let bodies = self.particles.iter().zip(&self.motions).zip(&moved[..self.particles.len()]);
@@ -240,7 +240,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let at = |particle: u32| motion(step, particle as usize, DVec3::ZERO);
         self.motions.clear();
         self.motions.extend(self.particles.iter().map(|&particle| at(particle)));
-        let mut others: Vec<Motion> = self.near.iter().map(|&index| at(self.points[index].0)).collect();
+        let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| at(self.points[index].0)).collect();
         let meters = self.world.finish(step.h, &mut self.motions, &mut others, step.executor);
         step.executor.check()?;
         let near = self.near.iter().map(|&index| &self.points[index].0);
@@ -352,8 +352,8 @@ fn quaternion(orientation: &Orientation) -> [f64; 4] {
     [w, x, y, z]
 }
 
-/// Motion of a particle at the start of a step.
-fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize, drift: DVec3) -> Motion {
+/// CenterMotion of a particle at the start of a step.
+fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize, drift: DVec3) -> CenterMotion {
     let position = step.properties.origin + step.matter.exact_position(particle);
-    Motion { position, velocity: step.matter.velocity.get(particle).widen(), drift }
+    CenterMotion { position, velocity: step.matter.velocity.get(particle).widen(), drift }
 }
