@@ -30,7 +30,9 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
-@pytest.mark.parametrize(("script", "printed"), [*TROUBLES, *scripts("accuracy.md"), *scripts("replace.md"), *scripts("rigid.md")])
+@pytest.mark.parametrize(
+    ("script", "printed"), [*TROUBLES, *scripts("accuracy.md"), *scripts("replace.md"), *scripts("rigid.md")]
+)
 def test_scripts_print_what_stands_beneath_them(script, printed, capsys):
     exec(compile(script, "docs", "exec"), {})
     took = re.compile(r"about \d+ (s|minutes|hours)")  # That of a run depends on the machine.

@@ -20,7 +20,7 @@ struct BroadEntry {
     index: u32,
 }
 
-/// BroadColumns of equal width along y and z; a single one along an axis that few would cut.
+/// Columns of equal width along y and z; a single one along an axis that few would cut.
 struct BroadColumns {
     lower: [f64; 2],
     width: f64,
@@ -28,7 +28,7 @@ struct BroadColumns {
 }
 
 impl BroadColumns {
-    /// BroadColumns of twice the mean size of the boxes.
+    /// Columns of twice the mean size of the boxes.
     fn new(bounds: &[BoundingBox]) -> Self {
         let (mut lower, mut upper, mut sum, mut count) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], 0.0, 0.0_f64);
         for one in bounds.iter().filter(|one| one.is_finite()) {

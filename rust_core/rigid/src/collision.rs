@@ -9,7 +9,7 @@ use crate::pose::Pose;
 use crate::shapes::{Part, SolidShape};
 use crate::{planar, spatial, thinning};
 
-/// SolidShape at a pose.
+/// Shape at a pose.
 type Placed<'a> = (&'a SolidShape, &'a Pose);
 
 /// Adds the contacts whose gap is at most `reach` [m] between two shapes at their poses. The reach of a fast body may be many

@@ -37,7 +37,7 @@ pub struct ContactPoint {
     pub feature: u32,
 }
 
-/// GroupContact at given poses.
+/// Contact at given poses.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch {
     /// Distance between the surfaces along the normal [m]; negative if they overlap.
@@ -49,7 +49,7 @@ pub struct Touch {
 }
 
 impl ContactPoint {
-    /// GroupContact at the poses of the two bodies. Points that coincide have the normal `fallback`.
+    /// Contact at the poses of the two bodies. Points that coincide have the normal `fallback`.
     #[inline]
     pub fn at(&self, [first, second]: [&Pose; 2], fallback: DVec3) -> Touch {
         let [one, other] = [first.point(self.points[0]), second.point(self.points[1])];

@@ -11,7 +11,7 @@ pub(crate) const CLOSED: f64 = 1e-9;
 /// Largest depth at which an overlap is resolved, over the depth of the overlap.
 const DEEPER: f64 = 4.0;
 
-/// GroupContact of two discs or balls, if they are within reach [m]. `width` is the number of features of the second shape.
+/// Contact of two discs or balls, if they are within reach [m]. `width` is the number of features of the second shape.
 #[inline]
 pub(crate) fn of_round(parts: [&Part; 2], poses: [&Pose; 2], reach: f64, width: u32) -> Option<ContactPoint> {
     let points = parts.map(|part| part.vertices[0]);
@@ -54,7 +54,7 @@ pub(crate) struct FaceGap {
 }
 
 impl<'a> Couple<'a> {
-    /// ConvexParts of two bodies.
+    /// Parts of two bodies.
     pub fn new(parts: [&'a Part; 2], poses: [&'a Pose; 2], reach: f64, width: u32) -> Self {
         let other_in = [poses[0].relative(poses[1]), poses[1].relative(poses[0])];
         Self { parts, poses, other_in, reach, width }

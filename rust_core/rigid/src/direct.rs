@@ -26,7 +26,7 @@ enum Unknown {
     Tangent(usize, DVec3),
 }
 
-/// HeldEquation of an unknown, the direction of its impulse, and its residual.
+/// Equation of an unknown, the direction of its impulse, and its residual.
 #[derive(Debug, Clone, Copy)]
 struct HeldEquation {
     unknown: Unknown,

@@ -32,7 +32,7 @@ const SHORTEST: f64 = 1e-9;
 const PIECES: usize = 8;
 const PIECES_PER_BODY: usize = 1;
 
-/// BodyPath of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
+/// Path of a body during a piece: a parabola that begins with the velocity at the start, and a free rotation.
 pub(crate) struct BodyPath<'a> {
     start: &'a Mover,
     end: &'a Mover,

@@ -16,7 +16,7 @@ const SHIFT: f64 = 1e-10;
 /// Largest number of blocks, over that of joints: more take longer than iterations.
 const MOST_BLOCKS: usize = 32;
 
-/// JointBlock of two joints.
+/// Block of two joints.
 type JointBlock = [[f64; MOST_ROWS]; MOST_ROWS];
 
 const NOTHING: JointBlock = [[0.0; MOST_ROWS]; MOST_ROWS];

@@ -29,7 +29,7 @@ pub struct Mover {
 }
 
 impl Mover {
-    /// WallShape at rest.
+    /// Wall at rest.
     pub fn wall(pose: &Pose) -> Self {
         Self {
             position: pose.position,

@@ -11,7 +11,7 @@ use crate::contact::{ContactPoint, Normal};
 use crate::couple::{Couple, FaceGap, as_normal};
 use crate::shapes::Part;
 
-/// NearestFeatures features of two cores.
+/// Nearest features of two cores.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum NearestFeatures {
     /// Vertices of the first and the second core.
@@ -64,7 +64,7 @@ fn widest(couple: &Couple) -> Option<FaceGap> {
     }
 }
 
-/// NearestFeatures features of the cores; of cores that overlap, the face of the least depth.
+/// Nearest features of the cores; of cores that overlap, the face of the least depth.
 fn nearest(couple: &Couple, widest: &FaceGap) -> NearestFeatures {
     let is_flat = couple.parts.iter().all(|part| part.vertices.len() <= 2);
     // Two segments on a line have no gap along a face.
@@ -113,7 +113,7 @@ fn to_edge(polygon: &Part, face: usize, point: DVec3) -> (f64, Option<usize>) {
     }
 }
 
-/// PartEdge of a core that looks at a face of the other most, clipped to that face.
+/// Edge of a core that looks at a face of the other most, clipped to that face.
 struct Clip {
     owner: usize,
     /// Normal of the face, in the frame of its body.

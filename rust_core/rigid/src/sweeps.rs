@@ -41,12 +41,12 @@ pub struct GroupSweep {
     half: FirstHalf,
     /// Each contact of the rows.
     touching: Vec<Touching>,
-    /// BodyVelocities, and those at the start of a half if there are joints.
+    /// Velocities, and those at the start of a half if there are joints.
     v: BodyVelocities,
     start: BodyVelocities,
 }
 
-/// GroupContact during a step.
+/// Contact during a step.
 #[derive(Debug, Clone, Copy)]
 struct Touching {
     /// Gap [m].

@@ -14,7 +14,7 @@ use crate::surface::Friction;
 /// Identity of a contact: the two bodies, and the features that touch.
 pub type ContactKey = (u32, u32, u32);
 
-/// GroupContact of two bodies of a group.
+/// Contact of two bodies of a group.
 #[derive(Debug, Clone, Copy)]
 pub struct GroupContact {
     /// Index of the pair.
@@ -22,7 +22,7 @@ pub struct GroupContact {
     pub bodies: [usize; 2],
     pub key: ContactKey,
     pub point: ContactPoint,
-    /// GroupContact at the present poses.
+    /// Contact at the present poses.
     pub touch: Touch,
     pub friction: Friction,
     pub restitution: f64,
@@ -111,7 +111,7 @@ impl Island {
         }
     }
 
-    /// GroupContact evaluated at the present poses.
+    /// Contact evaluated at the present poses.
     pub fn touch(&self, contact: &GroupContact) -> Touch {
         let [one, other] = contact.bodies.map(|body| self.movers[body].pose());
         contact.point.at([&one, &other], contact.touch.normal)

@@ -11,7 +11,7 @@ use crate::rows::{BodyVelocities, BoundedRow, JointRows, MOST_ROWS, Row, Rows};
 pub const LIMITS: [usize; 2] = [0, 1];
 const MOTOR: usize = 2;
 
-/// BoundingBox of the impulse of a lower and of an upper limit.
+/// Bounds of the impulse of a lower and of an upper limit.
 pub const LIMIT_BOUNDS: [[f64; 2]; 2] = [[0.0, f64::INFINITY], [f64::NEG_INFINITY, 0.0]];
 
 /// Joint of two bodies of a group.

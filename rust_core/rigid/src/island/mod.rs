@@ -40,7 +40,7 @@ impl Accuracy {
     pub const FINE: Self = Self { iterations: 200, velocities: 1e-10, linearizations: 10, positions: 1e-11 };
 }
 
-/// BodyPair of bodies that may touch.
+/// Pair of bodies that may touch.
 #[derive(Debug, Clone, Copy)]
 pub struct BodyPair {
     pub bodies: [usize; 2],

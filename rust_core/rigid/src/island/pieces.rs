@@ -13,13 +13,13 @@ const LONG: f64 = 0.1;
 #[derive(Debug, Default)]
 pub struct FirstHalf {
     pub rows: Rows,
-    /// GroupContact of each row; joint of each bounded row.
+    /// Contact of each row; joint of each bounded row.
     pub contacts: Vec<usize>,
     pub(super) bounded: Vec<(usize, usize)>,
     /// Gap of each contact, and error of each joint, that are left at the end of the piece.
     remainders: Vec<f64>,
     pub(super) errors: Vec<ArrayVec<f64, MOST_ROWS>>,
-    /// BodyVelocities after the drift, and velocity and angular velocity of each contact.
+    /// Velocities after the drift, and velocity and angular velocity of each contact.
     drifted: BodyVelocities,
     middle: Vec<(DVec3, DVec3)>,
     /// Energies dissipated by contacts, and supplied [J].
@@ -91,7 +91,7 @@ impl Island {
 
     /// Leaves a piece open after its drift.
     fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
-        // BodyVelocities at the new poses, for the second half.
+        // Velocities at the new poses, for the second half.
         let v = BodyVelocities::of(&self.movers);
         self.renew_touches();
         first.middle = first

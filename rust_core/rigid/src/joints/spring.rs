@@ -97,7 +97,7 @@ impl Joint {
     }
 }
 
-/// BoundingBox of a spring at one of its bodies.
+/// Bounds of a spring at one of its bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SpringRates {
     /// Square of the angular frequency [1/s²] and decay rate [1/s] with the other body at rest.

@@ -33,7 +33,7 @@ impl ContactImpulse {
     }
 }
 
-/// GroupContact between two bodies at one point.
+/// Contact between two bodies at one point.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactRow {
     pub bodies: [usize; 2],
@@ -58,7 +58,7 @@ pub struct ContactRow {
 }
 
 impl ContactRow {
-    /// GroupContact without impulse; None if neither body can be moved.
+    /// Contact without impulse; None if neither body can be moved.
     pub fn new(bodies: [usize; 2], arms: [DVec3; 2], normal: DVec3, friction: Friction, v: &BodyVelocities) -> Option<Self> {
         let response = |along: DVec3| v.response(bodies[0], arms[0], along) + v.response(bodies[1], arms[1], along);
         let inverse = normal.dot(response(normal));

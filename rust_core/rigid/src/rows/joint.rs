@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::{BodyVelocities, MOST_ROWS};
 use crate::mover::Mover;
 
-/// JointEquation J v = b between two bodies, J v = l·(v₂ − v₁) + a₂·ω₂ − a₁·ω₁.
+/// Equation J v = b between two bodies, J v = l·(v₂ − v₁) + a₂·ω₂ − a₁·ω₁.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
     /// Direction l.
@@ -90,7 +90,7 @@ impl JointRows {
         Self { bodies, inverse: inverted(matrix, rows.len()), rows }
     }
 
-    /// BodyVelocities that the rows lack.
+    /// Velocities that the rows lack.
     pub fn lacks(&self, v: &BodyVelocities) -> [f64; MOST_ROWS] {
         let mut lacks = [0.0; MOST_ROWS];
         self.rows.iter().zip(&mut lacks).for_each(|(row, lack)| *lack = row.target - row.velocity(self.bodies, v));

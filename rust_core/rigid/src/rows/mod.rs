@@ -22,7 +22,7 @@ const SWEEPS: usize = 4;
 /// Largest number of rows of a joint.
 pub const MOST_ROWS: usize = 6;
 
-/// BodyVelocities during a solve, with the inverse masses and inertias.
+/// Velocities during a solve, with the inverse masses and inertias.
 #[derive(Debug, Clone, Default)]
 pub struct BodyVelocities {
     linear: Vec<DVec3>,
@@ -32,7 +32,7 @@ pub struct BodyVelocities {
 }
 
 impl BodyVelocities {
-    /// BodyVelocities of movers in their present orientations.
+    /// Velocities of movers in their present orientations.
     pub fn of(movers: &[Mover]) -> Self {
         let mut velocities = Self::default();
         velocities.fill(movers);

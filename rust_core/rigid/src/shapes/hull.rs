@@ -36,7 +36,7 @@ pub(super) fn polygon(points: &[DVec3]) -> Option<Part> {
     (vertices.len() > 2).then(|| Part::polygon(vertices, 0.0))
 }
 
-/// HullTriangle of a hull that is being built.
+/// Triangle of a hull that is being built.
 #[derive(Debug, Clone, Copy)]
 struct HullTriangle {
     corners: [u32; 3],

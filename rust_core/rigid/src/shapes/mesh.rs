@@ -12,7 +12,7 @@ use super::{MassProperties, Part, hull};
 /// Difference of the volumes of a surface and of its hull, relative to these, at which it counts as convex.
 const CONVEX: f64 = 1e-9;
 
-/// ConvexParts and mass properties of the closed surface of the item's `vertices` and `faces`.
+/// Parts and mass properties of the closed surface of the item's `vertices` and `faces`.
 pub(super) fn parts(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
     let vertices = finite_rows(item, "vertices", 3)?;
     let mut faces = item.tuples::<3>("faces")?.to_vec();
@@ -48,7 +48,7 @@ pub(super) fn parts(item: &Item) -> Result<(Vec<Part>, MassProperties)> {
     }
 }
 
-/// PartEdge that a surface lacks a neighbor at, and the number of faces along it in this direction and the other.
+/// Edge that a surface lacks a neighbor at, and the number of faces along it in this direction and the other.
 fn open_edge(faces: &[[u32; 3]]) -> ([u32; 2], usize) {
     let halves = || faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let count = |[from, to]: [u32; 2]| {

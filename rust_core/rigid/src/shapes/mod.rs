@@ -28,7 +28,7 @@ use plane::Planar;
 pub(crate) use terrain::GroundProfile;
 pub use walls::{WallShape, walls};
 
-/// SolidShape of a body in its frame.
+/// Shape of a body in its frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolidShape {
     pub(crate) form: ShapeForm,
@@ -51,7 +51,7 @@ pub(crate) enum ShapeForm {
 }
 
 impl SolidShape {
-    /// SolidShape of a record, moved so that its center of mass is the origin, and its mass properties as declared.
+    /// Shape of a record, moved so that its center of mass is the origin, and its mass properties as declared.
     ///
     /// # Errors
     /// If there is no shape of that kind in this dimension, or one of its parameters is not acceptable.
@@ -81,7 +81,7 @@ impl SolidShape {
         Self { form: ShapeForm::Hollow(radius), features: 1, reach: f64::INFINITY }
     }
 
-    /// GroundContact below a height field. Only for fixed bodies.
+    /// Ground below a height field. Only for fixed bodies.
     pub(crate) fn terrain(terrain: GroundProfile) -> Self {
         Self { features: terrain.features(), form: ShapeForm::GroundProfile(terrain), reach: f64::INFINITY }
     }

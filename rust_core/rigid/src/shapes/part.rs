@@ -37,7 +37,7 @@ pub(crate) struct Net {
     pub edges: Vec<PartEdge>,
 }
 
-/// PartEdge of a polyhedron.
+/// Edge of a polyhedron.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PartEdge {
     /// Vertices at its ends, in the order of the first of the faces.

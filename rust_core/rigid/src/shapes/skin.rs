@@ -1,4 +1,4 @@
-//! ConvexParts of a larger surface: which of their faces, edges and vertices are on it, and with which normals.
+//! Parts of a larger surface: which of their faces, edges and vertices are on it, and with which normals.
 //!
 //! A body that slides from one part to the next must feel no edge between them. A contact counts only if its normal is one of
 //! the surface at the feature that touches. A face has its normal, an edge all between those of its two faces. A vertex has

@@ -12,7 +12,7 @@ use super::{BoundingBox, Part, Planar};
 /// Features of a prism: of the quadrilateral below a segment, and of that below a triangle.
 const FEATURES: [u32; 2] = [8, 20];
 
-/// ProfileNode of the grid.
+/// Node of the grid.
 type ProfileNode = [usize; 2];
 
 /// Heights of the nodes of a uniform grid, along y in 2D and along z in 3D.
@@ -29,7 +29,7 @@ pub(crate) struct GroundProfile {
 }
 
 impl GroundProfile {
-    /// GroundContact of an item's `heights` [m] at the nodes of a grid with its `spacing` [m], and its `origin`.
+    /// Ground of an item's `heights` [m] at the nodes of a grid with its `spacing` [m], and its `origin`.
     pub fn declared(item: &Item, dimension: usize) -> Result<(Self, DVec3)> {
         let axes = dimension - 1;
         let array = match item.values.get("heights") {
@@ -120,7 +120,7 @@ impl GroundProfile {
         [[i, j], [i + 1, j], [i, j + next], [i + 1, j + next]]
     }
 
-    /// GroundContact below the segment from node i to the next.
+    /// Ground below the segment from node i to the next.
     fn quadrilateral(&self, i: usize, bottom: f64) -> Part {
         let [left, right] = [[i, 0], [i + 1, 0]].map(|node| self.node(node));
         let mut part = Part::polygon(vec![left.with_y(bottom), right.with_y(bottom), right, left], 0.0);
@@ -204,7 +204,7 @@ impl GroundProfile {
         corner
     }
 
-    /// GroundContact below a triangle of nodes.
+    /// Ground below a triangle of nodes.
     fn prism(&self, triangle: [ProfileNode; 3], bottom: f64) -> Part {
         let top = triangle.map(|node| self.node(node));
         let vertices = top.into_iter().chain(top.map(|corner| corner.with_z(bottom))).collect();

@@ -1,4 +1,4 @@
-//! PartTree of boxes, for parts near a place.
+//! Tree of boxes, for parts near a place.
 
 use super::BoundingBox;
 
@@ -13,18 +13,18 @@ pub(crate) struct PartTree {
     order: Vec<u32>,
 }
 
-/// PartNode with a box around its part of the order.
+/// Node with a box around its part of the order.
 #[derive(Debug, Clone, PartialEq)]
 struct PartNode {
     bounds: BoundingBox,
     start: u32,
     end: u32,
-    /// PartNode of the second half, the first being the next; 0 in a leaf.
+    /// Node of the second half, the first being the next; 0 in a leaf.
     second: u32,
 }
 
 impl PartTree {
-    /// PartTree of boxes, cut at their median along the longest axis.
+    /// Tree of boxes, cut at their median along the longest axis.
     pub fn new(boxes: &[BoundingBox]) -> Self {
         let mut tree = Self { nodes: Vec::new(), order: (0..boxes.len() as u32).collect() };
         if !boxes.is_empty() {

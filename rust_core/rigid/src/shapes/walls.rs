@@ -11,7 +11,7 @@ use crate::pose::Pose;
 /// Fixed shape of a boundary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallShape {
-    /// SolidShape.
+    /// Shape.
     pub shape: SolidShape,
     /// Pose of the shape.
     pub pose: Pose,

@@ -19,23 +19,23 @@ const BETTER: f64 = 1e-3;
 /// Difference of gaps that count as equal, relative to the size of the face.
 const LEVEL: f64 = 1e-6;
 
-/// ClipCorner of the clipped face.
+/// Corner of the clipped face.
 #[derive(Debug, Clone, Copy)]
 struct ClipCorner {
     /// Position in the frame of the body with the other face [m].
     point: DVec3,
     /// Features of that body and of the one whose face is clipped.
     features: [u32; 2],
-    /// ClipSide from here to the next corner.
+    /// Side from here to the next corner.
     side: ClipSide,
 }
 
-/// ClipSide of the clipped face.
+/// Side of the clipped face.
 #[derive(Debug, Clone, Copy)]
 enum ClipSide {
-    /// ClipSide of the face itself, by its first vertex.
+    /// Side of the face itself, by its first vertex.
     Own(u32),
-    /// ClipSide of the face that it is clipped against, by its place.
+    /// Side of the face that it is clipped against, by its place.
     Other(usize),
 }
 

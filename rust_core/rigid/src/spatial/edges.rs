@@ -8,7 +8,7 @@ use crate::shapes::Part;
 /// Smallest sine of the angle of two edges whose cross product is a direction.
 const PARALLEL: f64 = 1e-6;
 
-/// PartEdge of each core, and the gap along their common normal.
+/// Edge of each core, and the gap along their common normal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeGap {
     /// Distance of the cores along the normal [m].
@@ -29,7 +29,7 @@ impl EdgeGap {
     }
 }
 
-/// PartEdge in the frame of the first body.
+/// Edge in the frame of the first body.
 #[derive(Debug, Clone, Copy)]
 struct Ridge {
     edge: usize,
@@ -67,7 +67,7 @@ fn highest(start: DVec3, way: DVec3, [left, right]: [DVec3; 2], x: DVec3) -> f64
     if is_between || left == DVec3::ZERO { up.length() } else { a.max(b) }
 }
 
-/// NearPair of edges along whose normal the cores are farthest apart, by more than `least`.
+/// Pair of edges along whose normal the cores are farthest apart, by more than `least`.
 pub(super) fn widest(couple: &Couple, least: f64) -> Option<EdgeGap> {
     let [one, other] = couple.parts;
     if one.net.edges.is_empty() || other.net.edges.is_empty() {

@@ -60,7 +60,7 @@ enum SeparatingAxis {
 /// Excess of the gap along two edges over that of a face, from which on it counts, relative to the size of the parts.
 const EDGE: f64 = 1e-9;
 
-/// SeparatingAxis of two cores. None if neither has a face.
+/// Axis of two cores. None if neither has a face.
 fn axis(couple: &Couple) -> Option<SeparatingAxis> {
     let face = match [0, 1].map(|owner| couple.widest(owner)) {
         [Some(one), Some(other)] => {

@@ -1,4 +1,4 @@
-//! CenterMotion of joined bodies: closed forms, conservation, loops and limits.
+//! Motion of joined bodies: closed forms, conservation, loops and limits.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

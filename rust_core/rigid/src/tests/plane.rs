@@ -1,4 +1,4 @@
-//! CenterMotion in the plane.
+//! Motion in the plane.
 
 use glam::DVec3;
 

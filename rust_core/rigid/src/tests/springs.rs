@@ -1,4 +1,4 @@
-//! CenterMotion of bodies on springs: frequencies, stability, budgets, and springs beside contacts.
+//! Motion of bodies on springs: frequencies, stability, budgets, and springs beside contacts.
 
 use glam::DVec3;
 
@@ -74,7 +74,7 @@ fn the_bound_of_a_spring_is_sharp() {
     }
 }
 
-/// BoundingBox hold: no state of a body between several springs of different lengths has a stiffer mode, by power iteration over
+/// Bounds hold: no state of a body between several springs of different lengths has a stiffer mode, by power iteration over
 /// central differences of the forces.
 #[test]
 fn bounds_of_springs_hold() {

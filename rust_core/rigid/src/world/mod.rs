@@ -54,7 +54,7 @@ pub struct FreePoint {
     pub inverse_mass: f64,
 }
 
-/// CenterMotion of a center of mass or a particle in a step.
+/// Motion of a center of mass or a particle in a step.
 #[derive(Debug, Clone, Copy)]
 pub struct CenterMotion {
     /// Position at the start of the step [m]; then at its end.

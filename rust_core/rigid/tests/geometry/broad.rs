@@ -2,21 +2,21 @@
 
 use glam::DVec3;
 use physcore_rigid::broad::pairs;
-use physcore_rigid::shapes::Bounds;
+use physcore_rigid::shapes::BoundingBox;
 use proptest::prelude::*;
 
 use crate::samples::point;
 
 /// Boxes of sizes over four orders of magnitude, some flat, some infinite, some that touch others.
-fn boxes(dimension: usize) -> impl Strategy<Value = Vec<Bounds>> {
+fn boxes(dimension: usize) -> impl Strategy<Value = Vec<BoundingBox>> {
     let one = (point(dimension), point(dimension), -4.0..0.0_f64, 0..20_u8).prop_map(move |(center, size, scale, kind)| {
         let half = size.abs() * 10_f64.powf(scale);
         let grid = (center * 4.0).round() / 4.0;
         match kind {
-            0 => Bounds::EVERYWHERE,
-            1 => Bounds { lower: DVec3::NEG_INFINITY, upper: DVec3::INFINITY.with_y(center.y) },
-            2..6 => Bounds { lower: grid, upper: grid + 0.25 },
-            _ => Bounds { lower: center - half, upper: center + half },
+            0 => BoundingBox::EVERYWHERE,
+            1 => BoundingBox { lower: DVec3::NEG_INFINITY, upper: DVec3::INFINITY.with_y(center.y) },
+            2..6 => BoundingBox { lower: grid, upper: grid + 0.25 },
+            _ => BoundingBox { lower: center - half, upper: center + half },
         }
     });
     prop::collection::vec(one, 0..60)

@@ -4,15 +4,15 @@ use glam::DVec3;
 use physcore_rigid::collision::{contacts, separation};
 use physcore_rigid::contact::ContactPoint;
 use physcore_rigid::pose::Pose;
-use physcore_rigid::shapes::Shape;
+use physcore_rigid::shapes::SolidShape;
 use proptest::prelude::*;
 
 use crate::reference::{Convex, distance, gap_along};
 use crate::samples::{convex, point, pose, rotation};
 
-type Body = (Shape, Convex);
+type Body = (SolidShape, Convex);
 
-fn found(one: (&Shape, &Pose), other: (&Shape, &Pose), reach: f64, dimension: usize) -> Vec<ContactPoint> {
+fn found(one: (&SolidShape, &Pose), other: (&SolidShape, &Pose), reach: f64, dimension: usize) -> Vec<ContactPoint> {
     let mut points = Vec::new();
     contacts(one, other, reach, dimension, &mut points);
     points

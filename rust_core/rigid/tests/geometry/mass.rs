@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use physcore_base::scene::{Array, Item, Value};
-use physcore_rigid::shapes::{MassProperties, Shape};
+use physcore_rigid::shapes::{MassProperties, SolidShape};
 use proptest::prelude::*;
 
 use crate::samples::{item, point, pointed, rotation};
 
 fn mass(item: &Item, dimension: usize) -> MassProperties {
-    Shape::declared(item, dimension).unwrap().1
+    SolidShape::declared(item, dimension).unwrap().1
 }
 
 fn diagonal(tensor: DMat3) -> DVec3 {
@@ -73,7 +73,7 @@ proptest! {
         points in prop::collection::vec(point(3), 4..30), turn in rotation(3), shift in point(3), far in 0.0..100.0_f64,
     ) {
         let moved: Vec<DVec3> = points.iter().map(|point| turn * *point + shift * far).collect();
-        let hulls = [points, moved].map(|points| Shape::declared(&pointed("Hull", "points", &points, 3), 3));
+        let hulls = [points, moved].map(|points| SolidShape::declared(&pointed("Hull", "points", &points, 3), 3));
         let [Ok((_, one)), Ok((_, other))] = hulls else { return Ok(()) };
         let expected = MassProperties {
             center: turn * one.center + shift * far, inertia: turn * one.inertia * turn.transpose(), ..one
@@ -100,7 +100,7 @@ proptest! {
         compound.path = "bodies[0].shape".to_owned();
         let turned: Vec<DVec3> = corners.iter().map(|corner| rotation * *corner).collect();
         // The diagonal cuts a convex quadrilateral only.
-        prop_assume!(Shape::declared(&polygon(&turned), 2).is_ok());
+        prop_assume!(SolidShape::declared(&polygon(&turned), 2).is_ok());
         let reversed: Vec<DVec3> = turned.iter().rev().copied().collect();
         for corners in [turned, reversed] {
             prop_assert!(difference(&mass(&polygon(&corners), 2), &mass(&compound, 2)) < 1e-14);

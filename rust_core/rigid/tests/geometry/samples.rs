@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use physcore_base::scene::{Array, Item, Value};
 use physcore_rigid::pose::Pose;
-use physcore_rigid::shapes::Shape;
+use physcore_rigid::shapes::SolidShape;
 use proptest::prelude::*;
 
 use crate::reference::Convex;
@@ -29,8 +29,8 @@ pub fn pointed(kind: &str, name: &'static str, points: &[DVec3], dimension: usiz
 }
 
 /// Shape of an item that is right.
-pub fn shape(item: &Item, dimension: usize) -> Shape {
-    Shape::declared(item, dimension).unwrap().0
+pub fn shape(item: &Item, dimension: usize) -> SolidShape {
+    SolidShape::declared(item, dimension).unwrap().0
 }
 
 /// Pose at a position, turned by an angle about z.
@@ -58,9 +58,9 @@ pub fn pose(dimension: usize, reach: f64) -> impl Strategy<Value = Pose> {
 }
 
 /// Convex shapes of sizes about 1 m, as declared and as points with a radius about the center of mass.
-pub fn convex(dimension: usize) -> BoxedStrategy<(Shape, Convex)> {
+pub fn convex(dimension: usize) -> BoxedStrategy<(SolidShape, Convex)> {
     let with = move |item: Item, vertices: Vec<DVec3>, radius: f64| {
-        let (shape, mass) = Shape::declared(&item, dimension).unwrap();
+        let (shape, mass) = SolidShape::declared(&item, dimension).unwrap();
         (shape, Convex { vertices: vertices.into_iter().map(|vertex| vertex - mass.center).collect(), radius })
     };
     let size = || 0.1..1.0_f64;
@@ -88,7 +88,7 @@ pub fn convex(dimension: usize) -> BoxedStrategy<(Shape, Convex)> {
         } else {
             pointed("Hull", "points", &points, 3)
         };
-        Shape::declared(&item, dimension).ok()?;
+        SolidShape::declared(&item, dimension).ok()?;
         let vertices = if dimension == 2 { ring(&points) } else { points };
         Some(with(item, vertices, 0.0))
     });

@@ -352,7 +352,7 @@ fn quaternion(orientation: &Orientation) -> [f64; 4] {
     [w, x, y, z]
 }
 
-/// CenterMotion of a particle at the start of a step.
+/// Motion of a particle at the start of a step.
 fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize, drift: DVec3) -> CenterMotion {
     let position = step.properties.origin + step.matter.exact_position(particle);
     CenterMotion { position, velocity: step.matter.velocity.get(particle).widen(), drift }
