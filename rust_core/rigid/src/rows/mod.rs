@@ -132,7 +132,22 @@ impl Rows {
 
     /// Iterates in alternating order until no relative velocity changes by more than `tolerance` [m/s]; returns whether it
     /// came to that. A Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
+    /// Without convergence, the iterations begin anew without impulses and Newton steps: these approach the solution from below.
     pub fn solve(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) -> bool {
+        let (impulses, velocities) = (self.impulses(), v.clone());
+        if self.iterate(v, tolerance, most) {
+            return true;
+        }
+        *v = velocities;
+        let opposite: Vec<f64> = impulses.iter().map(|impulse| -impulse).collect();
+        self.set_impulses(&opposite);
+        self.start(v);
+        self.set_impulses(&vec![0.0; impulses.len()]);
+        (0..most).any(|iteration| self.relax_all(iteration, v) <= tolerance)
+    }
+
+    /// Iterates with Newton steps.
+    fn iterate(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) -> bool {
         let mut before: Option<(f64, Vec<f64>, BodyVelocities)> = None;
         // Iterations from one Newton step to the next, and to the next decision.
         let (mut wait, mut next) = (SWEEPS, SWEEPS);
@@ -145,7 +160,7 @@ impl Rows {
                 continue;
             }
             if let Some((change_before, impulses, velocities)) = before.take()
-                && change > change_before
+                && !change.le(&change_before)
             {
                 self.set_impulses(&impulses);
                 *v = velocities;
