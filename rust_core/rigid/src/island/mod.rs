@@ -129,6 +129,11 @@ impl Island {
         self.movers.iter().map(of).fold(0.0, f64::max)
     }
 
+    /// Energy supplied in the first half of the open piece [J].
+    pub fn open_work(&self) -> f64 {
+        if self.is_swept { 0.0 } else { self.first.work }
+    }
+
     /// Buffers of a sweep.
     pub fn take_sweep(&mut self) -> GroupSweep {
         std::mem::take(&mut self.sweep)
