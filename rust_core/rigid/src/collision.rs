@@ -71,7 +71,8 @@ pub fn separations(first: Placed, second: Placed, reach: f64, dimension: usize, 
 }
 
 /// Lower bound of the distance between two shapes [m], exact when small, and the unit normal from the first to the second. Where
-/// they overlap, it is minus the depth along the least axis of two of their convex parts.
+/// two convex parts overlap, it is minus their depth along the least axis. Where a shape is within a mesh, it is minus the
+/// distance from the surface.
 pub fn separation(first: Placed, second: Placed, dimension: usize) -> (f64, DVec3) {
     if let [Some(one), Some(other)] = [first, second].map(|(shape, _)| shape.single()) {
         return distance([one, other], [first.1, second.1], dimension);
@@ -81,5 +82,8 @@ pub fn separation(first: Placed, second: Placed, dimension: usize) -> (f64, DVec
     let mut found = Vec::new();
     separations(first, second, reach, dimension, &mut found);
     let way = (second.1.position - first.1.position).try_normalize().unwrap_or(DVec3::X);
-    found.into_iter().fold((reach, way), |least, one| if one.0 < least.0 { one } else { least })
+    let (gap, normal) = found.into_iter().fold((reach, way), |least, one| if one.0 < least.0 { one } else { least });
+    let contains = |one: Placed, other: Placed| one.0.encloses(one.1.local_point(other.1.position));
+    let is_inside = gap > 0.0 && !is_ground && (contains(first, second) || contains(second, first));
+    if is_inside { (-gap, normal) } else { (gap, normal) }
 }

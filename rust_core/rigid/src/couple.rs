@@ -96,7 +96,12 @@ impl<'a> Couple<'a> {
         let [reference, incident] = [self.parts[owner], self.parts[1 - owner]];
         let into = &self.other_in[owner];
         let mut widest: Option<FaceGap> = None;
+        let middle = into.point(incident.ball.0);
         for (face, &normal) in reference.normals.iter().enumerate() {
+            // No gap is wider than that of the middle of the other core.
+            if widest.is_some_and(|widest| normal.dot(middle - reference.corner(face)) <= widest.gap) {
+                continue;
+            }
             let (vertex, along) = incident.support(-into.local_vector(normal));
             let gap = normal.dot(into.position - reference.corner(face)) - along;
             let found = FaceGap { gap, owner, face, vertex };

@@ -73,7 +73,7 @@ impl GroundContact<'_> {
             return;
         }
         let up = into.local_vector(normal.unwrap_or(DVec3::X));
-        let resting: ArrayVec<u32, 4> = spatial::resting(part, lowest, up);
+        let resting: ArrayVec<u32, 5> = spatial::resting(part, lowest, up);
         for vertex in resting {
             let local = part.vertices[vertex as usize];
             let point = into.point(local);

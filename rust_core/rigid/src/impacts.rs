@@ -281,28 +281,35 @@ impl Island {
         limit.or(first)
     }
 
-    /// Time until `until` at which the gap of a pair closes, by conservative advancement.
+    /// Time until `until` at which the gap of a pair closes, by conservative advancement. Each pair of convex parts has a gap along
+    /// its own normal.
     fn approach(&self, pair: &BodyPair, paths: &[BodyPath<'_>], shapes: &[SolidShape], until: f64) -> Option<f64> {
         let [one, other] = pair.bodies.map(|body| &paths[body]);
         let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
         let dimension = if self.planar { 2 } else { 3 };
         let turning = one.turning() + other.turning();
         let bend = one.bend() - other.bend();
+        let mut found = Vec::new();
         let mut time = 0.0;
         for _ in 0..MOST_ADVANCES {
-            let (gap, normal) = collision::separation((first, &one.at(time)), (second, &other.at(time)), dimension);
-            if gap <= HIT * pair.size {
-                return Some(time);
+            let velocity = one.velocity(time) - other.velocity(time);
+            let left = until - time;
+            let reach = (velocity.length() + turning + bend.length() * left) * left + HIT * pair.size;
+            collision::separations((first, &one.at(time)), (second, &other.at(time)), reach, dimension, &mut found);
+            let mut wait = f64::INFINITY;
+            for &(gap, normal) in &found {
+                if gap <= HIT * pair.size {
+                    return Some(time);
+                }
+                // The gap is at least gap − speed·t − bend·t² after a time t.
+                let speed = normal.dot(velocity) + turning;
+                let bend = normal.dot(bend).max(0.0);
+                let denominator = speed + (speed * speed + 4.0 * bend * gap).sqrt();
+                if denominator > 0.0 {
+                    wait = wait.min(2.0 * gap / denominator);
+                }
             }
-            // The gap is at least gap − speed·t − bend·t² after a time t.
-            let speed = normal.dot(one.velocity(time) - other.velocity(time)) + turning;
-            let bend = normal.dot(bend).max(0.0);
-            let root = (speed * speed + 4.0 * bend * gap).sqrt();
-            let denominator = speed + root;
-            if denominator <= 0.0 {
-                return None;
-            }
-            time += 2.0 * gap / denominator;
+            time += wait;
             if time >= until {
                 return None;
             }

@@ -78,14 +78,28 @@ fn nearest(couple: &Couple, widest: &FaceGap) -> NearestFeatures {
     if distance <= couple.closed() { NearestFeatures::Face(*widest) } else { features }
 }
 
-/// Least distance between a vertex of a core and an edge or vertex of the other.
+/// Least distance between a vertex of a core and an edge or vertex of the other, which have a gap along a face.
 fn closest(couple: &Couple, widest: &FaceGap) -> (f64, NearestFeatures) {
+    let FaceGap { gap, owner, face, vertex } = *widest;
+    let [reference, other] = [couple.parts[owner], couple.parts[1 - owner]];
+    let into = &couple.other_in[owner];
+    let (normal, start) = (reference.normals[face], reference.vertices[face]);
+    let farthest = to_edge(reference, face, into.point(other.vertices[vertex])).0 + couple.closed();
+    // Points nearer than that are not deeper below the face, and not higher above it.
+    let is_near = |body: usize, vertex: usize| {
+        if body == owner {
+            normal.dot(reference.vertices[vertex] - start) >= gap - farthest
+        } else {
+            normal.dot(into.point(other.vertices[vertex]) - start) <= farthest
+        }
+    };
     let mut best = (f64::INFINITY, NearestFeatures::Face(*widest));
     for owner in [0, 1] {
         let [polygon, other] = [couple.parts[owner], couple.parts[1 - owner]];
-        for (vertex, local) in other.vertices.iter().enumerate() {
-            let point = couple.other_in[owner].point(*local);
-            for face in 0..polygon.normals.len() {
+        let count = polygon.normals.len();
+        for vertex in (0..other.vertices.len()).filter(|&vertex| is_near(1 - owner, vertex)) {
+            let point = couple.other_in[owner].point(other.vertices[vertex]);
+            for face in (0..count).filter(|&face| is_near(owner, face) || is_near(owner, (face + 1) % count)) {
                 let (gap, end) = to_edge(polygon, face, point);
                 if gap < best.0 {
                     let vertices = |end| if owner == 0 { [end, vertex] } else { [vertex, end] };

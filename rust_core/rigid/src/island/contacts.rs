@@ -69,8 +69,11 @@ impl Island {
             let between = poses[other].position - poses[one].position;
             for &point in &points {
                 let last = past.clone().find(|contact| contact.key.2 == point.feature);
-                let fallback = last.map_or_else(|| between.try_normalize().unwrap_or(DVec3::X), |contact| contact.touch.normal);
-                let touch = point.at([&poses[one], &poses[other]], fallback);
+                let places = [&poses[one], &poses[other]];
+                // A new contact has the normal with which it was found, unless its points coincide.
+                let fallback = last.map_or_else(|| point.at(places, DVec3::ZERO).normal, |contact| contact.touch.normal);
+                let fallback = if fallback == DVec3::ZERO { between.try_normalize().unwrap_or(DVec3::X) } else { fallback };
+                let touch = point.at(places, fallback);
                 self.contacts.push(GroupContact {
                     pair: index,
                     bodies: pair.bodies,

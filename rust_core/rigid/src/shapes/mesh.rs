@@ -84,11 +84,13 @@ impl MeshSurface {
         let face_of =
             |from: u32, to: u32| halves.binary_search_by_key(&[from, to], |half| half.0).map_or(0, |place| halves[place].1);
         let beyond = faces.iter().map(|&[a, b, c]| [face_of(b, a), face_of(c, b), face_of(a, c)]).collect();
-        let mut corners = vec![Corner { ways: Vec::new(), outward: DVec3::ZERO }; vertices.len()];
-        for &([from, to], face) in &halves {
-            let way = vertices[to as usize] - vertices[from as usize];
-            corners[from as usize].ways.push(way.try_normalize()?);
-            corners[from as usize].outward += normals[face as usize];
+        let mut corners: Vec<Corner> = vertices.iter().map(|_| Corner::new()).collect();
+        for (&face, &normal) in faces.iter().zip(&normals) {
+            for place in 0..3 {
+                let [here, next, last] = [0, 1, 2].map(|step| vertices[face[(place + step) % 3] as usize]);
+                let ways = [(next - here).try_normalize()?, (last - here).try_normalize()?];
+                corners[face[place] as usize].add(ways, normal);
+            }
         }
         Some(Self { vertices, faces, normals, beyond, corners })
     }

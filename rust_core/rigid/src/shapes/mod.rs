@@ -128,6 +128,11 @@ impl SolidShape {
         if let ShapeForm::ConvexParts(parts) = &self.form { parts.single() } else { None }
     }
 
+    /// Whether a point in the frame of the body is within a mesh.
+    pub(crate) fn encloses(&self, point: DVec3) -> bool {
+        matches!(&self.form, ShapeForm::ConvexParts(parts) if parts.enclose(point))
+    }
+
     /// Whether the shape is a half-space or a hollow, without parts.
     #[inline]
     pub(crate) fn is_ground(&self) -> bool {

@@ -138,6 +138,11 @@ impl Part {
         Self::new(vertices, vec![normal, -normal], net, 0.0)
     }
 
+    /// Corners of a triangle with two sides; None for other parts.
+    pub fn leaf_corners(&self) -> Option<[DVec3; 3]> {
+        if self.net.starts.len() == 3 { self.vertices[..].try_into().ok() } else { None }
+    }
+
     /// Upright prism of the vertices of a triangle and of those below them. Its faces are the triangle, the bottom, and the sides
     /// from each vertex to the next.
     pub fn prism(vertices: Vec<DVec3>) -> Self {

@@ -1,5 +1,9 @@
 //! Unions of convex parts.
 
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
 use super::tree::PartTree;
 use super::{BoundingBox, Part};
 use crate::pose::Pose;
@@ -41,6 +45,17 @@ impl ConvexParts {
                 visit(&self.all[index]);
             }
         });
+    }
+
+    /// Whether the triangles among the parts enclose a point, by the sum of their solid angles (A. van Oosterom and J. Strackee,
+    /// 1983).
+    pub fn enclose(&self, point: DVec3) -> bool {
+        let angle = |[a, b, c]: [DVec3; 3]| {
+            let [x, y, z] = [a.length(), b.length(), c.length()];
+            2.0 * libm::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
+        };
+        let triangles = self.all.iter().filter_map(Part::leaf_corners);
+        triangles.map(|corners| angle(corners.map(|corner| corner - point))).sum::<f64>() > TAU
     }
 
     /// Box around the parts at a pose: around their own, or around that of their union if they are many.

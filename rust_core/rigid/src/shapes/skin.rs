@@ -27,8 +27,23 @@ pub(crate) struct Skin {
 pub(crate) struct Corner {
     /// Unit directions of the edges from it.
     pub ways: Vec<DVec3>,
-    /// Sum of the normals of the faces around it.
+    /// Sum of the normals of the faces around it, each times its angle. Of the points to which the vertex is nearest, those outside
+    /// are on the side to which it points (J. A. Bærentzen and H. Aanæs, 2005).
     pub outward: DVec3,
+}
+
+impl Corner {
+    /// Surroundings to which faces are added.
+    pub fn new() -> Self {
+        Self { ways: Vec::new(), outward: DVec3::ZERO }
+    }
+
+    /// Adds a face between two unit directions.
+    pub fn add(&mut self, ways: [DVec3; 2], normal: DVec3) {
+        let [one, other] = ways;
+        self.ways.extend(ways);
+        self.outward += normal * libm::atan2(one.cross(other).length(), one.dot(other));
+    }
 }
 
 impl Skin {

@@ -63,7 +63,7 @@ impl GroundProfile {
     pub fn bounds(&self) -> BoundingBox {
         let end = self.nodes.map(|count| (count - 1) as f64 * self.spacing);
         match self.dimension {
-            2 => BoundingBox { lower: DVec3::Y * f64::NEG_INFINITY, upper: DVec3::new(end[0], self.highest, 0.0) },
+            2 => BoundingBox { lower: DVec3::ZERO.with_y(f64::NEG_INFINITY), upper: DVec3::new(end[0], self.highest, 0.0) },
             _ => BoundingBox { lower: DVec3::new(0.0, 0.0, f64::NEG_INFINITY), upper: DVec3::new(end[0], end[1], self.highest) },
         }
     }
@@ -71,8 +71,9 @@ impl GroundProfile {
     /// Calls `visit` with the prisms below the surface that reach into a box.
     pub fn near(&self, bounds: &BoundingBox, visit: &mut dyn FnMut(&Part)) {
         let up = self.dimension - 1;
-        let size = (bounds.upper - bounds.lower).max_element().max(self.spacing);
-        let bottom = self.lowest.min(bounds.lower[up]) - size;
+        let finite = |value: f64, other: f64| if value.is_finite() { value } else { other };
+        let size = finite((bounds.upper - bounds.lower).max_element(), self.spacing).max(self.spacing);
+        let bottom = self.lowest.min(finite(bounds.lower[up], self.lowest)) - size;
         let [is, js] = [0, 1].map(|axis| self.cells(axis, bounds));
         let (Some([i0, i1]), Some([j0, j1])) = (is, js) else { return };
         for i in i0..=i1 {
@@ -188,18 +189,27 @@ impl GroundProfile {
 
     /// Surface around a node.
     fn corner(&self, node: ProfileNode) -> Corner {
-        let here = self.node(node);
-        let sides = || self.sides(node).into_iter().flatten();
-        let mut corner = Corner { ways: Vec::new(), outward: sides().sum() };
+        let mut corner = Corner::new();
+        let way = |other: ProfileNode| (self.node(other) - self.node(node)).normalize();
         for cell in self.cells_at([node, node]) {
-            for triangle in self.triangles(cell).into_iter().filter(|triangle| triangle.contains(&node)) {
-                let others = triangle.into_iter().filter(|other| *other != node);
-                corner.ways.extend(others.map(|other| (self.node(other) - here).normalize()));
-                corner.outward += self.normal(triangle);
+            for triangle in self.triangles(cell) {
+                if let Some(place) = triangle.iter().position(|one| *one == node) {
+                    let others = [1, 2].map(|step| triangle[(place + step) % 3]);
+                    corner.add(others.map(way), self.normal(triangle));
+                }
             }
         }
-        if sides().next().is_some() {
-            corner.ways.push(DVec3::NEG_Z);
+        let sides = self.sides(node);
+        for axis in 0..2 {
+            let Some(normal) = sides[axis] else { continue };
+            // The side runs along the other axis.
+            let along = 1 - axis;
+            let mut beside = [node, node];
+            beside[0][along] = node[along].wrapping_sub(1);
+            beside[1][along] += 1;
+            for other in beside.into_iter().filter(|other| other[along] < self.nodes[along]) {
+                corner.add([way(other), DVec3::NEG_Z], normal);
+            }
         }
         corner
     }

@@ -9,15 +9,16 @@ use crate::contact::{ContactPoint, Normal};
 use crate::couple::{Couple, FaceGap, as_normal};
 use crate::shapes::Part;
 
-/// Largest number of contacts of two parts.
-const MOST: usize = 4;
+/// Largest number of points that [`spread`] chooses.
+const MOST: usize = 5;
 /// Least cosine between the normal of two edges and their faces, at which these are clipped.
 const FLAT: f64 = 0.95;
 /// Relative excess by which a later point must be better than an earlier one, so that rounding changes no choice.
-const BETTER: f64 = 1e-3;
-
+const BETTER: f64 = 1e-6;
 /// Difference of gaps that count as equal, relative to the size of the face.
 const LEVEL: f64 = 1e-6;
+/// Difference of gaps that is rounding, relative to the size of the face.
+const EQUAL: f64 = 1e-11;
 
 /// Corner of the clipped face.
 #[derive(Debug, Clone, Copy)]
@@ -63,11 +64,11 @@ impl Reference<'_> {
     /// Clips a face to the sides of this one.
     fn clip(&self, mut polygon: Vec<ClipCorner>, whole: u32) -> Vec<ClipCorner> {
         let corners = self.part.net.face(self.face);
+        let mut kept = Vec::with_capacity(polygon.len() + corners.len());
         for place in 0..corners.len() {
             let start = self.corner(place);
             let inward = self.normal.cross(self.corner(place + 1) - start);
             let depth = |corner: &ClipCorner| inward.dot(corner.point - start);
-            let mut kept = Vec::with_capacity(polygon.len() + 1);
             for (index, corner) in polygon.iter().enumerate() {
                 let next = &polygon[(index + 1) % polygon.len()];
                 let [here, there] = [depth(corner), depth(next)];
@@ -85,7 +86,8 @@ impl Reference<'_> {
                     kept.push(ClipCorner { point, features, side });
                 }
             }
-            polygon = kept;
+            std::mem::swap(&mut polygon, &mut kept);
+            kept.clear();
         }
         polygon
     }
@@ -123,25 +125,30 @@ pub(super) fn add_face(couple: &Couple, gap: FaceGap, manifold: &Manifold, conta
 
 /// Adds the contacts along the normal of two edges: of the faces beside them if these are nearly parallel, else of the edges.
 pub(super) fn add_edges(couple: &Couple, gap: EdgeGap, contacts: &mut Vec<ContactPoint>) {
-    let directions = [-gap.normal, couple.other_in[0].local_vector(gap.normal)];
+    let normals = [gap.normal, -couple.other_in[0].local_vector(gap.normal)];
     let faces = [0, 1].map(|body| {
         let part = couple.parts[body];
         let ends = part.net.edges[gap.edges[body]].ends;
-        let face = facing(part, directions[body], |corners| ends.iter().all(|end| corners.contains(end)))?;
-        (part.normals[face].dot(directions[body]) < -FLAT).then_some(face)
+        let face = facing(part, -normals[body], |corners| ends.iter().all(|end| corners.contains(end)))?;
+        (part.normals[face].dot(normals[body]) > FLAT).then_some(face)
     });
-    let ways = [0, 1].map(|body| couple.parts[body].edge(gap.edges[body]));
-    let normal = super::of_edges(ways.map(|[from, to]| to - from), couple, couple.poses[0].rotation * gap.normal);
-    if let [Some(face), Some(facing)] = faces {
-        let reference = Reference { owner: 0, part: couple.parts[0], face, normal: gap.normal };
-        if Manifold::new(couple, reference, Some(facing)).add(couple, normal, contacts) {
-            return;
+    for owner in [0, 1] {
+        let [part, other] = [couple.parts[owner], couple.parts[1 - owner]];
+        let is_flat = faces[1 - owner].is_some() || other.normals.is_empty();
+        if let Some(face) = faces[owner].filter(|_| is_flat) {
+            // The normal of edges that are nearly parallel would turn much farther than they do.
+            let normal = as_normal(owner, normals[owner]);
+            let reference = Reference { owner, part, face, normal: normals[owner] };
+            if Manifold::new(couple, reference, faces[1 - owner]).add(couple, normal, contacts) {
+                return;
+            }
         }
     }
     let pair = nearest::of_edges(couple, gap.edges);
     if gap.gap > couple.closed() {
         nearest::add_pair(couple, &pair, contacts);
     } else {
+        let normal = if gap.is_skew { super::of_edges(couple, gap.edges, normals[0]) } else { as_normal(0, normals[0]) };
         couple.push(0, pair.points(couple), normal, pair.features(couple), contacts);
     }
 }
@@ -185,48 +192,57 @@ impl<'a> Manifold<'a> {
     /// Adds the contacts within reach. Returns whether there are any.
     fn add(&self, couple: &Couple, normal: Normal, contacts: &mut Vec<ContactPoint>) -> bool {
         let Self { reference, corners } = self;
-        let within = |corner: &&ClipCorner| reference.gap(corner.point) <= couple.limit();
-        let near: Vec<ClipCorner> = corners.iter().filter(within).copied().collect();
-        let places: Vec<(DVec3, f64)> = near.iter().map(|corner| (corner.point, reference.gap(corner.point))).collect();
-        for place in spread(&places, reference.normal, 3) {
-            let (point, gap) = places[place];
+        let places = corners.iter().map(|corner| (corner.point, reference.gap(corner.point), corner.features));
+        let near: Vec<(DVec3, f64, [u32; 2])> = places.filter(|place| place.1 <= couple.limit()).collect();
+        for index in spread(near.len(), |index| (near[index].0, near[index].1), reference.normal, 3) {
+            let (point, gap, features) = near[index];
             let local = couple.other_in[reference.owner].local_point(point);
             let foot = point - gap * reference.normal;
-            couple.push(reference.owner, [foot, local], normal, near[place].features, contacts);
+            couple.push(reference.owner, [foot, local], normal, features, contacts);
         }
-        !places.is_empty()
+        !near.is_empty()
     }
 }
 
-/// Well-spread points with their gaps, at most four, or two in 2D. The first is the outermost of those with the smallest gap,
-/// the second the one farthest from it. The others are farthest from the line between these, on each side.
-pub(crate) fn spread(points: &[(DVec3, f64)], normal: DVec3, dimension: usize) -> ArrayVec<usize, MOST> {
+/// Well-spread points of a `count`, given with their gaps: at most four, or two in 2D. The first is the outermost of those with
+/// nearly the smallest gap, the second the one farthest from it. The others are farthest from the line between these, on each
+/// side. The point with the smallest gap is always among them, if need be as one more.
+pub(crate) fn spread(
+    count: usize,
+    place: impl Fn(usize) -> (DVec3, f64),
+    normal: DVec3,
+    dimension: usize,
+) -> ArrayVec<usize, MOST> {
     let most = 2 * (dimension - 1);
-    if points.len() <= most {
-        return (0..points.len()).collect();
+    if count <= most {
+        return (0..count).collect();
     }
-    let size = points.iter().map(|point| point.0.distance(points[0].0)).fold(0.0, f64::max);
+    let point = |index: usize| place(index).0;
+    let gap = |index: usize| place(index).1;
+    let size = (0..count).map(|index| point(index).distance(point(0))).fold(0.0, f64::max);
     let best = |measure: &dyn Fn(usize) -> f64| {
-        let least = f64::NEG_INFINITY;
         let better = |best: (usize, f64), one: usize| {
             let found = measure(one);
             if found > best.1 + BETTER * size { (one, found) } else { best }
         };
-        (0..points.len()).fold((0, least), better).0
+        (0..count).fold((0, f64::NEG_INFINITY), better).0
     };
-    let middle = points.iter().map(|point| point.0).sum::<DVec3>() / points.len() as f64;
-    let lowest = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
-    let is_low = |index: usize| points[index].1 <= lowest + LEVEL * size;
-    let first = best(&|index| if is_low(index) { points[index].0.distance(middle) } else { f64::NEG_INFINITY });
-    let from = points[first].0;
-    let second = best(&|index| points[index].0.distance(from));
-    let across = normal.cross(points[second].0 - from).normalize_or_zero();
+    let middle = (0..count).map(point).sum::<DVec3>() / count as f64;
+    let deepest = (1..count).fold(0, |best, one| if gap(one) < gap(best) { one } else { best });
+    let lowest = gap(deepest);
+    let first = best(&|index| if gap(index) <= lowest + LEVEL * size { point(index).distance(middle) } else { -1.0 });
+    let from = point(first);
+    let second = best(&|index| point(index).distance(from));
+    let across = normal.cross(point(second) - from).normalize_or_zero();
+    let sides = [1.0, -1.0].map(|side| best(&|index| side * across.dot(point(index) - from)));
     let mut chosen = ArrayVec::from_iter([first]);
-    let sides = [1.0, -1.0].map(|side| best(&|index| side * across.dot(points[index].0 - from)));
     for index in [second, sides[0], sides[1]] {
         if chosen.len() < most && !chosen.contains(&index) {
             chosen.push(index);
         }
+    }
+    if chosen.iter().all(|&index| gap(index) > lowest + EQUAL * size) {
+        chosen.push(deepest);
     }
     chosen.sort_unstable();
     chosen

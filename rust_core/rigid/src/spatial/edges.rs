@@ -8,6 +8,9 @@ use crate::shapes::Part;
 /// Smallest sine of the angle of two edges whose cross product is a direction.
 const PARALLEL: f64 = 1e-6;
 
+/// Sine of the angle of two edges from which on they are far from parallel.
+pub(super) const SKEW: f64 = 0.05;
+
 /// Edge of each core, and the gap along their common normal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeGap {
@@ -17,6 +20,8 @@ pub(super) struct EdgeGap {
     pub edges: [usize; 2],
     /// Unit normal from the first to the second, in the frame of the first body.
     pub normal: DVec3,
+    /// Whether the edges are far from parallel.
+    pub is_skew: bool,
     /// Whether their common normal meets both edges, so that the gap is the distance of the cores.
     pub is_exact: bool,
 }
@@ -123,8 +128,9 @@ fn between(one: &Ridge, other: &Ridge, least: f64) -> Option<EdgeGap> {
     }
     let area = across.length_squared();
     let along = [apart.cross(other.way).dot(across) / area, apart.cross(one.way).dot(across) / area];
+    let is_skew = area > SKEW * SKEW * sizes;
     let is_exact = along.iter().all(|part| (0.0..=1.0).contains(part));
-    Some(EdgeGap { gap, edges: [one.edge, other.edge], normal, is_exact })
+    Some(EdgeGap { gap, edges: [one.edge, other.edge], normal, is_skew, is_exact })
 }
 
 /// Whether a normal of an edge is between those of its faces.

@@ -125,7 +125,7 @@ impl SeparatingAxis {
 }
 
 /// Vertices of the face on which a part rests on its lowest vertex, at most four; `up` is the ground's normal in its frame.
-pub(crate) fn resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4> {
+pub(crate) fn resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 5> {
     if part.net.starts.is_empty() {
         return flat_resting(part, lowest, up);
     }
@@ -136,13 +136,15 @@ pub(crate) fn resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4>
         return [lowest].into_iter().collect();
     };
     let corners = part.net.face(face);
-    let places: Vec<(DVec3, f64)> =
-        corners.iter().map(|&corner| part.vertices[corner as usize]).map(|x| (x, x.dot(up))).collect();
-    clip::spread(&places, part.normals[face], 3).into_iter().map(|place| corners[place]).collect()
+    let place = |index: usize| {
+        let vertex = part.vertices[corners[index] as usize];
+        (vertex, vertex.dot(up))
+    };
+    clip::spread(corners.len(), place, part.normals[face], 3).into_iter().map(|place| corners[place]).collect()
 }
 
 /// Vertices of the edge on which a polygon or a segment rests.
-fn flat_resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 4> {
+fn flat_resting(part: &Part, lowest: usize, up: DVec3) -> ArrayVec<u32, 5> {
     let count = part.vertices.len();
     let beside = [(lowest + count - 1) % count, (lowest + 1) % count];
     let [before, after] = beside.map(|vertex| part.vertices[vertex].dot(up));
@@ -158,8 +160,12 @@ pub(crate) fn separation(couple: &Couple) -> (f64, DVec3) {
     (distance - couple.rounding(), normal)
 }
 
-/// Normal of two edges in the frames of their bodies, in an order whose cross product points from the first body to the second.
-fn of_edges([one, other]: [DVec3; 2], couple: &Couple, normal: DVec3) -> Normal {
-    let across = (couple.poses[0].rotation * one).cross(couple.poses[1].rotation * other);
+/// Normal of two edges, in an order whose cross product points along a normal in the frame of the first body.
+fn of_edges(couple: &Couple, edges: [usize; 2], normal: DVec3) -> Normal {
+    let [one, other] = [0, 1].map(|body| {
+        let [from, to] = couple.parts[body].edge(edges[body]);
+        to - from
+    });
+    let across = one.cross(couple.other_in[0].rotation * other);
     if across.dot(normal) < 0.0 { Normal::Edges(-one, other) } else { Normal::Edges(one, other) }
 }

@@ -2,11 +2,10 @@
 
 use glam::DVec3;
 
+use super::edges::SKEW;
 use crate::contact::{ContactPoint, Normal};
 use crate::couple::Couple;
 
-/// Sine of the angle of two edges below which they touch along a line.
-const PARALLEL: f64 = 0.05;
 /// Cosine of the normals of contacts along one line.
 const ALIKE: f64 = 0.99;
 /// Difference of gaps that counts, relative to the lengths of the edges.
@@ -39,6 +38,12 @@ impl NearPair {
         self.along.map(|along| along > 0.0 && along < 1.0)
     }
 
+    /// Whether the edges are far from parallel.
+    fn is_skew(&self, couple: &Couple) -> bool {
+        let [one, other] = in_world(couple, self.edges).map(|[from, to]| to - from);
+        one.cross(other).length_squared() > SKEW * SKEW * one.length_squared() * other.length_squared()
+    }
+
     /// Unit normal from the first body to the second, in the world.
     pub fn normal(&self, couple: &Couple) -> DVec3 {
         let [one, other] = self.points(couple);
@@ -46,10 +51,9 @@ impl NearPair {
         let ways = in_world(couple, self.edges).map(|[from, to]| to - from);
         // The cross product of the edges is accurate even if the points are close to each other.
         let across = ways[0].cross(ways[1]);
-        let is_skew = across.length_squared() > PARALLEL * PARALLEL * ways[0].length_squared() * ways[1].length_squared();
         let is_close = self.distance <= couple.closed();
         match across.try_normalize() {
-            Some(across) if is_close || is_skew && self.is_within() == [true; 2] => {
+            Some(across) if is_close || self.is_skew(couple) && self.is_within() == [true; 2] => {
                 if across.dot(way) < 0.0 {
                     -across
                 } else {
@@ -97,17 +101,17 @@ impl NearPair {
         if self.distance > couple.limit() {
             return;
         }
-        // Directions of the edges that have the point within them, in the frames of their bodies.
-        let is_within = self.is_within();
-        let ways = [0, 1].map(|body| {
+        let way = |body: usize| {
             let [from, to] = couple.parts[body].edge(self.edges[body]);
-            is_within[body].then_some(to - from)
-        });
-        let normal = match ways {
-            [None, None] => Normal::Points,
-            [Some(way), None] => Normal::FirstLine(way.normalize()),
-            [None, Some(way)] => Normal::SecondLine(way.normalize()),
-            [Some(one), Some(other)] => super::of_edges([one, other], couple, self.normal(couple)),
+            (to - from).normalize()
+        };
+        let normal = match self.is_within() {
+            [true, false] => Normal::FirstLine(way(0)),
+            [false, true] => Normal::SecondLine(way(1)),
+            [true, true] if self.is_skew(couple) => {
+                super::of_edges(couple, self.edges, couple.poses[0].local_vector(self.normal(couple)))
+            }
+            _ => Normal::Points,
         };
         couple.push(0, self.points(couple), normal, self.features(couple), contacts);
     }
@@ -133,8 +137,7 @@ pub(super) fn of_segments(couple: &Couple) -> NearPair {
 pub(super) fn add_pair(couple: &Couple, pair: &NearPair, contacts: &mut Vec<ContactPoint>) {
     let [one, other] = in_world(couple, pair.edges);
     let [way, across] = [one[1] - one[0], other[1] - other[0]];
-    let sizes = way.length_squared() * across.length_squared();
-    if sizes == 0.0 || way.cross(across).length_squared() > PARALLEL * PARALLEL * sizes {
+    if way == DVec3::ZERO || across == DVec3::ZERO || pair.is_skew(couple) {
         return pair.add(couple, contacts);
     }
     // Places of the second edge's ends along the first.

@@ -4,3 +4,4 @@ mod joints;
 mod laboratory;
 mod plane;
 mod springs;
+mod surfaces;

@@ -96,7 +96,7 @@ pub fn convex(dimension: usize) -> BoxedStrategy<(SolidShape, Convex)> {
 }
 
 /// Convex polygon around points in the plane, by gift wrapping.
-fn ring(points: &[DVec3]) -> Vec<DVec3> {
+pub fn ring(points: &[DVec3]) -> Vec<DVec3> {
     let left = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a).z;
     let start = points.iter().copied().min_by(|a, b| a.x.total_cmp(&b.x)).unwrap();
     let mut ring = vec![start];
