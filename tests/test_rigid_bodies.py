@@ -406,6 +406,7 @@ def test_broken_joints_exert_no_force_and_saved_ones_stay_broken(tmp_path):
         run.step(20)
         np.testing.assert_allclose(run["planks"].velocities[1], (0.0, -G * 40 / 240), rtol=0.05, atol=1e-3)
         np.testing.assert_array_equal(run[welds[1]].force, 0.0)
+        assert run[welds[0]].force[1] == pytest.approx(G, rel=0.05)
     assert len({run.state_hash() for run in runs}) == 1
 
 

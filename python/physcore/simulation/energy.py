@@ -57,9 +57,8 @@ class Budget(Generic[T]):
 
     The causes are `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]` (of fluids,
     with the diffusion of their density) and `["contacts"]`. Contacts include restitution, friction, and the limits of
-    joints. They also include the energy that the pressure of walls and obstacles takes from a fluid, an error
-    of the image particles that
-    vanishes with the spacing.
+    joints. They also include the energy that the pressure of walls and obstacles takes from a fluid, an error of the
+    image particles that vanishes with the spacing.
     """
     work: T
     """Work done since the start by wind, custom forces, motors, moving fixed particles, shifting, `Simulation.set` and

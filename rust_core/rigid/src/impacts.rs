@@ -90,9 +90,11 @@ impl Island {
             let kinetic = |mover: &Mover| 0.5 * mass * mover.velocity.length_squared() + mover.rotational_energy();
             let mut after = *after;
             after.kick(0.5 * self.open);
-            let work = mass * before.acceleration.dot(after.position - before.position);
+            let turn = 0.5 * h * (before.angular_velocity() + after.angular_velocity());
+            let work = mass * before.acceleration.dot(after.position - before.position) + before.torque.dot(turn);
             // A kick against a contact at rest is undone by the second half.
-            let kick = mass * h * h * before.acceleration.length_squared();
+            let turning = before.torque.dot(before.inverse_inertia() * before.torque);
+            let kick = h * h * (mass * before.acceleration.length_squared() + turning);
             gain += kinetic(&after) - kinetic(before) - work - kick;
             scale += kinetic(before) + work.abs();
         }

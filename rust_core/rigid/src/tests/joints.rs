@@ -176,9 +176,9 @@ fn a_bridge_of_sixty_planks_holds() {
         lab.step(H, 1);
         worst = worst.max(lab.opening());
     }
-    println!("opening {worst:e} drift {:e} of {:e}", lab.balance() - before, 60.0 * G * 20.0);
-    assert!(worst < 1e-3, "{worst:e}");
-    assert!((lab.balance() - before).abs() < 1e-3 * 60.0 * G * 20.0, "{}", lab.balance() - before);
+    // Errors of a piece are of the order of the square of the turn in it, (1e-3 rad)², and no larger in the sum.
+    assert!(worst < 1e-5, "{worst:e}");
+    assert!((lab.balance() - before).abs() < 1e-6 * 60.0 * G * 20.0, "{}", lab.balance() - before);
 }
 
 /// A crank turns at the speed of its motor. The rocker's angle follows from the lengths of the four bars: its end is where two
@@ -274,7 +274,7 @@ fn limits_dissipate_and_never_add_energy() {
         }
         if limit > -FRAC_PI_2 {
             let height = 0.5 * f64::sin(limit);
-            assert!((lab.motions[0].position.y - height).abs() < 1e-9, "{}", lab.motions[0].position.y - height);
+            assert!((lab.motions[0].position.y - height).abs() < 1e-8, "{}", lab.motions[0].position.y - height);
             assert!((lab.meters.dissipated + 3.0 * G * height).abs() < 1e-4 * scale, "{}", lab.meters.dissipated);
         }
     }
@@ -312,7 +312,8 @@ fn a_wheel_stops_after_several_turns() {
         lab.step(H, 240);
         let joint = lab.world.state.joints[0].joint;
         let (_, place) = joint.freedom([&lab.mover(WORLD), &lab.mover(0)]).unwrap();
-        assert!((place / joint.unit() - 10.0).abs() < 1e-7, "{place}");
+        // It is reached 1e-9 of the lever before.
+        assert!((place / joint.unit() - 10.0).abs() < 1e-8, "{place}");
         assert!(lab.world.angular_velocity(0).length() < 1e-9);
     }
 }
