@@ -17,7 +17,7 @@ from physcore.scene.bodies import Body
 from physcore.scene.by_value import ByValue
 from physcore.scene.fields import Element
 from physcore.scene.items import Constraint, Places
-from physcore.scene.rotations import ROUNDING
+from physcore.scene.rotations import normalized
 from physcore.scene.selection import Selection
 from physcore.scene.targets import Target, whole
 
@@ -67,7 +67,7 @@ class PairJoint(Joint):
             raise SceneError(f"{self._kind}.one: must be a body, because other=None is the world already")
         if self.by_name:
             return
-        if len(self._ends) == 2 and _row(self._ends[0]) == _row(self._ends[1]):
+        if len(self._ends) == 2 and located(self._ends[0]) == located(self._ends[1]):
             raise SceneError(f"{self._kind}.other: must be another body than one, got {shown(self._ends[1])} twice")
         bodies = [whole(end) for end in self._ends]
         if len({body.dimension for body in bodies}) > 1:
@@ -93,7 +93,7 @@ class PairJoint(Joint):
         rows = dict.fromkeys(self.naming) | {
             name: float(scene.place(body).start + index)
             for name in self.naming
-            for body, index in map(_row, self._end(name))
+            for body, index in map(located, self._end(name))
         }
         force = getattr(self, "breaking_force", math.inf)
         return rows | {"breaking_force": None if math.isinf(force) else force}
@@ -149,7 +149,7 @@ class PairJoint(Joint):
         end = self._end(name)
         if not end:
             return None
-        body, index = _row(end[0])
+        body, index = located(end[0])
         center: FloatArray = body.positions[index]
         return center
 
@@ -208,14 +208,10 @@ def direction(value: object, path: str) -> tuple[float, ...]:
     largest = np.abs(given).max(initial=0.0)
     if given.shape not in ((2,), (3,)) or largest == 0.0:
         raise SceneError(f"{path}: must be a vector that is not zero, with 2 or 3 components, got {shown(value)}")
-    near = given / largest
-    size = float(lengths(near))
-    if abs(largest * size - 1.0) <= ROUNDING:
-        return tuple(given.tolist())
-    return tuple((near / size).tolist())
+    return tuple(normalized(given).tolist())
 
 
-def _row(end: Target) -> tuple[Any, int]:
+def located(end: Target) -> tuple[Any, int]:
     """The body of an end and the index in it."""
     return whole(end), _rows(end)[0]
 

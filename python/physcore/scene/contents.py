@@ -119,10 +119,8 @@ class Contents:
             return len(self.boundaries) + len(self.bodies)
         if element == "fluid particles":
             return self.particles  # a row each
-        if element == "beads":
+        if element in ("beads", "joints"):
             return self._held(self.constraints, element)
-        if element == "joints":
-            return sum(each.element == element for each in self.constraints)
         items: tuple[Body | System | Probe, ...] = (*self.bodies, *self.systems, *self.probes)
         return sum(item.elements.get(element, 0) for item in items)
 
@@ -313,8 +311,9 @@ class Contents:
         return {"walls": own[0]}
 
     def _held(self, constraints: Sequence[Constraint], element: Element) -> int:
-        """The number of values that constraints have for each particle that they act on."""
-        return sum(int(self.members(each).sum()) for each in constraints if each.element == element)
+        """The number of values that constraints have: one for each joint, or for each particle that they act on."""
+        own = [each for each in constraints if each.element == element]
+        return len(own) if element == "joints" else sum(int(self.members(each).sum()) for each in own)
 
     def _beads(self, key: object) -> dict[Element, Rows] | None:
         """The rows of a constraint with values for its particles, or the row of a joint; None for other keys."""
@@ -324,10 +323,8 @@ class Contents:
         constraint = cast("Constraint", key).among(self.bodies, "constraint")
         for index, other in enumerate(self.constraints):
             if constraint == other:
-                if element == "joints":
-                    return {element: sum(each.element == element for each in self.constraints[:index])}
                 first = self._held(self.constraints[:index], element)
-                return {element: slice(first, first + self._held([other], element))}
+                return {element: first if element == "joints" else slice(first, first + self._held([other], element))}
         raise SceneError(f"{key!r}: is no constraint of this scene")
 
     def _rows(self, index: int) -> dict[Element, Rows]:

@@ -26,12 +26,17 @@ def unit_quaternions(value: ArrayLike, number: int, path: str) -> FloatArray:
     if (scale == 0.0).any():
         place = "" if np.ndim(value) == 1 else f"[{int(np.argmax(scale == 0.0))}]"
         raise SceneError(f"{path}{place}: must not be zero; (1, 0, 0, 0) is no rotation")
-    near = given / scale
+    return normalized(given)
+
+
+def normalized(vectors: FloatArray) -> FloatArray:
+    """Vectors (…, D) that are not zero with length 1. Those of unit length, up to rounding, keep their bits."""
+    scale = np.abs(vectors).max(axis=-1, initial=0.0, keepdims=True)
+    near = vectors / scale
+    size = lengths(near)[..., np.newaxis]
     with np.errstate(over="ignore"):  # infinity is no unit length
-        size = scale[:, 0] * lengths(near)
-    unit: FloatArray = np.where(
-        (np.abs(size - 1.0) <= ROUNDING)[:, np.newaxis], given, near / lengths(near)[:, np.newaxis]
-    )
+        kept = np.abs(scale * size - 1.0) <= ROUNDING
+    unit: FloatArray = np.where(kept, vectors, near / size)
     return unit
 
 

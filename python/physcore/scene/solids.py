@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import ClassVar, NamedTuple
 
@@ -32,6 +32,11 @@ class Shape(ByValue):
 
     is_part: ClassVar[bool] = True
     """Whether the shape can be a part of a Compound."""
+
+    def __post_init__(self) -> None:
+        """Check the fields, which are lengths above zero; other shapes have checks of their own."""
+        kind = type(self).__name__
+        self._set(**{each.name: span(getattr(self, each.name), f"{kind}.{each.name}") for each in fields(self)})
 
     @property
     def dimensions(self) -> tuple[int, ...]:
@@ -148,9 +153,6 @@ class Disc(PlanarShape):
 
     radius: float
 
-    def __post_init__(self) -> None:
-        self._set(radius=span(self.radius, "Disc.radius"))
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rectangle(PlanarShape):
@@ -169,9 +171,6 @@ class Rectangle(PlanarShape):
 
     width: float
     height: float
-
-    def __post_init__(self) -> None:
-        self._set(width=span(self.width, "Rectangle.width"), height=span(self.height, "Rectangle.height"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -194,9 +193,6 @@ class Capsule(Shape):
     length: float
     radius: float
 
-    def __post_init__(self) -> None:
-        self._set(length=span(self.length, "Capsule.length"), radius=span(self.radius, "Capsule.radius"))
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ball(SpatialShape):
@@ -213,9 +209,6 @@ class Ball(SpatialShape):
     """
 
     radius: float
-
-    def __post_init__(self) -> None:
-        self._set(radius=span(self.radius, "Ball.radius"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -235,6 +228,3 @@ class Cuboid(SpatialShape):
     a: float
     b: float
     c: float
-
-    def __post_init__(self) -> None:
-        self._set(**{name: span(getattr(self, name), f"Cuboid.{name}") for name in ("a", "b", "c")})

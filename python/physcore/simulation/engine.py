@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -14,7 +15,7 @@ from physcore.errors import SceneError
 from physcore.numerics.choices import Limit, Numerics
 from physcore.numerics.fluids import FluidMethod
 from physcore.scene.bodies import Body
-from physcore.scene.fields import FIELDS, Field
+from physcore.scene.fields import FIELDS, RIGID, Field
 from physcore.scene.items import ActingItem, SceneItem
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene, indices
@@ -98,13 +99,16 @@ def fields(world: World, scene: Scene) -> list[FieldInfo]:
         for name, unit, location, shape, rate, state in world.fields()
         if location != "whole"
     ]
-    return [own for info in known for own in _split(info, scene)] if scene.has_rigid_bodies else known
+    if not scene.has_rigid_bodies:
+        return known
+    split = scene.fields
+    return [own for info in known for own in _split(info, split)]
 
 
-def _split(info: FieldInfo, scene: Scene) -> list[FieldInfo]:
+def _split(info: FieldInfo, fields: Mapping[str, Field]) -> list[FieldInfo]:
     """A field of the engine as the fields of particles and of rigid bodies that it consists of."""
-    own = {name: field for name, field in scene.fields.items() if field.source == info.name}
-    rates = {field.source: name for name, field in scene.fields.items() if field.element == "rigid bodies"}
+    own = {name: field for name, field in fields.items() if field.source == info.name}
+    rates = {FIELDS[name].source: name for name in RIGID}
     return [
         replace(
             info,

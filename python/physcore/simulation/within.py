@@ -42,11 +42,20 @@ def between(before: S, after: Snapshot, fraction: float, dt: float, rates: Mappi
         if rate is not None:
             shift = after.fields[name] - before.fields[name]
             v0, v1 = before.fields[rate], after.fields[rate]
-            fields[name] = before.fields[name] + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * v0 - s * v1)
+            fields[name] = _cubic(before.fields[name], shift, (v0, v1), s, dt)
             fields[rate] = 6.0 * s * r * (shift / dt) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
     if "orientations" in fields:
         fields["orientations"] = _turned(before, after, s, dt)
     return replace(before, fields=fields)
+
+
+def _cubic(
+    start: FloatArray, shift: FloatArray, rates: tuple[FloatArray, FloatArray], s: float, dt: float
+) -> FloatArray:
+    """The cubic Hermite interpolation at a fraction of a step, by its start, its change, and its rates at both ends."""
+    r = 1.0 - s
+    value: FloatArray = start + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * rates[0] - s * rates[1])
+    return value
 
 
 def _turned(before: Snapshot, after: Snapshot, s: float, dt: float) -> FloatArray:
@@ -56,8 +65,7 @@ def _turned(before: Snapshot, after: Snapshot, s: float, dt: float) -> FloatArra
     q0, q1 = before.orientations, after.orientations
     q1 = np.where(dots(q0, q1)[:, np.newaxis] < 0.0, -q1, q1)  # q and −q are the same orientation
     r0, r1 = quaternion_rates(q0, before.angular_velocities), quaternion_rates(q1, after.angular_velocities)
-    r = 1.0 - s
-    turned = q0 + s * s * (3.0 - 2.0 * s) * (q1 - q0) + dt * s * r * (r * r0 - s * r1)
+    turned = _cubic(q0, q1 - q0, (r0, r1), s, dt)
     # A quaternion that does not change keeps its bits.
     unit: FloatArray = np.where((turned == q0).all(axis=1, keepdims=True), q0, turned / lengths(turned)[:, np.newaxis])
     return unit

@@ -106,14 +106,16 @@ class CorotatingSource(Derived):
         turn = np.eye(len(center))
         turn[:2, :2] = np.array([[apart[0], apart[1]], [-apart[1], apart[0]]]) / length
         fields = dict[str, FloatArray]()
+        moves = "velocities" in frame.fields
+        if moves:
+            velocity, change = of_pair(frame.fields["velocities"])
+            rate = (apart[0] * change[1] - apart[1] * change[0]) / length**2
         for prefix in ("", "rigid_"):
             if f"{prefix}positions" not in frame.fields:
                 continue
             offsets = frame.fields[f"{prefix}positions"] - center
             fields[f"{prefix}positions"] = offsets @ turn.T
-            if f"{prefix}velocities" in frame.fields and "velocities" in frame.fields:
-                velocity, change = of_pair(frame.fields["velocities"])
-                rate = (apart[0] * change[1] - apart[1] * change[0]) / length**2
+            if moves and f"{prefix}velocities" in frame.fields:
                 carried = np.zeros_like(offsets)
                 carried[:, 0], carried[:, 1] = -rate * offsets[:, 1], rate * offsets[:, 0]
                 fields[f"{prefix}velocities"] = (frame.fields[f"{prefix}velocities"] - velocity - carried) @ turn.T

@@ -11,6 +11,7 @@ import numpy as np
 
 from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.film.shapes.parts import parts_of
+from physcore.scene.outlines import area, cross
 from physcore.scene.polytopes import Polygon
 from physcore.scene.solids import Capsule, Disc, Rectangle, Shape
 
@@ -166,9 +167,7 @@ def clipped(polygon: FloatArray, normal: FloatArray) -> FloatArray:
 
 def counterclockwise(points: FloatArray) -> FloatArray:
     """The vertices of a polygon (K, 2) in counterclockwise order."""
-    after = np.roll(points, -1, axis=0)
-    area = float((points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]).sum())
-    return points if area > 0.0 else points[::-1]
+    return points if area(points) > 0.0 else points[::-1]
 
 
 def convex_parts(polygon: FloatArray) -> list[FloatArray]:
@@ -176,7 +175,7 @@ def convex_parts(polygon: FloatArray) -> list[FloatArray]:
     left, parts = polygon, list[FloatArray]()
     while True:
         before, after = left - np.roll(left, 1, axis=0), np.roll(left, -1, axis=0) - left
-        turns = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        turns = cross(before, after)
         if len(left) == 3 or (turns >= 0.0).all():
             return [*parts, left]
         ears = (k for k in np.flatnonzero(turns > 0.0).tolist() if _is_ear(left, k))

@@ -9,11 +9,11 @@ from typing import Any, cast
 import numpy as np
 
 from physcore.checks import BoolArray, FloatArray, IntArray
+from physcore.constraints.joint import located
 from physcore.film.shapes.parts import planar_rotations, spatial_rotations
 from physcore.film.shapes.spatial import core_of
 from physcore.scene.items import Constraint
 from physcore.scene.scene import Scene
-from physcore.scene.selection import Selection
 from physcore.scene.targets import whole
 from physcore.simulation.sources import SourceFrame
 
@@ -43,7 +43,7 @@ class End:
         ends = getattr(joint, ("one", "other")[side]) or ()
         if not ends:
             return cls(anchor, still, anchor)
-        body, index = _row(ends[0])
+        body, index = located(ends[0])
         center = np.array(body.positions[index])
         if not body.is_rigid:
             return cls(center, still, center, scene.slice(body).start + index)
@@ -120,7 +120,7 @@ def _reach(joint: Constraint, axis: FloatArray) -> float:
         return 0.0
     most = 0.0
     for name in ("one", "other"):
-        for body, index in map(_row, getattr(joint, name) or ()):
+        for body, index in map(located, getattr(joint, name) or ()):
             if body.is_rigid:
                 turn = spatial_rotations(body.orientations[index : index + 1])[0]
                 offset = body.positions[index] - np.array(cast("Any", joint).anchor)
@@ -128,12 +128,6 @@ def _reach(joint: Constraint, axis: FloatArray) -> float:
                     heights = (points @ turn.T + offset) @ axis
                     most = max(most, float(np.abs(heights).max()) + radius)
     return most
-
-
-def _row(end: Any) -> tuple[Any, int]:
-    """The body of an end and the index in it."""
-    index = end.index if isinstance(end, Selection) else slice(None)
-    return whole(end), int(np.arange(len(whole(end)))[index][0])
 
 
 def owner(joint: Constraint) -> object:

@@ -105,7 +105,8 @@ class JointMarks:
         if not len(self):
             return
         one, other = (end.at(frame) for end in self._ends)
-        way = ((one - other) * self._axes.at(frame)).sum(axis=1)
+        axes = self._axes.at(frame)
+        way = ((one - other) * axes).sum(axis=1)
         self._ways[:, 0], self._ways[:, 1] = np.minimum(self._ways[:, 0], way), np.maximum(self._ways[:, 1], way)
         unloaded = np.zeros(len(self), dtype=np.bool_)
         if self._recorded:
@@ -114,7 +115,7 @@ class JointMarks:
             unloaded, self._loaded = self._loaded & free, self._loaded | ~free
             if self.arrows and self._given is None:
                 self.top = max(self._typical.add(norms(forces)[self._intact(frame)]), NEVER)
-        off = norms(one - other - (self._kinds == "rail")[:, np.newaxis] * way[:, np.newaxis] * self._axes.at(frame))
+        off = norms(one - other - (self._kinds == "rail")[:, np.newaxis] * way[:, np.newaxis] * axes)
         off = np.where(self._kinds == "bar", np.abs(off - self._rest), np.where(self._kinds == "coil", 0.0, off))
         size = self._ends[0].size + self._ends[1].size
         broken = self._breakable & (unloaded | (off > APART * size))

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, cast
+from typing import ClassVar, Literal, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physcore._core import Canvas, norms
 from physcore.checks import BoolArray, FloatArray, IntArray, flag, is_word
@@ -105,8 +104,8 @@ class SolidsPainter(Painter):
         self._turns = "angles" if self._flat else "orientations"
         bodies = [cast("RigidBodies", part.body) for part in parts]
         self._joints = JointMarks(source, parts if style.joints else (), theme, style.forces)
-        self._rows = _joined([np.arange(part.where.start, part.where.stop) for part in parts])
-        self._moving = _joined([_moving(body) for body in bodies])
+        self._rows = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+        self._moving = np.concatenate([_moving(body) for body in bodies])
         self._groups, self._own = self._grouped(bodies)
         self._table = sequential(style.colormap, theme.part, "Solids.colormap")
         self._coloring: Coloring | None = None
@@ -144,11 +143,11 @@ class SolidsPainter(Painter):
         if is_word(choice, "body") or isinstance(choice, PerBody):
             chosen = [isinstance(choice, PerBody) and choice.of(body) is not None for body in bodies]
             fixed = [body.fixed & ~own for body, own in zip(bodies, chosen, strict=True)]
-            self._plain = _joined(fixed).astype(np.bool_)
+            self._plain = np.concatenate(fixed).astype(np.bool_)
         self.fixed = colors.copy()
         self.fixed[self._plain] = self._theme.edge if self._flat else self._theme.solid  # visible in a legend
         colors[self._plain] = self._theme.surface if self._flat else self._theme.solid
-        shade = 2.0 * ((0.5 + GOLDEN * _joined([np.arange(len(body)) for body in bodies])) % 1.0) - 1.0
+        shade = 2.0 * ((0.5 + GOLDEN * np.concatenate([np.arange(len(body)) for body in bodies])) % 1.0) - 1.0
         if not isinstance(choice, PerParticle):
             colors = np.where(self._plain[:, np.newaxis], colors, varied(colors, shade))
         self._shades = colors
@@ -246,11 +245,6 @@ class SolidsPainter(Painter):
         """The values of a field for all bodies (N, …)."""
         values: FloatArray = frame.fields[name][self._rows]
         return values
-
-
-def _joined(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Arrays joined; an empty array of integers if there are none."""
-    return np.concatenate([np.empty(0, dtype=np.int64), *arrays]) if len(arrays) == 0 else np.concatenate(arrays)
 
 
 def _moving(body: RigidBodies) -> BoolArray:
