@@ -166,8 +166,7 @@ class StabilityWarning(UserWarning):
         import warnings
         warnings.simplefilter("error", pc.StabilityWarning)  # a step that is too long stops the script
 
-    A failed step is such a sign. A failed step is such a sign. A failed step is such a sign. `stability_limit` gives
-    the limit.
+    A failed step is such a sign. `stability_limit` gives the limit.
     """
 
 

@@ -63,7 +63,8 @@ def simulate(
             "wall_forces" and "probe_pressures"; fields of systems with their names, such as "pond.displacement". None:
             all except densities and pressures.
         progress: whether to show a progress bar; None: on a terminal, after one second.
-        accuracy: largest error of any particle's position at any frame [m]. Without particles, the largest error of the
+        accuracy: largest error of any particle's position at any frame [m]; of rigid bodies, also that of points at
+            their radii of gyration, which show rotations. Without bodies, the largest error of the
             first field of the first system, in its unit. The first fields of further systems are compared too: their
             errors, relative to their largest changes in a run with the default numerics, must not be larger.
         energy_drift: largest drift of the energy balance, as in `Recording.energy.drift`.
@@ -134,9 +135,8 @@ def _search(
     )
 
     def record(choice: Choice) -> Trial:
-        return experiment.recorded(
-            choice, duration, fps, tuple(dict.fromkeys((*(each.channel for each in compared(scene)), *channels)))
-        )
+        needed = [channel for each in compared(scene) for channel in each.channels]
+        return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys((*needed, *channels))))
 
     some = [numerics.integrator]
     if is_word(given, "auto"):

@@ -108,18 +108,17 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
     return axes
 
 
-Variant = tuple[str, float | None, FluidMethod | ContactSolver | None]
-"""Key of a color: the label of an integrator, a resolution, and a method of fluids or a solver of contacts."""
+Variant = tuple[str, float | None, tuple[FluidMethod | ContactSolver, ...]]
+"""Key of a color: the label of an integrator, a resolution, and the compared methods of fluids and of contacts."""
 
 
 def _variant(row: Row) -> Variant:
-    return row.label, row.resolution, row.method
+    return row.label, row.resolution, tuple(row.methods.values())
 
 
 def _name(variant: Variant) -> str:
-    label, resolution, method = variant
-    parts = [label, "" if resolution is None else f"{resolution:g}", "" if method is None else differences(method)]
-    return ", ".join(filter(None, parts))
+    label, resolution, compared = variant
+    return ", ".join([label, *([] if resolution is None else [f"{resolution:g}"]), *map(differences, compared)])
 
 
 def _colors(trade: Measurements) -> dict[Variant, tuple[float, float, float]]:
@@ -167,9 +166,7 @@ def _series(trade: Measurements) -> dict[tuple[Variant, str], list[Row]]:
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
     """Film a row beside the reference; see `Tradeoff.film`."""
     writable(path, WRITERS)
-    position = list(dict.fromkeys((each.method, each.resolution) for each in trade.rows)).index(
-        (row.method, row.resolution)
-    )
+    position = list(dict.fromkeys(_variant(each)[1:] for each in trade.rows)).index(_variant(row)[1:])
     experiment, reference = trade.experiments[position], trade.references[position]
     chosen = Simulation(experiment.scene, **row.numerics).record(trade.duration, fps)
     truth = Simulation(
