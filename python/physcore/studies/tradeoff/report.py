@@ -10,6 +10,7 @@ from dataclasses import asdict
 from html import escape
 from typing import Any
 
+from physcore.markup import text_table
 from physcore.numerics.integrators import Integrator
 from physcore.studies.tradeoff.labels import differences, labels, parameters
 from physcore.studies.tradeoff.reference import Reference
@@ -81,15 +82,7 @@ def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
     ]
     header += ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
     lines = [header, *(_cells(row, id(row) in front) for row in (trade.rows if rows is None else rows))]
-    widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
-    left = {0, 1, 3, len(header) - 1}
-    text = [
-        "  ".join(
-            cell.ljust(width) if column in left else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in lines
-    ]
+    text = text_table(lines, {0, 1, 3, len(header) - 1})
     return "\n".join(
         [
             f"Error: {KINDS[trade.measure]}; {trade.duration:g}{units.suffix('s')} simulated",
