@@ -519,3 +519,19 @@ def test_scales_follow_the_values():
     assert scale_of(["a", "b"]) == scale_of([True, False]) == scale_of([pc.PEFRL(), 1.0]) == "words"
     words = sweep(rope, {"integrator": ["PEFRL", "VelocityVerlet"]}, 0.1, measure=sag, dt=1e-3).plot()
     assert [label.get_text() for label in words.get_xticklabels()] == ["PEFRL", "VelocityVerlet"]
+
+
+def test_a_build_with_random_numbers_has_no_recordings():
+    """The scene that is built again is another one."""
+    random = np.random.default_rng(1)
+    (row,) = sweep(lambda n: pc.Scene(pc.Particles(random.random((n, 2)))), {"n": [3]}, 0.1, keep=True)
+    # Processes are forks, in which the generator begins as here.
+    assert row.task.hash(row.task.scene()) == row.kept.scene
+    with pytest.raises(pc.SceneError, match="gives another scene for n = 3 than before; if it takes random numbers"):
+        _ = row.recording
+
+
+def test_values_that_are_nearly_equal_are_told_apart():
+    table = sweep(rope, {"stiffness": [1.0, 1.00000001]}, 0.1, measure=sag)
+    assert len(table.plot(x="stiffness").lines[0].get_xdata()) == 2
+    assert "1.00000001" in str(table)

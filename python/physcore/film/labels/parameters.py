@@ -103,7 +103,8 @@ def _bars(name: str, values: Sequence[Any]) -> list[ParameterBar]:
 def value_text(value: object) -> str:
     """A value of a parameter as text."""
     if isinstance(value, float):
-        return f"{value:.6g}"
+        short = f"{value:.6g}"
+        return short if float(short) == value or not math.isfinite(value) else repr(value)
     return value if isinstance(value, str) else shown(value)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from physcore.checks import file_path, shown
@@ -86,12 +86,13 @@ class Folder:
         return self.path / f"point-{index:0{self.digits}d}.npz"
 
     def present(self, points: int) -> dict[int, Outcome]:
-        """The outcomes of all points that have a file. A damaged file is left out.
+        """The outcomes of all points that have a file, without recordings. A damaged file is left out.
 
         Raises:
             SceneError: a file belongs to another sweep.
         """
-        return {index: found for index in range(points) if (found := self.read(index)) is not None}
+        found = ((index, self.read(index)) for index in range(points))
+        return {index: replace(outcome, recording=None) for index, outcome in found if outcome is not None}
 
     def read(self, index: int) -> Outcome | None:
         """The outcome of a point; None if there is no file, or it is damaged.

@@ -8,14 +8,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from physcore.checks import flag, shown
-from physcore.errors import PhyscoreError, SceneError
+from physcore.errors import FileError, PhyscoreError, SceneError
 from physcore.film.labels.parameters import value_text
 from physcore.markup import Printed
 from physcore.simulation.recording import Recording
 from physcore.simulation.tables import pandas_module
-from physcore.storage.archive import Tree
 from physcore.studies.sweep.folder import Folder
-from physcore.studies.sweep.task import Task
+from physcore.studies.sweep.task import Outcome, Task
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -38,8 +37,8 @@ class SweepRow(Printed):
     """Time of the simulation [s]."""
     task: Task | None = field(default=None, kw_only=True)
     """Task of the point, if its recording is kept."""
-    kept: dict[str, Tree] | tuple[Folder, int] | None = field(default=None, kw_only=True)
-    """Content of the recording, or the folder and the number of its file; None if it is not kept."""
+    kept: Outcome | tuple[Folder, int] | None = field(default=None, kw_only=True)
+    """Outcome with the recording, or the folder and the number of its file; None if it is not kept."""
 
     @property
     def recording(self) -> Recording:
@@ -52,24 +51,32 @@ class SweepRow(Printed):
         if self.kept is None or self.task is None:
             reason = "recordings are kept by sweep(…, keep=True)" if self.error is None else f"it failed: {self.error}"
             raise SceneError(f"recording: there is none of {self.label}: {reason}")
-        content, scene = self.kept, self.task.scene()
-        if isinstance(content, tuple):
-            folder, index = content
-            outcome = folder.read(index)
-            if outcome is None or outcome.recording is None:
-                raise PhyscoreError(f"recording: {folder.file(index)} is gone or damaged; call sweep again")
-            if outcome.scene != self.task.hash(scene):
-                raise SceneError(f"recording: build gives another scene for {self.label} than it did before")
-            content = outcome.recording
-        return Recording.from_content(content, scene)
+        scene, outcome = self.task.scene(), self.kept
+        if isinstance(outcome, tuple):
+            folder, index = outcome
+            read = folder.read(index)
+            if read is None:
+                raise FileError(f"recording: {folder.file(index)} is gone or damaged; call sweep again")
+            outcome = read
+        if outcome.recording is None or outcome.scene != self.task.hash(scene):
+            raise SceneError(
+                f"recording: build gives another scene for {self.label} than before; if it takes random numbers, give "
+                "it a seed"
+            )
+        return Recording.from_content(outcome.recording, scene)
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """The parameters as texts, different ones for different values."""
+        return {name: value_text(value) for name, value in self.parameters.items()}
 
     @property
     def label(self) -> str:
-        """The parameters as text."""
-        return ", ".join(f"{name} = {cell(value)}" for name, value in self.parameters.items())
+        """The parameters as one text."""
+        return ", ".join(f"{name} = {each}" for name, each in self.texts.items())
 
     def __str__(self) -> str:
-        result = cell(self.value) if self.error is None else f"{type(self.error).__name__}: {self.error}"
+        result = measured(self.value) if self.error is None else f"{type(self.error).__name__}: {self.error}"
         return f"{self.label}: {result}"
 
 
@@ -153,6 +160,8 @@ def number_of(row: SweepRow) -> float:
     return float(row.value)
 
 
-def cell(value: object) -> str:
-    """A value in a table."""
+def measured(value: object) -> str:
+    """A value of the measure in a table."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
     return "—" if value is None else value_text(value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import replace
@@ -11,7 +11,7 @@ from typing import Any, Unpack, cast
 
 from physcore.checks import flag, shown, span
 from physcore.entrance import entrance
-from physcore.errors import SceneError, SceneWarning, WorkerError, warn
+from physcore.errors import FileError, SceneError, SceneWarning, WorkerError, warn
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, require_options
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
@@ -26,7 +26,7 @@ from physcore.studies.sweep.result import SweepRow
 from physcore.studies.sweep.table import Sweep
 from physcore.studies.sweep.task import Outcome, Task, compute, identify
 from physcore.studies.sweep.team import Team
-from physcore.studies.sweep.workers import Work, check_executor, finished
+from physcore.studies.sweep.workers import Finished, Work, check_executor, finished
 
 
 @entrance
@@ -106,7 +106,7 @@ def sweep(
             numerics=cast(Options, {**numerics, **{each: point[each] for each in point if each not in grid.built}}),
             channels=channels,
             keep=kept,
-            hashed=folder is not None,
+            filed=folder is not None,
             key=name,
             **lengths,
         )
@@ -156,12 +156,13 @@ class _Run:
                     self._resume(self._folder)
                 missing = [index for index in range(len(self._tasks)) if index not in self._outcomes]
                 bar.update(len(self._outcomes))
-                for index, outcome in self._finished(compute, missing):
-                    self._add(index, outcome)
-                    bar.update(len(self._outcomes))
+                with closing(self._finished(compute, missing)) as found:
+                    for index, outcome in found:
+                        self._add(index, outcome)
+                        bar.update(len(self._outcomes))
             except WorkerError as error:
-                raise WorkerError(f"{error}; {self._so_far}", table=self._rows()) from error
-            except KeyboardInterrupt as error:
+                raise WorkerError(f"{error}; {self._so_far}", table=self._rows()) from error.__cause__
+            except (FileError, KeyboardInterrupt) as error:
                 error.add_note(f"sweep: {self._so_far}")
                 raise
         table = self._rows()
@@ -177,26 +178,26 @@ class _Run:
             SceneError: a file is that of another scene.
         """
         present = folder.present(len(self._tasks))
-        for index, now in self._finished(identify, list(present)):
-            before = present[index]
-            if before.scene is not None and now.scene != before.scene:
-                cause = "another scene than before" if now.failure is None else f"an error: {now.failure.exception()}"
-                raise SceneError(
-                    f"folder: {folder.file(index)} belongs to another sweep: build gives {cause}; take another folder, "
-                    "and if build takes random numbers, give it a seed"
-                )
-            failed_again = before.scene is None and now.failure is not None
-            if before.failure is None or before.failure.lasting or failed_again:
-                self._outcomes[index] = replace(before, recording=None)
+        with closing(self._finished(identify, list(present))) as found:
+            for index, now in found:
+                before = present[index]
+                if before.scene is not None and now.scene != before.scene:
+                    cause = "another scene" if now.failure is None else f"an error: {now.failure.exception()}"
+                    raise SceneError(
+                        f"folder: {folder.file(index)} belongs to another sweep: build gives {cause}; take another "
+                        "folder, and if build takes random numbers, give it a seed"
+                    )
+                failed_again = before.scene is None and now.failure is not None
+                if before.failure is None or before.failure.lasting or failed_again:
+                    self._outcomes[index] = before
 
-    def _finished(self, work: Work, indices: list[int]) -> Iterator[tuple[int, Outcome]]:
+    def _finished(self, work: Work, indices: list[int]) -> Finished:
         """The outcomes of some tasks, in the order in which they are finished."""
         tasks = {index: self._tasks[index] for index in indices}
         if not tasks:
             return
         if self._pool is not None:
-            with closing(finished(self._pool, work, tasks)) as outcomes:  # type: ignore[type-var]
-                yield from outcomes
+            yield from finished(self._pool, work, tasks)
             return
         with Team(work, tasks) as team:
             yield from team.finished()
@@ -219,8 +220,7 @@ class _Run:
         task = self._tasks[index]
         if not task.keep or error is not None:
             return row
-        kept = outcome.recording if self._folder is None else (self._folder, index)
-        return replace(row, task=task, kept=kept)
+        return replace(row, task=task, kept=outcome if self._folder is None else (self._folder, index))
 
     @property
     def _so_far(self) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from physcore.checks import shown
 from physcore.markup import Printed, html_table, text_table
-from physcore.studies.sweep.result import RESULTS, SweepRow, SweepRows, cell
+from physcore.studies.sweep.result import RESULTS, SweepRow, SweepRows, measured
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,4 +108,4 @@ class Sweep(SweepRows, Printed):
 def _cells(row: SweepRow) -> list[str]:
     """The cells of a row."""
     error = "" if row.error is None else f"{type(row.error).__name__}: {shown(str(row.error))[1:-1]}"
-    return [*map(cell, row.parameters.values()), cell(row.value), f"{row.seconds:.3g}", error]
+    return [*row.texts.values(), measured(row.value), f"{row.seconds:.3g}", error]

@@ -44,10 +44,10 @@ class Failure:
     def of(cls, error: Exception) -> Failure:
         """An exception as plain values."""
         diverged = isinstance(error, SimulationDiverged)
-        simple = all(isinstance(each, (str, int, float, type(None))) for each in error.args)
+        plain = all(isinstance(each, (str, int, float, type(None))) for each in error.args)
         return cls(
             kind=type(error).__name__,
-            arguments=error.args if simple else (str(error),),
+            arguments=error.args if plain else (str(error),),
             attributes={name: getattr(error, name) for name in DIVERGED} if diverged else {},
             trace="" if isinstance(error, PhyscoreError) else "".join(traceback.format_exception(error)),
             lasting=diverged,
@@ -94,9 +94,10 @@ class Task:
     channels: tuple[str, ...] | None
     keep: bool
     """Whether the recording is kept."""
-    hashed: bool
-    """Whether the hash of the scene is needed."""
+    filed: bool
+    """Whether the outcome is kept in a file."""
     key: str | None
+    """Text that stands for the functions of the scene."""
 
     def scene(self) -> Scene:
         """The scene of the point.
@@ -111,8 +112,14 @@ class Task:
         return built
 
     def hash(self, scene: Scene) -> str | None:
-        """The hash of the scene, if it is needed."""
-        return scene_hash(scene, self.key) if self.hashed else None
+        """The hash of the scene, if its outcome is kept in a file or with a recording.
+
+        Raises:
+            SceneError: the scene has functions without a key, and the outcome is kept in a file.
+        """
+        if self.filed:
+            return scene_hash(scene, self.key)
+        return scene.hash(self.key or "") if self.keep else None
 
 
 def identify(task: Task) -> Outcome:
@@ -154,25 +161,25 @@ def _measured(task: Task, scene: Scene) -> Outcome:
     simulation = Simulation(scene, **task.numerics)
     recording = simulation.record(task.duration, task.fps, task.channels, progress=False)
     seconds = time.perf_counter() - start
-    value = None if task.measure is None else plain(task.measure(recording), "measure")
+    value = None if task.measure is None else simple(task.measure(recording), "measure")
     return Outcome(value=value, seconds=seconds, recording=archive.plain(recording.content()) if task.keep else None)
 
 
-def plain(value: object, path: str) -> Any:
+def simple(value: object, path: str) -> Any:
     """A value of a measure as it is kept in files: numbers and arrays of Python and NumPy, texts, lists and mappings.
 
     Raises:
         SceneError: the value is none of these.
     """
     if isinstance(value, (np.ndarray, np.generic)) and value.dtype.kind in "biuf":
-        kind = {"b": np.bool_, "i": np.int64, "u": np.int64, "f": np.float64}[value.dtype.kind]
+        kind = {"b": np.bool_, "i": np.int64, "u": np.uint64, "f": np.float64}[value.dtype.kind]
         return value.astype(kind).item() if value.ndim == 0 else np.array(value, dtype=kind)
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if isinstance(value, (list, tuple)):
-        return [plain(each, f"{path}[{index}]") for index, each in enumerate(value)]
+        return [simple(each, f"{path}[{index}]") for index, each in enumerate(value)]
     if isinstance(value, dict) and all(isinstance(key, str) and not key.startswith("$") for key in value):
-        return {key: plain(each, f"{path}[{key!r}]") for key, each in value.items()}
+        return {key: simple(each, f"{path}[{key!r}]") for key, each in value.items()}
     raise SceneError(
         f"{path}: must return numbers, texts, arrays of numbers, or lists and mappings of these, got {shown(value)}"
     )

@@ -15,13 +15,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from pickle import PicklingError
 from types import TracebackType
 from typing import Self
 
 from physcore.errors import PhyscoreError, WorkerError
 from physcore.studies.sweep.task import Failure, Outcome, Task
-from physcore.studies.sweep.workers import UNPICKLED, Finished, Work, cores, forks
+from physcore.studies.sweep.workers import Finished, Work, cores, failed, forks
 
 THREADS = "PHYSCORE_NUM_THREADS"
 """Environment variable with the number of threads of simulations."""
@@ -116,8 +115,8 @@ class Team:
                 # Python warns of forks beside threads. The engine starts its threads anew after a fork.
                 warnings.simplefilter("ignore", DeprecationWarning)
                 process.start()
-        except (PicklingError, AttributeError, TypeError) as error:
-            raise WorkerError(f"executor: {error}{UNPICKLED}") from error
+        except Exception as error:  # What cannot be pickled, or a process that may not start others.
+            raise failed(error) from error
         end.close()
         self._workers.append(_Worker(process, own))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import Executor, as_completed
 from typing import TypeAlias
 
@@ -13,7 +13,7 @@ from physcore.errors import PhyscoreError, SceneError, WorkerError
 from physcore.studies.sweep.task import Outcome, Task
 
 Work: TypeAlias = Callable[[Task], Outcome]
-Finished: TypeAlias = Iterator[tuple[int, Outcome]]
+Finished: TypeAlias = Generator[tuple[int, Outcome], None, None]
 """Numbers of tasks with their outcomes, in the order in which they are finished."""
 
 UNPICKLED = "; build and measure are sent to other processes: define them with def at the top level of a module"
@@ -47,11 +47,16 @@ def finished(executor: Executor, work: Work, tasks: Mapping[int, Task]) -> Finis
     except PhyscoreError:
         raise
     except Exception as error:
-        hint = UNPICKLED if "pickle" in f"{type(error).__name__} {error}".lower() else ""
-        raise WorkerError(f"executor: {type(error).__name__}: {error}{hint}") from error
+        raise failed(error) from error
     finally:
         for future in futures:
             future.cancel()
+
+
+def failed(error: Exception) -> WorkerError:
+    """The error of an executor that failed with an exception."""
+    words = f"{type(error).__name__}: {error}"
+    return WorkerError(f"executor: {words}{UNPICKLED if 'pickle' in words.lower() else ''}")
 
 
 def cores() -> int:
