@@ -10,6 +10,7 @@ from dataclasses import asdict
 from html import escape
 from typing import Any
 
+from physcore.markup import text_table
 from physcore.numerics.integrators import Integrator
 from physcore.studies.tradeoff.labels import differences, labels, parameters
 from physcore.studies.tradeoff.reference import Reference
@@ -70,16 +71,7 @@ def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
     front = set(map(id, trade.front))
     units, lines = trade.scene.units, [_header(trade, "")]
     lines += [*(_cells(row, id(row) in front) for row in (trade.rows if rows is None else rows))]
-    columns = len(lines[0])
-    widths = [max(len(line[column]) for line in lines) for column in range(columns)]
-    left = {0, 1, 3, columns - 1}
-    text = [
-        "  ".join(
-            cell.ljust(width) if column in left else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in lines
-    ]
+    text = text_table(lines, {0, 1, 3, len(lines[0]) - 1})
     return "\n".join(
         [
             f"Error: {KINDS[trade.measure]}; {trade.duration:g}{units.suffix('s')} simulated",
