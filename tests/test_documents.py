@@ -31,7 +31,8 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize(
-    ("script", "printed"), [*TROUBLES, *scripts("accuracy.md"), *scripts("replace.md"), *scripts("rigid.md")]
+    ("script", "printed"),
+    [*TROUBLES, *scripts("accuracy.md"), *scripts("replace.md"), *scripts("rigid.md"), *scripts("live.md")],
 )
 def test_scripts_print_what_stands_beneath_them(script, printed, capsys):
     exec(compile(script, "docs", "exec"), {})

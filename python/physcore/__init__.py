@@ -128,6 +128,7 @@ if TYPE_CHECKING:
         styles,
     )
     from physcore.output import export
+    from physcore.panel import Choice, Panel, Slider, Switch, live
     from physcore.studies.diagnosis import Diagnosis, Finding, diagnose
     from physcore.studies.lyapunov import Lyapunov, lyapunov
     from physcore.studies.stability import MeasuredLimit, stability_limit
@@ -163,6 +164,7 @@ __all__ = [
     "Brusselator",
     "Capsule",
     "CentralForce",
+    "Choice",
     "Compound",
     "ContactSolver",
     "ConvexHull",
@@ -222,6 +224,7 @@ __all__ = [
     "Neumann",
     "Occurrences",
     "Orbit",
+    "Panel",
     "Part",
     "Particles",
     "PaulTrap",
@@ -256,6 +259,7 @@ __all__ = [
     "SemiImplicitEuler",
     "Simulation",
     "SimulationDiverged",
+    "Slider",
     "Snapshot",
     "SoftSpheres",
     "Source",
@@ -265,6 +269,7 @@ __all__ = [
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
+    "Switch",
     "Theme",
     "Thomas",
     "Tracers",
@@ -287,6 +292,7 @@ __all__ = [
     "diagnose",
     "export",
     "film",
+    "live",
     "load",
     "lyapunov",
     "materials",
@@ -317,6 +323,7 @@ _LATER = {
         "styles",
     ),
     "physcore.output": ("export",),
+    "physcore.panel": ("Choice", "Panel", "Slider", "Switch", "live"),
     "physcore.studies.diagnosis": ("Diagnosis", "Finding", "diagnose"),
     "physcore.studies.lyapunov": ("Lyapunov", "lyapunov"),
     "physcore.studies.stability": ("MeasuredLimit", "stability_limit"),
