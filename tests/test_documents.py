@@ -32,7 +32,10 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize(
     ("script", "printed"),
-    [*TROUBLES, *(each for name in ("accuracy", "replace", "rigid", "sweeps") for each in scripts(f"{name}.md"))],
+    [
+        *TROUBLES,
+        *(each for name in ("accuracy", "replace", "rigid", "sweeps", "live") for each in scripts(f"{name}.md")),
+    ],
 )
 def test_scripts_print_what_stands_beneath_them(script, printed, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

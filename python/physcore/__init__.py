@@ -130,6 +130,7 @@ if TYPE_CHECKING:
         styles,
     )
     from physcore.output import export
+    from physcore.panel import Choice, Panel, Slider, Switch, live
     from physcore.studies.diagnosis import Diagnosis, Finding, diagnose
     from physcore.studies.lyapunov import Lyapunov, lyapunov
     from physcore.studies.stability import MeasuredLimit, stability_limit
@@ -166,6 +167,7 @@ __all__ = [
     "Brusselator",
     "Capsule",
     "CentralForce",
+    "Choice",
     "Compound",
     "ContactSolver",
     "ConvexHull",
@@ -226,6 +228,7 @@ __all__ = [
     "Neumann",
     "Occurrences",
     "Orbit",
+    "Panel",
     "Part",
     "Particles",
     "PaulTrap",
@@ -260,6 +263,7 @@ __all__ = [
     "SemiImplicitEuler",
     "Simulation",
     "SimulationDiverged",
+    "Slider",
     "Snapshot",
     "SoftSpheres",
     "Source",
@@ -270,6 +274,7 @@ __all__ = [
     "StabilityWarning",
     "Staggered",
     "Sweep",
+    "Switch",
     "Theme",
     "Thomas",
     "Tracers",
@@ -293,6 +298,7 @@ __all__ = [
     "diagnose",
     "export",
     "film",
+    "live",
     "load",
     "lyapunov",
     "materials",
@@ -324,6 +330,7 @@ _LATER = {
         "styles",
     ),
     "physcore.output": ("export",),
+    "physcore.panel": ("Choice", "Panel", "Slider", "Switch", "live"),
     "physcore.studies.diagnosis": ("Diagnosis", "Finding", "diagnose"),
     "physcore.studies.lyapunov": ("Lyapunov", "lyapunov"),
     "physcore.studies.stability": ("MeasuredLimit", "stability_limit"),

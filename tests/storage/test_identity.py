@@ -108,3 +108,17 @@ def test_code_without_source_is_recognized_by_itself():
     assert made("def f(x): return x + 1") == made("def f(x): return x + 1")
     assert made("def f(x): return x + 1") != made("def f(x): return x + 2")
     assert made("def f(x): return x in {1, 'a'}") == made("def f(x): return x in {'a', 1}")
+
+
+def test_a_key_stands_for_the_functions_of_a_scene():
+    body = pc.Particles([[0.0, 0.0]])
+
+    def scene(strength, mass=1.0):
+        return pc.Scene(body, pc.CustomForce(lambda time, x, v: -strength * x), pc.Gravity((0.0, -mass)))
+
+    with pytest.raises(pc.FileError, match=r"forces\[0\].function: .* this function is code"):
+        scene(1.0).hash()
+    assert scene(1.0).hash("linear") == scene(2.0).hash("linear") != scene(1.0).hash("cubic")
+    assert scene(1.0).hash("linear") != scene(1.0, mass=2.0).hash("linear")
+    plain = pc.Scene(body)
+    assert plain.hash("name") not in (plain.hash(), plain.hash("other"))

@@ -89,10 +89,10 @@ class Composition:
         in_turn: bool = False,
     ) -> None:
         self._columns, self._in_turn = columns_for(columns, len(found)), in_turn
-        if not in_turn and self._columns < len(found) and set(labels) - {"time"}:
-            raise SceneError(f"labels: of several rows of panels, must be ('time',) or (), got {shown(labels)}")
         self._theme, self._samples, self._units = theme, samples, found[0].scene.units
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
+        if not in_turn and self._columns < len(found) and set(self._labels) - {"time"}:
+            raise SceneError(f"labels: of several rows of panels, must be ('time',) or (), got {shown(self._labels)}")
         self._diagrammed = check_inset(inset, found) is not None
         self._bar = check_scale_bar(scale_bar, self._units)
         self._listed = check_named(legend, "legend", found, systems=True)

@@ -103,9 +103,8 @@ class Layout:
         whole = (0, 0, *self.size)
         lines = [(titles[0], whole, edge, round(TITLE * text))] if len(titles) == 1 else []
         if len(titles) > 1:
-            lines = [
-                (titles[index], self.panel(index), self._top(index) + edge, round(TITLE * text)) for index in shown
-            ]
+            panels = {index: self.panel(index) for index in shown}
+            lines = [(titles[index], panel, panel[1] + edge, round(TITLE * text)) for index, panel in panels.items()]
         if self.heading.subtitle:
             above = self.heading.titles if self.rows == 1 else self.heading.common.titles
             below = edge + round(LEADING * TITLE * text) * bool(above)
@@ -120,11 +119,11 @@ class Layout:
         """The bars of a panel, each with its left, top and right [pixels]."""
         if not self.heading.bars:
             return []
-        left, _, right, _ = self.panel(index)
+        left, top, right, _ = self.panel(index)
         above = replace(self.heading if self.rows == 1 else self.heading.own, bars=()).lines(self.text)
-        top, line, edge = self._top(index) + self._edge + above, LEADING * SUBTITLE * self.text, self.text // 2
+        first, line, edge = top + self._edge + above, LEADING * SUBTITLE * self.text, self.text // 2
         own = self.heading.bars[index]
-        return [(bar, (left + edge, top + round(number * line), right - edge)) for number, bar in enumerate(own)]
+        return [(bar, (left + edge, first + round(number * line), right - edge)) for number, bar in enumerate(own)]
 
     def panel(self, index: int) -> tuple[int, int, int, int]:
         """Left, top, right and bottom of a panel [pixels]. A single row has the height of the picture."""
@@ -152,10 +151,6 @@ class Layout:
     def _edge(self) -> int:
         """Distance of the first line from an edge [pixels]."""
         return round(0.3 * self.text)
-
-    def _top(self, index: int) -> int:
-        """The top of the own lines of a panel [pixels]."""
-        return self.panel(index)[1]
 
     def pixels(self, index: int) -> float:
         """The area of a panel [pixels]."""

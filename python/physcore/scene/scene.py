@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, cast
 
 import numpy as np
 
-from physcore.checks import shown
+from physcore.checks import shown, text
 from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.contents import Contents
@@ -105,8 +105,11 @@ class Scene(Contents):
 
         Raises:
             FileError: the scene has a user function, such as that of a CustomForce, which is code, and no key is given.
+            SceneError: the key is not a text.
         """
-        return digest(self.packed() if key is None else {"key": key, "scene": self.packed(code=False)})
+        if key is None:
+            return digest(self.packed())
+        return digest({"key": text(key, "hash.key"), "scene": self.packed(code=False)})
 
     def packed(self, *, code: bool = True) -> Tree:
         """The scene as a tree of plain values, for files and hashes. Without `code`, user functions are left out.

@@ -93,7 +93,7 @@ def cached(
         "numerics": {name: value for name, value in numerics.items() if name not in FREE},
         "chosen": is_word(options.get("integrator", "auto"), "auto"),
         "arguments": dict(arguments),
-        "channels": None if channels is None else list(check_channels(channels, scene)),
+        "channels": None if channels is None else sorted(check_channels(channels, scene)),
         "events": [_identity(event, scene, f"events[{index}]") for index, event in enumerate(given)],
     })  # fmt: skip
     path = place / f"{entry}.npz"
