@@ -90,8 +90,8 @@ def lattice_links(shape: tuple[int, ...], offset: Offset) -> IntArray:
 
 
 def lattice_shares(shape: tuple[int, ...], offset: Offset) -> FloatArray:
-    """The width that every spring of `lattice_links` carries, in spacings: ½ along a border. Without an offset, the area
-    of every particle.
+    """The width that every spring of `lattice_links` carries, in spacings: ½ along a border. Without an offset, the
+    area of every particle.
     """
     shares = np.ones((1,))
     for size, step in zip(shape[::-1], offset[::-1], strict=True):
