@@ -22,6 +22,7 @@ from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
     FileError,
+    FileWarning,
     InternalError,
     MachWarning,
     PhyscoreError,
@@ -29,6 +30,7 @@ from physcore.errors import (
     SceneWarning,
     SimulationDiverged,
     StabilityWarning,
+    WorkerError,
 )
 from physcore.film import film
 from physcore.forces import (
@@ -132,6 +134,7 @@ if TYPE_CHECKING:
     from physcore.studies.diagnosis import Diagnosis, Finding, diagnose
     from physcore.studies.lyapunov import Lyapunov, lyapunov
     from physcore.studies.stability import MeasuredLimit, stability_limit
+    from physcore.studies.sweep import Sweep, sweep
     from physcore.studies.tradeoff import Tradeoff, tradeoff
 
 __version__: str
@@ -188,6 +191,7 @@ __all__ = [
     "Events",
     "ExplicitEuler",
     "FileError",
+    "FileWarning",
     "Finding",
     "FitzHughNagumo",
     "Floor",
@@ -269,6 +273,7 @@ __all__ = [
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
+    "Sweep",
     "Switch",
     "Theme",
     "Thomas",
@@ -285,6 +290,7 @@ __all__ = [
     "Wind",
     "Window",
     "Wire",
+    "WorkerError",
     "ball",
     "block",
     "cloth",
@@ -303,6 +309,7 @@ __all__ = [
     "soft_body",
     "stability_limit",
     "styles",
+    "sweep",
     "tradeoff",
     "units",
     "wave_packet",
@@ -327,6 +334,7 @@ _LATER = {
     "physcore.studies.diagnosis": ("Diagnosis", "Finding", "diagnose"),
     "physcore.studies.lyapunov": ("Lyapunov", "lyapunov"),
     "physcore.studies.stability": ("MeasuredLimit", "stability_limit"),
+    "physcore.studies.sweep": ("Sweep", "sweep"),
     "physcore.studies.tradeoff": ("Tradeoff", "tradeoff"),
 }
 """Names that few scripts use, by module: each module is imported when one of its names is asked for."""

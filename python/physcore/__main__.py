@@ -239,7 +239,7 @@ def _minutes(seconds: float) -> str:
 def _tradeoff(options: argparse.Namespace) -> int:
     from physcore.gallery import caption, demo
     from physcore.storage.files import require_writable
-    from physcore.studies.tradeoff.drawing import require_plottable
+    from physcore.studies.figures import require_plottable
 
     if not _exists(options.name):
         return 2

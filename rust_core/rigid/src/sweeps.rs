@@ -187,7 +187,12 @@ impl Island {
         for (row, contact) in rows.contacts.iter_mut().zip(touching.iter()) {
             row.before = row.impulse;
             row.yields = 0.0;
-            row.least = if row.before.normal > 0.0 { contact.rebound } else { 0.0 };
+            row.least = match row.before.normal > 0.0 {
+                true => contact.rebound,
+                // A gap that is open may close in the next piece.
+                false if contact.gap > 0.0 => f64::NEG_INFINITY,
+                false => 0.0,
+            };
         }
         rows.start(v);
         for iteration in 0..self.accuracy.iterations {
