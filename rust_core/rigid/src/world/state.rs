@@ -49,6 +49,8 @@ pub struct RigidState {
     pub joints: Vec<WorldJoint>,
     /// Energy of the springs that broke [J].
     pub torn: f64,
+    /// Energy gained so far by pushing overlapping bodies apart [J].
+    pub pushed: f64,
 }
 
 /// Numbers of a joint in a file.
