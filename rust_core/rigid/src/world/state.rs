@@ -49,6 +49,8 @@ pub struct RigidState {
     pub joints: Vec<WorldJoint>,
     /// Energy of the springs that broke [J].
     pub torn: f64,
+    /// Torques of the forces on the bodies at the end of the last step [N·m].
+    pub torques: Vec<DVec3>,
 }
 
 /// Numbers of a joint in a file.

@@ -50,6 +50,7 @@ impl RigidBodies {
             add_bodies(&mut world, scene, index)?;
         }
         add_walls(&mut world, scene)?;
+        world.state.torques = vec![DVec3::ZERO; world.bodies.len()];
         let points = points(&mut world, scene, properties, &engine);
         let starts: Vec<DVec3> = scene.positions();
         let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
@@ -218,11 +219,7 @@ fn add_joints(
             };
             if let Some(body) = *place {
                 ends[side] = body;
-                movers[side] = world.mover(
-                    body,
-                    &CenterMotion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO },
-                    1.0,
-                );
+                movers[side] = world.mover(body, &CenterMotion::free(starts[particle], DVec3::ZERO), 1.0);
             } else {
                 ends[side] = world.bodies.len() + particle;
                 movers[side].position = starts[particle];

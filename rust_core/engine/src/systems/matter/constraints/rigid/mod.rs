@@ -17,7 +17,7 @@ use crate::forces::{Space, StateView};
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::math::AXES;
-use crate::matter::EnergySink;
+use crate::matter::{EnergySink, SolidMotion};
 use crate::stability::{Horizon, SpectralBound};
 use crate::systems::{FieldInfo, Location};
 
@@ -88,10 +88,20 @@ impl RigidBodies {
         (0..V::DIMENSION).for_each(|axis| position[axis] = at.exact_position(axis, particle));
         let (position, velocity) = (at.properties.origin + position, at.velocity.get(particle).widen());
         if end < self.particles.len() {
-            self.world.mover(end, &CenterMotion { position, velocity, drift: velocity }, 1.0)
+            self.world.mover(end, &CenterMotion::free(position, velocity), 1.0)
         } else {
             Mover { position, velocity, inverse_mass: at.properties.mass[particle].recip(), ..Mover::wall(&Pose::WORLD) }
         }
+    }
+
+    /// Rotations of the bodies, after their torques have acted for `h` seconds more.
+    fn motions_after(&self, h: f64) -> Vec<SolidMotion> {
+        let of = |(body, &particle): (usize, &u32)| {
+            let (orientation, torque) = (self.world.state.turns[body].orientation, self.world.state.torques[body]);
+            let angular_velocity = self.world.angular_velocity(body) + self.world.angular_velocity_by(body, h * torque);
+            SolidMotion { particle, orientation: orientation.quaternion, angular_velocity }
+        };
+        self.particles.iter().enumerate().map(of).collect()
     }
 
     /// Velocity of rotation of each body, or each component of a field over bodies.
@@ -120,6 +130,7 @@ impl History for RigidBodies {
         archive.write("loads", self.world.state.packed_loads());
         archive.write("joints", self.world.state.packed_joints());
         archive.write("torn", [self.world.state.torn]);
+        archive.write("torques", self.world.state.torques.iter().flat_map(DVec3::to_array));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
@@ -132,6 +143,8 @@ impl History for RigidBodies {
         let loads = archive.read("loads")?.to_vec();
         let joints = archive.read("joints")?.to_vec();
         self.world.state.torn = archive.read_number("torn")?;
+        let torques = archive.read_exactly("torques", AXES * self.particles.len())?;
+        self.world.state.torques = torques.chunks_exact(AXES).map(DVec3::from_slice).collect();
         if self.world.state.unpack(&loads, &joints) {
             Ok(())
         } else {
@@ -189,7 +202,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
             return Ok(());
         }
         self.motions.clear();
-        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize, DVec3::ZERO)));
+        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize)));
         let (mut most, mut worst): (f64, Option<(f64, [String; 2])>) = (0.0, None);
         for overlap in self.world.overlaps(&self.motions) {
             if overlap.depth > REFUSED * overlap.size && worst.as_ref().is_none_or(|(depth, _)| overlap.depth > *depth) {
@@ -205,16 +218,24 @@ impl<V: Space> Constraint<V> for RigidBodies {
         Ok(())
     }
 
+    fn start(&mut self, step: &ConstrainedStep<'_, V>) {
+        self.world.state.torques = step.torques();
+    }
+
+    fn solids(&self) -> Vec<SolidMotion> {
+        self.motions_after(0.0)
+    }
+
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
         self.motions.clear();
-        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize, DVec3::ZERO)));
+        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize)));
         self.others.clear();
-        self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize, DVec3::ZERO)));
+        self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize)));
     }
 
     fn positions(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<bool> {
-        for (motion, &particle) in self.motions.iter_mut().zip(&self.particles) {
-            motion.drift = step.drift_velocity(particle as usize);
+        for ((motion, &particle), &torque) in self.motions.iter_mut().zip(&self.particles).zip(&self.world.state.torques) {
+            (motion.drift, motion.torque) = (step.drift_velocity(particle as usize), torque);
         }
         for (motion, (particle, _)) in self.others.iter_mut().zip(&self.points) {
             motion.drift = step.drift_velocity(*particle as usize);
@@ -233,13 +254,16 @@ impl<V: Space> Constraint<V> for RigidBodies {
                 step.matter.registers[register].set(particle as usize, V::narrow(motion.drift));
             }
         }
+        step.matter.solids = self.motions_after(0.5 * step.h);
         Ok(true)
     }
 
     fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
-        let at = |particle: u32| motion(step, particle as usize, DVec3::ZERO);
+        let at = |particle: u32| motion(step, particle as usize);
         self.motions.clear();
-        self.motions.extend(self.particles.iter().map(|&particle| at(particle)));
+        self.world.state.torques = step.torques();
+        let torques = self.particles.iter().zip(&self.world.state.torques);
+        self.motions.extend(torques.map(|(&particle, &torque)| CenterMotion { torque, ..at(particle) }));
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| at(self.points[index].0)).collect();
         let meters = self.world.finish(step.h, &mut self.motions, &mut others, step.executor);
         step.executor.check()?;
@@ -247,6 +271,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         for (&particle, motion) in self.particles.iter().zip(&self.motions).chain(near.zip(&others)) {
             step.matter.velocity.set(particle as usize, V::narrow(motion.velocity));
         }
+        step.matter.solids = self.motions_after(0.0);
         let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
             tally.add(EnergySink::Contact, meters.dissipated);
@@ -352,8 +377,8 @@ fn quaternion(orientation: &Orientation) -> [f64; 4] {
     [w, x, y, z]
 }
 
-/// Motion of a particle at the start of a step.
-fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize, drift: DVec3) -> CenterMotion {
+/// Motion of a particle in the present state.
+fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize) -> CenterMotion {
     let position = step.properties.origin + step.matter.exact_position(particle);
-    CenterMotion { position, velocity: step.matter.velocity.get(particle).widen(), drift }
+    CenterMotion::free(position, step.matter.velocity.get(particle).widen())
 }
