@@ -31,8 +31,10 @@ SHAPES = {
 
 @pytest.mark.parametrize("name", [name for name, (_, area) in SHAPES.items() if area is not None])
 def test_the_first_force_is_that_of_the_surface(name):
-    """Half of the law on each face. Over a ball of radius r the mean of |cos|³ gives π r²/2, over a disc 4 r/3. The
-    quadrature of a ball of 96 points is off by up to 0.5 %, that of flat faces by rounding."""
+    """Half of the law on each face. Over a ball of radius r the mean of |cos|³ gives π r²/2, over a disc 4 r/3.
+
+    The quadrature of a ball of 96 points is off by up to 0.5 %, that of flat faces by rounding.
+    """
     shape, area = SHAPES[name]
     flow = (SPEED, 0.0, 0.0)[: shape.dimensions[0]]
     body = pc.RigidBody(shape, np.zeros(len(flow)), mass=1e6)
@@ -87,7 +89,9 @@ def test_a_pole_bears_the_moment_of_the_wind():
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_still_air_slows_a_spinning_paddle(dimension):
     """I dω/dt = −k ω² with k = ½ ρ c H L⁴/32 for a thin paddle of length L and height H, so that ω = ω₀/(1 + k ω₀ t/I).
-    The quadrature of |x|³ over the faces in space is off by 1 %."""
+
+    The quadrature of |x|³ over the faces in space is off by 1 %.
+    """
     length, height, mass, start = 1.0, 0.5 if dimension == 3 else 1.0, 0.3, 20.0
     if dimension == 2:
         paddle = pc.RigidBody(pc.Rectangle(length, 1e-3), (0.0, 0.0), angular_velocity=start, mass=mass)

@@ -33,8 +33,8 @@ class Wind(Force):
 
     On a rigid body the law holds at each point of its surface, with half of the coefficients: of a thin plate, both
     sides together feel the force of a face. Force and torque act on the body. The drag coefficient of a ball is
-    normal/2, that of a square cuboid across the wind is `normal`, and that of a disc in 2D is 2/3 normal. In 2D the force
-    is per meter of depth. Fixed bodies feel none.
+    normal/2, that of a cuboid across the wind is `normal`, and that of a disc in 2D is 2/3 normal. In 2D the force is
+    per meter of depth. Fixed bodies feel none.
 
     Args:
         velocity: velocity of the air [m/s], shape (D,). Or a function, called in every evaluation. `velocity(time)`

@@ -104,6 +104,14 @@ impl SolidShape {
         Self { form: ShapeForm::ConvexParts(ConvexParts::new(parts)), features, reach }
     }
 
+    /// Shape with its parts moved by a vector in the frame of the body [m]. Ground stays where it is.
+    #[must_use]
+    pub fn moved(&self, shift: DVec3) -> Self {
+        let ShapeForm::ConvexParts(parts) = &self.form else { return self.clone() };
+        let pose = Pose { position: shift, ..Pose::WORLD };
+        Self::of(parts.all.iter().map(|part| part.clone().moved(&pose)))
+    }
+
     /// Largest distance of a point of the surface from the origin [m]; infinite for a half-space.
     pub fn reach(&self) -> f64 {
         self.reach

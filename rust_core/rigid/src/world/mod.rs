@@ -10,7 +10,7 @@ mod springs;
 mod state;
 mod step;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::island::{ContactKey, Island, Meters};
 use crate::mover::Mover;
@@ -139,6 +139,11 @@ impl RigidWorld {
     pub fn angular_velocity(&self, body: usize) -> DVec3 {
         let (solid, turn) = (&self.bodies[body], &self.state.turns[body]);
         if solid.inverse_mass == 0.0 { turn.spin } else { solid.inertia.inverse(&turn.orientation) * turn.spin }
+    }
+
+    /// Rotation of a body from its frame to the world's.
+    pub fn rotation(&self, body: usize) -> DMat3 {
+        self.state.turns[body].orientation.matrix()
     }
 
     /// Change of the angular velocity of a body [rad/s] by an angular impulse [N·m·s]; 0 of a fixed body.

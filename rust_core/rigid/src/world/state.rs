@@ -51,6 +51,8 @@ pub struct RigidState {
     pub torn: f64,
     /// Torques of the forces on the bodies at the end of the last step [N·m].
     pub torques: Vec<DVec3>,
+    /// Mean forces of tied particles on the bodies in the last step [N].
+    pub ties: Vec<DVec3>,
 }
 
 /// Numbers of a joint in a file.
