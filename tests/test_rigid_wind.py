@@ -18,13 +18,15 @@ def wind(*velocity, **options):
     return pc.Wind(velocity, **{"density": AIR, "normal": NORMAL, "tangential": 0.0, **options})
 
 
+CROSS = [(0.0, 0.0), (0.2, 0.0), (-0.2, 0.0), (0.0, 0.2), (0.0, -0.2)]
+"""Centers of squares that touch."""
 SHAPES = {
     "ball": (pc.Ball(0.3), 0.5 * math.pi * 0.09),
     "cuboid": (pc.Cuboid(0.3, 0.4, 0.5), 0.4 * 0.5),
     "capsule along the wind": (pc.Capsule(0.5, 0.2), None),
     "disc": (pc.Disc(0.3), 2.0 / 3.0 * 0.6),
     "rectangle": (pc.Rectangle(0.3, 0.4), 0.4),
-    "cross": (pc.Compound([(pc.Rectangle(0.6, 0.2), (0.0, 0.0), 0.0), (pc.Rectangle(0.2, 0.6), (0.0, 0.0), 0.0)]), 0.6),
+    "cross": (pc.Compound([(pc.Rectangle(0.2, 0.2), place, 0.0) for place in CROSS]), 0.6),
 }
 """Shapes with their areas across the wind along x, weighted by the integral of |q| q n over the surface."""
 
@@ -43,14 +45,17 @@ def test_the_first_force_is_that_of_the_surface(name):
     expected = np.zeros(len(flow))
     expected[0] = 0.5 * AIR * NORMAL * area * SPEED**2
     tolerance = 5e-3 if name == "ball" else 1e-4
-    assert simulation.momentum == pytest.approx(expected, rel=tolerance, abs=1e-9 * expected[0])
+    assert simulation.momentum() == pytest.approx(expected, rel=tolerance, abs=1e-9 * expected[0])
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 1.1])
 def test_a_thin_plate_feels_the_force_of_a_face(angle):
-    """The edges, of 1e-4 of the area, are left out of the expected force."""
+    """The edges, of 1e-5 of the force, are left out of the expected one."""
     plate = pc.RigidBody(
-        pc.Cuboid(1.0, 2e-4, 1.0), (0.0, 0.0, 0.0), (math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)), mass=1e6
+        pc.Cuboid(1.0, 2e-6, 1.0),
+        (0.0, 0.0, 0.0),
+        orientation=(math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)),
+        mass=1e6,
     )
     simulation = pc.Simulation(pc.Scene(plate, wind(3.0, 4.0, 1.0, tangential=0.2)), dt=1.0)
     simulation.step(1)
@@ -59,9 +64,9 @@ def test_a_thin_plate_feels_the_force_of_a_face(angle):
     across = normal @ flow
     along = flow - across * normal
     expected = 0.5 * AIR * (NORMAL * abs(across) * across * normal + 0.2 * np.linalg.norm(along) * along)
-    assert simulation.momentum == pytest.approx(expected, rel=1e-3)
-    spin = simulation.angular_momentum
-    assert np.abs(spin).max() < 1e-3 * np.linalg.norm(expected)
+    assert simulation.momentum() == pytest.approx(expected, rel=1e-4)
+    spin = simulation.angular_momentum()
+    assert np.abs(spin).max() < 1e-4 * np.linalg.norm(expected)
 
 
 def test_a_falling_cuboid_reaches_its_terminal_speed():
@@ -76,14 +81,17 @@ def test_a_falling_cuboid_reaches_its_terminal_speed():
 
 
 def test_a_pole_bears_the_moment_of_the_wind():
-    """The wind presses on the height h with the force F; a weld at the foot bears F and F h/2."""
+    """The wind presses on the height h with the force F; a weld at the foot bears F and F h/2.
+
+    The wind meets the pole at a velocity predicted without the weld, F dt/m = 2e-7 of its own.
+    """
     height = 3.0
-    pole = pc.RigidBody(pc.Rectangle(0.1, height), (0.0, height / 2), mass=50.0)
+    pole = pc.RigidBody(pc.Rectangle(0.1, height), (0.0, height / 2), mass=5e6)
     foot = pc.Weld(pole, None, (0.0, 0.0))
     run = pc.simulate(pc.Scene(pole, foot, wind(SPEED, 0.0)), 0.1, dt=1 / 100, fps=100)
     force = 0.5 * AIR * NORMAL * height * SPEED**2
-    assert run[foot].force[-1] == pytest.approx([-force, 0.0], rel=1e-9, abs=1e-9 * force)
-    assert run[foot].torque[-1] == pytest.approx(0.5 * force * height, rel=1e-9)
+    assert run[foot].force[-1] == pytest.approx([-force, 0.0], rel=1e-6, abs=1e-9 * force)
+    assert run[foot].torque[-1] == pytest.approx(0.5 * force * height, rel=1e-6)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -104,7 +112,7 @@ def test_still_air_slows_a_spinning_paddle(dimension):
     assert expected[-1] < 0.5 * start
     turning = run[paddle].angular_velocities[:, 0].reshape(len(run.times), -1)[:, -1]
     assert turning == pytest.approx(expected, rel=1e-4 if dimension == 2 else 1e-2)
-    assert np.abs(run.energy.drift).max() < 1e-5
+    assert np.abs(run.energy.drift).max() < 5e-5
 
 
 def tumbling():
@@ -140,7 +148,7 @@ def test_a_function_has_the_points_of_the_surface():
     simulation = pc.Simulation(pc.Scene(disc, wind_of(shear)), dt=1e-3)
     simulation.step(5)
     assert np.hypot(*(seen[0] - (1.0, 2.0)).T) == pytest.approx(0.5)
-    assert np.abs(simulation.momentum).max() < 1e-12
+    assert np.abs(simulation.momentum()).max() < 1e-12
     assert simulation[disc].angular_velocities[0] < 0.0
 
 

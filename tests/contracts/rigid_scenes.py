@@ -153,19 +153,22 @@ def heap(count: int = 12) -> pc.Scene:
 
 
 def sails() -> pc.Scene:
-    """A box, a ball and a shard that tumble in the wind, one of them on a joint."""
+    """A box, a ball and a shard that tumble in the wind."""
     box = pc.RigidBody(
-        pc.Cuboid(0.4, 0.3, 0.1), (0.0, 0.0, 0.0), (0.9, 0.1, 0.3, -0.2), mass=0.4, angular_velocity=(1.0, 2.0, -1.0)
+        pc.Cuboid(0.4, 0.3, 0.1),
+        (0.0, 0.0, 0.0),
+        orientation=(0.9, 0.1, 0.3, -0.2),
+        mass=0.4,
+        angular_velocity=(1.0, 2.0, -1.0),
     )
     ball = pc.RigidBody(pc.Ball(0.2), (1.0, 0.0, 0.0), mass=0.2, angular_velocity=(0.0, 5.0, 1.0))
     shard = pc.RigidBody(pc.Hull(SHARD), (0.0, 1.0, 0.0), mass=0.1, velocity=(0.5, 0.0, -1.0))
-    joint = pc.BallJoint(box, None, (-0.2, 0.1, 0.3))
     air = pc.Wind((5.0, 2.0, -1.0), tangential=0.1)
-    return pc.Scene(box, ball, shard, joint, air, pc.Gravity((0.0, 1.0, -G)))
+    return pc.Scene(box, ball, shard, air, pc.Gravity((0.0, 1.0, -G)))
 
 
 def weathervane() -> pc.Scene:
-    """A vane that turns about a pin, and a disc, in a gusty wind in the plane."""
+    """A vane and a disc in a wind in the plane."""
     vane = pc.RigidBody(
         pc.Polygon([(-0.1, -0.02), (0.5, -0.02), (0.5, 0.2), (0.3, 0.02), (-0.1, 0.02)]),
         (0.2, 0.05),
@@ -174,7 +177,7 @@ def weathervane() -> pc.Scene:
     )
     disc = pc.RigidBody(pc.Disc(0.2), (1.0, 0.0), mass=0.3, angular_velocity=-6.0)
     air = pc.Wind((4.0, 1.0), tangential=0.2)
-    return pc.Scene(vane, disc, pc.Hinge(vane, None, (0.0, 0.0)), air, pc.Gravity((0.0, -0.1 * G)))
+    return pc.Scene(vane, disc, air, pc.Gravity((0.0, -0.1 * G)))
 
 
 def hammock(side: int = 5) -> pc.Scene:
