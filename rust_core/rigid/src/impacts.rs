@@ -9,15 +9,14 @@ use glam::DVec3;
 
 use crate::collision;
 use crate::direct;
-use crate::island::{Accuracy, BodyPair, GroupContact, Island};
+use crate::island::{Accuracy, BodyPair, CLOSED, GroupContact, Island};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactRow, JointRows, Rows};
 use crate::shapes::SolidShape;
 
-/// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
+/// Gap at which a contact has closed, over the size of the bodies.
 pub(crate) const HIT: f64 = 1e-9;
-pub(crate) const CLOSED: f64 = 1e-6;
 /// Velocity that is no motion, over the largest speed.
 const REST: f64 = 1e-10;
 /// Velocity of a contact at rest, over that which forces give in a step.

@@ -20,7 +20,10 @@ use crate::sweeps::GroupSweep;
 
 pub use contacts::{ContactKey, GroupContact};
 pub(crate) use joints::{HeldJoint, LIMIT_BOUNDS, LIMITS};
-pub use pieces::{FirstHalf, lost};
+pub use pieces::{FirstHalf, lost, pushed};
+
+/// Gap at which a contact counts as closed, and overlap at which bodies are pushed apart, over the size of the bodies.
+pub const CLOSED: f64 = 1e-6;
 
 /// Numerical parameters of contacts and joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +62,8 @@ pub struct Meters {
     pub damped: f64,
     /// Supplied by motors, and by bodies that move as prescribed.
     pub work: f64,
+    /// Gained by pushing overlapping bodies apart: an error of the method, neither work nor dissipation.
+    pub pushed: f64,
 }
 
 /// Group of bodies during a step.

@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-use super::Island;
+use super::{CLOSED, Island};
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, MOST_ROWS, Rows};
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
@@ -22,6 +22,8 @@ pub struct FirstHalf {
     /// Velocities after the drift, and velocity and angular velocity of each contact.
     drifted: BodyVelocities,
     middle: Vec<(DVec3, DVec3)>,
+    /// Whether each contact is that of overlapping bodies, which do not strike.
+    pushing: Vec<bool>,
     /// Energies dissipated by contacts, and supplied [J].
     pub lost: f64,
     pub work: f64,
@@ -65,6 +67,7 @@ impl Island {
             row.impulse.tangential = row.impulse.tangential.reject_from_normalized(row.normal);
             before.push((row.velocity(&start), row.turning(&start)));
             anchors.push(self.anchors(contact));
+            first.pushing.push(!contact.strikes && contact.touch.gap < -CLOSED * self.pairs[contact.pair].size);
             first.rows.contacts.push(row);
             first.contacts.push(index);
         }
@@ -172,8 +175,11 @@ impl Island {
         rows.solve(&mut v, tolerance, self.accuracy.iterations);
         rows.apply(&mut self.movers);
         let mut losses = first.lost + rows.stopped(&first.drifted, &v);
-        for ((row, &index), &middle) in rows.contacts.iter().zip(&first.contacts).zip(&first.middle) {
+        for (((row, &index), pushing), &middle) in
+            rows.contacts.iter().zip(&first.contacts).zip(&first.pushing).zip(&first.middle)
+        {
             losses += lost(row, self.contacts[index].strikes, middle, (row.velocity(&v), row.turning(&v)));
+            self.meters.pushed += if *pushing { pushed(row, middle.0) } else { 0.0 };
         }
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += losses.max(0.0);
@@ -199,4 +205,9 @@ impl Island {
 pub fn lost(row: &ContactRow, strikes: bool, before: (DVec3, DVec3), after: (DVec3, DVec3)) -> f64 {
     let normal = 0.5 * row.impulse.normal * row.normal.dot(before.0 + after.0);
     -row.work(before, after) + if strikes { 0.0 } else { normal }
+}
+
+/// Work of the normal impulses of a piece at the velocity of its drift [J]: the energy gained as the gap grows under load.
+pub fn pushed(row: &ContactRow, drift: DVec3) -> f64 {
+    (row.before.normal + row.impulse.normal) * row.normal.dot(drift)
 }

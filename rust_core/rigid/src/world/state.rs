@@ -53,6 +53,8 @@ pub struct RigidState {
     pub torques: Vec<DVec3>,
     /// Mean forces of tied particles on the bodies in the last step [N].
     pub ties: Vec<DVec3>,
+    /// Energy gained so far by pushing overlapping bodies apart [J].
+    pub pushed: f64,
 }
 
 /// Numbers of a joint in a file.

@@ -120,6 +120,7 @@ impl RigidWorld {
             }
             self.meters.dissipated += island.meters.dissipated;
             self.meters.work += island.meters.work;
+            self.state.pushed += island.meters.pushed;
             let pressed = island.contacts.iter().filter(|contact| contact.load.normal > 0.0);
             self.state.loads.extend(pressed.map(|contact| (contact.key, contact.load)));
             for held in &island.joints {

@@ -5,6 +5,8 @@
 
 mod anchors;
 mod declaration;
+mod history;
+mod overlaps;
 mod ties;
 
 use glam::DVec3;
@@ -13,10 +15,11 @@ use physcore_rigid::pose::Pose;
 use physcore_rigid::rotation::Orientation;
 use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
 
+pub use overlaps::{RigidPose, overlaps};
+
 use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::error::{Error, Result};
 use crate::forces::{Space, StateView};
-use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::math::AXES;
 use crate::matter::{EnergySink, SolidMotion};
@@ -123,51 +126,6 @@ impl RigidBodies {
     }
 }
 
-/// History: orientations, angular momenta, torques, loads of contacts and joints, forces of ties.
-impl History for RigidBodies {
-    fn save(&mut self) {
-        self.saved.clone_from(&self.world.state);
-    }
-
-    fn rollback(&mut self) {
-        self.world.state.clone_from(&self.saved);
-    }
-
-    fn capture(&self, archive: &mut Archive) {
-        let turn = |turn: &Turn| {
-            let Turn { orientation: Orientation { quaternion, angle }, spin } = turn;
-            [quaternion.to_array().as_slice(), &[*angle], &spin.to_array()].concat()
-        };
-        archive.write("turns", self.world.state.turns.iter().flat_map(turn));
-        archive.write("loads", self.world.state.packed_loads());
-        archive.write("joints", self.world.state.packed_joints());
-        archive.write("torn", [self.world.state.torn]);
-        archive.write("ties", self.world.state.ties.iter().flat_map(DVec3::to_array));
-        archive.write("torques", self.world.state.torques.iter().flat_map(DVec3::to_array));
-    }
-
-    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let numbers = archive.read_exactly("turns", 8 * self.particles.len())?;
-        for (turn, numbers) in self.world.state.turns.iter_mut().zip(numbers.chunks_exact(8)) {
-            let [x, y, z, w, angle, spin @ ..] = numbers else { continue };
-            let quaternion = glam::DQuat::from_xyzw(*x, *y, *z, *w);
-            *turn = Turn { orientation: Orientation { quaternion, angle: *angle }, spin: DVec3::from_slice(spin) };
-        }
-        let loads = archive.read("loads")?.to_vec();
-        let joints = archive.read("joints")?.to_vec();
-        self.world.state.torn = archive.read_number("torn")?;
-        let ties = archive.read_exactly("ties", AXES * self.world.state.ties.len())?;
-        self.world.state.ties = ties.chunks_exact(AXES).map(DVec3::from_slice).collect();
-        let torques = archive.read_exactly("torques", AXES * self.particles.len())?;
-        self.world.state.torques = torques.chunks_exact(AXES).map(DVec3::from_slice).collect();
-        if self.world.state.unpack(&loads, &joints) {
-            Ok(())
-        } else {
-            Err(Error::parameter("checkpoint.joints", "joints of this scene", "others"))
-        }
-    }
-}
-
 impl<V: Space> Constraint<V> for RigidBodies {
     fn about(&self) -> ConstraintProperties {
         let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
@@ -205,10 +163,14 @@ impl<V: Space> Constraint<V> for RigidBodies {
 
     fn notes(&self) -> Vec<String> {
         let overlap = self.overlap.filter(|&overlap| overlap > 0.0);
-        let text = |overlap| {
+        let start = |overlap| {
             format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart")
         };
-        overlap.map(text).into_iter().collect()
+        let pushed = Some(self.world.state.pushed).filter(|&pushed| pushed != 0.0);
+        let push = |pushed| {
+            format!("rigid bodies: pushing those apart that overlapped has added {pushed:.2e} J so far, which shows as drift")
+        };
+        overlap.map(start).into_iter().chain(pushed.map(push)).collect()
     }
 
     /// Places tied particles, and refuses bodies that overlap at the start.
