@@ -21,8 +21,8 @@ from physcore.simulation.state import Frame, Snapshot
 
 ROOM = 1.25
 """Width of the view over that of the first state, in which it is going to move."""
-LARGEST = 1.4
-"""Largest factor by which the size that the renderer chooses grows with the page."""
+SIZE, LARGEST = (640, 480), 1.4
+"""Size of pictures, if none is asked for [pixels], and the largest factor by which it grows with the page."""
 LEAP = 0.02
 """Least fraction of the way between two moments that is worth another picture."""
 
@@ -67,16 +67,18 @@ class Artist:
         daemon: bool,
     ) -> None:
         self._moment, self._options, self._fps, self._deliver = moment, dict(options), fps, deliver
+        if "format" in options:
+            self._options.setdefault("size", None)
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._open, self._watched, self._lost = True, False, False
         self._shown: tuple[Moment, float] | None = None
-        self._look: dict[str, Any] = {}
+        self._look: dict[str, Any] = {"size": SIZE}
         """Options that follow the page."""
         self._renderer = self._made(scene)
         self.error = ""
         self.reel = Reel()
-        self.picture = self._first = self._drawn(moment(), 1.0)
+        self.picture = self._drawn(moment(), 1.0)
         """The latest picture. Any thread may read it."""
         self._thread = threading.Thread(target=self._run, name="physcore-panel-pictures", daemon=daemon)
 
@@ -106,12 +108,9 @@ class Artist:
 
     def suit(self, theme: str, width: float) -> None:
         """Draw from now on in a theme and for a width of the page [pixels], as far as the options leave them open."""
-        height, across = self._first.pixels.shape[:2]
-        factor = min(max(width / across, 1.0), LARGEST)
-        look = {"theme": theme, "size": (2 * round(factor * across / 2), 2 * round(factor * height / 2))}
-        if "format" in self._options:
-            del look["size"]
-        look = {name: value for name, value in look.items() if name not in self._options}
+        factor = min(max(width / SIZE[0], 1.0), LARGEST)
+        size = tuple(2 * round(factor * side / 2) for side in SIZE)
+        look = {name: value for name, value in (("theme", theme), ("size", size)) if name not in self._options}
         with self._lock:
             if look != self._look:
                 self._look, before = look, self._renderer

@@ -21,7 +21,7 @@ SECONDS = 6.0
 """Length of the film [s]."""
 RATE = 20.0
 """Largest number of pictures per second."""
-BYTES = 128_000_000
+BYTES = 220_000_000
 """Largest memory of the pictures [bytes]."""
 SAMPLES = 8
 """Number of pictures from which the palette is chosen."""

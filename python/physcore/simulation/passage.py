@@ -66,7 +66,7 @@ class Course:
         return self._passage(self._last, audited=audited)
 
     def advance(self, duration: float, *, audited: bool) -> Passage:
-        """Advance by at least a duration [s], and by a step or more; adaptive steps end exactly there.
+        """Advance by at most a duration [s], but at least by a step; adaptive steps end exactly there.
 
         Raises:
             SimulationDiverged, SceneError: as `Simulation.step`.
@@ -76,7 +76,7 @@ class Course:
             simulation.run(duration)
             return self.present(audited=audited)
         dt = simulation.dt
-        steps = max(1, math.ceil(duration / dt - TIME_TOLERANCE))
+        steps = max(1, math.floor(duration / dt + TIME_TOLERANCE))
         if dt < COARSE * duration:
             simulation.step(steps)
             return self.present(audited=audited)

@@ -1,0 +1,69 @@
+"""From pixels to meters and back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from physcore.film.renderer import Renderer
+from physcore.panel.artist import Picture
+from physcore.panel.pointer import moved, picked
+
+
+def drawn(scene, **options):
+    renderer = Renderer(scene, size=(320, 240), **options)
+    simulation = pc.Simulation(scene)
+    pixels = renderer.draw(simulation)
+    return Picture(pixels, simulation.frame(), renderer.view, None)
+
+
+FLAT = pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0], [0.5, 0.8]], fixed=[2], name="dots"))
+DEEP = pc.Scene(pc.Particles([[0.0, 0.0, 0.0], [1.0, 2.0, 0.5], [0.5, 0.8, 1.0]], name="dots"))
+
+
+@pytest.mark.parametrize(
+    ("scene", "camera"),
+    [
+        (FLAT, None),
+        (DEEP, pc.Orbit(azimuth=20.0, elevation=30.0, field_of_view=60.0)),
+        (DEEP, pc.Orbit(azimuth=-70.0, elevation=80.0, field_of_view=0.0)),
+    ],
+    ids=["2D", "perspective", "parallel"],
+)
+def test_a_moved_pointer_is_under_its_pixel_and_as_far_away_as_before(scene, camera):
+    view = drawn(scene, camera=camera).view
+    before = scene.bodies[0].positions[1]
+    for pixel in [(10.0, 20.0), (300.0, 7.5), (161.2, 239.0)]:
+        point = moved(view, tuple(before.tolist()), *pixel)
+        pixels, depths, _ = view.project(np.array([point, before]))
+        np.testing.assert_allclose(pixels[0], pixel, atol=2e-4)  # projections have single precision
+        if depths is not None:
+            # Depths along the line of sight: those of the plane through the pointer are equal.
+            along = (np.array([point, before]) @ view.axes[2]).round(12)
+            assert along[0] == pytest.approx(along[1], abs=1e-5)
+
+
+def test_the_nearest_free_element_is_picked_and_none_that_is_far():
+    picture = drawn(FLAT)
+    body = FLAT.bodies[0]
+    pixels, _, _ = picture.view.project(body.positions)
+    for index in (0, 1):
+        assert picked(picture, *(pixels[index] + 3.0).tolist()) == (body, index)
+    assert picked(picture, *pixels[2].tolist()) is None  # it is fixed, and the others are far away
+    assert picked(picture, -500.0, 0.0) is None
+
+
+def test_indices_count_within_their_body_and_rigid_bodies_too():
+    stones = pc.RigidBodies(pc.Disc(0.1), [(0.0, 2.0), (1.0, 2.0)], name="stones")
+    dots = pc.Particles([[0.0, 0.0], [1.0, 0.0]], name="dots")
+    for scene in (pc.Scene(stones, dots), pc.Scene(dots, stones)):
+        picture = drawn(scene)
+        for body in scene.bodies:
+            pixels, _, _ = picture.view.project(body.positions)
+            for index in range(2):
+                assert picked(picture, *pixels[index].tolist()) == (body, index)
+
+
+def test_a_scene_of_fields_has_nothing_to_pick():
+    assert picked(drawn(pc.Scene(pc.Wave(pc.Grid((8, 8), 0.1), 1.0))), 100.0, 100.0) is None
