@@ -93,6 +93,20 @@ impl Inertia {
         Self { moments, inverse, axes, order, planar: false }
     }
 
+    /// Moments with point masses [kg] at places about the same center [m], in the frame of the body.
+    #[must_use]
+    pub fn with(&self, masses: &[(f64, DVec3)]) -> Self {
+        let across = |place: DVec3| DMat3::from_cols(place * place.x, place * place.y, place * place.z);
+        let of =
+            |&(mass, place): &(f64, DVec3)| mass * (DMat3::from_diagonal(DVec3::splat(place.length_squared())) - across(place));
+        let added = masses.iter().map(of).fold(DMat3::ZERO, |sum, one| sum + one);
+        if self.planar {
+            return Self::planar(self.moments.z + added.z_axis.z);
+        }
+        let axes = DMat3::from_quat(self.axes);
+        Self::spatial(axes * DMat3::from_diagonal(self.moments) * axes.transpose() + added)
+    }
+
     /// Largest inverse moment [1/(kg·m²)]; 0 for a body that does not turn.
     pub fn largest_inverse(&self) -> f64 {
         self.inverse.max_element()
@@ -186,6 +200,19 @@ mod tests {
         let axes = DMat3::from_quat(axes);
         let again = axes * DMat3::from_diagonal(moments) * axes.transpose();
         assert!((again - tensor()).to_cols_array().iter().all(|entry| entry.abs() < 1e-14));
+    }
+
+    /// A dumbbell of two point masses and a body between them has the sum of their moments.
+    #[test]
+    fn point_masses_add_their_moments() {
+        let place = DVec3::new(0.3, -0.4, 1.2);
+        let inertia = Inertia::spatial(tensor()).with(&[(2.0, place), (2.0, -place)]);
+        let turning = DVec3::new(0.5, 1.0, -2.0);
+        let still = Orientation::spatial(DQuat::IDENTITY);
+        let expected = tensor() * turning + 4.0 * place.cross(turning.cross(place));
+        assert!((inertia.spin(&still, turning) - expected).length() < 1e-13);
+        let planar = Inertia::planar(0.7).with(&[(2.0, DVec3::new(0.3, 0.4, 0.0))]);
+        assert!((planar.moments.z - 1.2).abs() < 1e-15);
     }
 
     /// The error of an orientation after one second falls by 4 for half the step, and the energy does not drift.

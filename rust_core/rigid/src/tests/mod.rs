@@ -1,7 +1,7 @@
 //! Tests of motion: closed forms, conservation, and rest.
 
 mod joints;
-mod laboratory;
+pub(crate) mod laboratory;
 mod plane;
 mod springs;
 mod surfaces;

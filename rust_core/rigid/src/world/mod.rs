@@ -10,7 +10,7 @@ mod springs;
 mod state;
 mod step;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::island::{ContactKey, Island, Meters};
 use crate::mover::Mover;
@@ -63,6 +63,15 @@ pub struct CenterMotion {
     pub velocity: DVec3,
     /// Velocity of the drift, after the kick of half a step [m/s].
     pub drift: DVec3,
+    /// Torque of the forces at the start of the step, then at its end [N·m].
+    pub torque: DVec3,
+}
+
+impl CenterMotion {
+    /// Motion without forces.
+    pub fn free(position: DVec3, velocity: DVec3) -> Self {
+        Self { position, velocity, drift: velocity, torque: DVec3::ZERO }
+    }
 }
 
 /// Numerics of contacts.
@@ -132,6 +141,20 @@ impl RigidWorld {
         if solid.inverse_mass == 0.0 { turn.spin } else { solid.inertia.inverse(&turn.orientation) * turn.spin }
     }
 
+    /// Rotation of a body from its frame to the world's.
+    pub fn rotation(&self, body: usize) -> DMat3 {
+        self.state.turns[body].orientation.matrix()
+    }
+
+    /// Change of the angular velocity of a body [rad/s] by an angular impulse [N·m·s]; 0 of a fixed body.
+    pub fn angular_velocity_by(&self, body: usize, impulse: DVec3) -> DVec3 {
+        let (solid, turn) = (&self.bodies[body], &self.state.turns[body]);
+        if solid.inverse_mass == 0.0 || impulse == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        solid.inertia.inverse(&turn.orientation) * impulse
+    }
+
     /// Sets the orientation and the angular velocity [rad/s] of a body.
     pub fn turn(&mut self, body: usize, orientation: Orientation, turning: DVec3) {
         let solid = &self.bodies[body];
@@ -190,7 +213,7 @@ impl RigidWorld {
             orientation: turn.orientation,
             spin: turn.spin,
             acceleration: (motion.drift - motion.velocity) * (2.0 / h),
-            torque: DVec3::ZERO,
+            torque: motion.torque,
             inverse_mass: solid.inverse_mass,
             inertia: solid.inertia,
             arm: if shape.is_round() { 0.0 } else { shape.reach() },

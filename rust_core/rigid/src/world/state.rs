@@ -49,6 +49,10 @@ pub struct RigidState {
     pub joints: Vec<WorldJoint>,
     /// Energy of the springs that broke [J].
     pub torn: f64,
+    /// Torques of the forces on the bodies at the end of the last step [N·m].
+    pub torques: Vec<DVec3>,
+    /// Mean forces of tied particles on the bodies in the last step [N].
+    pub ties: Vec<DVec3>,
     /// Energy gained so far by pushing overlapping bodies apart [J].
     pub pushed: f64,
 }

@@ -86,6 +86,11 @@ impl RigidWorld {
     /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick. Changes their velocities;
     /// returns the energies of contacts and joints.
     pub fn finish(&mut self, h: f64, bodies: &mut [CenterMotion], others: &mut [CenterMotion], executor: &Executor) -> Meters {
+        for ((motion, turn), solid) in bodies.iter().zip(&mut self.state.turns).zip(&self.bodies) {
+            if motion.torque != DVec3::ZERO && solid.inverse_mass > 0.0 {
+                turn.spin += 0.5 * h * motion.torque;
+            }
+        }
         self.end_springs(h, bodies, others);
         let count = self.bodies.len();
         let free = count + others.len();

@@ -9,6 +9,7 @@ use physcore_rigid::surface::{Friction, Surface};
 use physcore_rigid::world::{CenterMotion, ContactSolver, FixedSolid, FreePoint, RigidWorld, SolidBody, Turn, WORLD, WorldJoint};
 
 use super::RigidBodies;
+use super::anchors::Ties;
 use crate::error::{Error, Result};
 use crate::fluids;
 use crate::forces::Space;
@@ -26,8 +27,8 @@ impl RigidBodies {
     ///
     /// # Errors
     /// If a value is wrong, or the method does not carry rigid bodies.
-    pub fn declared<V: Space>(declared: &Declaration<'_, V>) -> Result<Option<Self>> {
-        let Declaration { scene, properties, method, .. } = declared;
+    pub fn declared<V: Space>(declared: &mut Declaration<'_, V>) -> Result<Option<Self>> {
+        let Declaration { scene, properties, method, .. } = *declared;
         let Some(first) = scene.bodies.iter().find(|body| body.item.kind == RIGID_BODIES) else { return Ok(None) };
         refuse(RIGID, method)?;
         if V::Scalar::NAME != "f64" {
@@ -50,8 +51,11 @@ impl RigidBodies {
             add_bodies(&mut world, scene, index)?;
         }
         add_walls(&mut world, scene)?;
-        let points = points(&mut world, scene, properties, &engine);
-        let starts: Vec<DVec3> = scene.positions();
+        world.state.torques = vec![DVec3::ZERO; world.bodies.len()];
+        let ties = Ties::declared(declared, &mut world, &places)?;
+        world.state.ties = vec![DVec3::ZERO; ties.count];
+        let points = points(&mut world, scene, properties, &engine, &ties);
+        let starts = ties.centers(&world, scene, &places);
         let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
         let path = first.item.path.clone();
         let mut held = Self {
@@ -60,6 +64,7 @@ impl RigidBodies {
             particles,
             points,
             joined,
+            tied: ties.bodies,
             motions: Vec::new(),
             others: Vec::new(),
             near: Vec::new(),
@@ -170,13 +175,19 @@ pub(super) fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// Particles that may meet the bodies, in the caller's order. A particle has the friction and restitution of what it meets.
-fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properties<V>, engine: &[u32]) -> Vec<(u32, FreePoint)> {
+/// Particles that may meet the bodies, in the caller's order, without those that are tied. A particle has the friction and restitution of what it meets.
+fn points<V: Space>(
+    world: &mut RigidWorld,
+    scene: &Scene,
+    properties: &Properties<V>,
+    engine: &[u32],
+    ties: &Ties,
+) -> Vec<(u32, FreePoint)> {
     let mut points = Vec::new();
     let mut known: Vec<(f64, usize)> = Vec::new();
     for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| body.item.kind != RIGID_BODIES) {
         let start = scene.first(index);
-        for row in 0..body.positions.len() {
+        for row in (0..body.positions.len()).filter(|row| ties.owners[start + row].is_none()) {
             let particle = engine[start + row];
             let radius = properties.radius[particle as usize];
             let shape = known.iter().find(|(other, _)| *other == radius).map(|(_, shape)| *shape);
@@ -218,11 +229,7 @@ pub(super) fn add_joints(
             };
             if let Some(body) = *place {
                 ends[side] = body;
-                movers[side] = world.mover(
-                    body,
-                    &CenterMotion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO },
-                    1.0,
-                );
+                movers[side] = world.mover(body, &CenterMotion::free(starts[particle], DVec3::ZERO), 1.0);
             } else {
                 ends[side] = world.bodies.len() + particle;
                 movers[side].position = starts[particle];

@@ -27,7 +27,7 @@ pub fn overlaps(scene: &Scene, states: &[Vec<RigidPose>]) -> Result<Vec<Vec<Over
     }
     add_walls(&mut world, scene)?;
     add_joints(&mut world, scene, &places, &scene.positions(), &[])?;
-    let still = |position: &DVec3| CenterMotion { position: *position, velocity: DVec3::ZERO, drift: DVec3::ZERO };
+    let still = |position: &DVec3| CenterMotion::free(*position, DVec3::ZERO);
     let of = |state: &Vec<RigidPose>| {
         for (body, (_, orientation)) in state.iter().enumerate() {
             world.turn(body, *orientation, DVec3::ZERO);
