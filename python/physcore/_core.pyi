@@ -23,6 +23,7 @@ __all__ = [
     "log",
     "missing_signs",
     "norms",
+    "points_inside",
     "power",
     "rigid_overlaps",
     "shape_properties",
@@ -73,6 +74,13 @@ def sin(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def cos(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def arctan2(y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def power(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def points_inside(
+    record: dict[str, object],
+    dimension: int,
+    points: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    orientations: NDArray[np.float64],
+) -> NDArray[np.bool_]: ...
 def shape_properties(
     record: dict[str, object], dimension: int
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]: ...

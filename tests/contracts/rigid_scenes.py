@@ -231,3 +231,27 @@ def flagpole() -> pc.Scene:
 def pile(**options: Any) -> dict[str, Any]:
     """Numerics of a large group of a few bodies."""
     return {"contacts": pc.ContactSolver(**{"sequential": 4, **options})}
+
+
+def floating(spacing: float = 0.1) -> pc.Scene:
+    """A box that falls into water, and a paddle in the water that turns as prescribed."""
+    box = pc.RigidBody(
+        pc.Rectangle(0.4, 0.3), (0.5, 0.95), angle=0.2, velocity=(0.2, -1.0), angular_velocity=0.5, density=600.0
+    )
+    paddle = pc.RigidBody(pc.Capsule(0.3, 0.12), (1.2, 0.4), angle=0.3, fixed=True, angular_velocity=2.0)
+    points = pc.block((0.0, 0.0), (1.6, 0.7), spacing)
+    water = pc.Fluid(points[~paddle.contains(points)], spacing, viscosity=1.0)
+    return pc.Scene(box, paddle, water, pc.Box((0.0, 0.0), (1.6, 1.4), restitution=0.2, friction=0.4), DOWN)
+
+
+def splashes(spacing: float = 0.15) -> pc.Scene:
+    """A shard that is hit by a drop."""
+    shard = pc.RigidBody(
+        pc.Hull([tuple(2.0 * each for each in corner) for corner in SHARD]),
+        (0.0, 0.0, 0.0),
+        orientation=(0.8, 0.0, 0.6, 0.0),
+        angular_velocity=(1.0, -0.5, 2.0),
+        density=800.0,
+    )
+    drop = pc.Fluid(pc.block((0.55, -0.45, -0.45), (1.45, 0.45, 0.45), spacing), spacing, velocities=(-2.0, 0.0, 0.0))
+    return pc.Scene(shard, drop)

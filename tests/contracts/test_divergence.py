@@ -83,7 +83,7 @@ def read(run: pc.Simulation, name: str) -> np.ndarray:
         return np.stack([values.real, values.imag], axis=-1) if np.iscomplexobj(values) else values
     if FIELDS[name].element == "rigid bodies":
         return np.concatenate([getattr(run[body], FIELDS[name].part) for body in run.scene.bodies if body.is_rigid])
-    rows = [getattr(run[body], name, np.full(len(body), np.nan)) for body in run.scene.bodies]
+    rows = [getattr(run[body], name, np.full(len(body), np.nan)) for body in run.scene.bodies if not body.is_rigid]
     return np.concatenate(rows)
 
 

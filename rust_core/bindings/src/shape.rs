@@ -1,7 +1,7 @@
-//! Mass properties and overlaps of the shapes of rigid bodies, for Python.
+//! Mass properties and overlaps of the shapes of rigid bodies, and points in them, for Python.
 
 use glam::{DQuat, DVec3};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use physcore_engine::systems::matter::{RigidPose, overlaps};
 use physcore_rigid::rotation::Orientation;
 use physcore_rigid::shapes::SolidShape;
@@ -14,6 +14,33 @@ use crate::scene;
 
 /// Area or volume, center of mass (3,) [m], and inertia tensor (3, 3) about it per unit density.
 type ShapeProperties<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// Whether each of the points (N, 3) is in a body. The bodies have the shape of a record, positions (B, 3) and orientations
+/// (w, x, y, z), (B, 4).
+#[pyfunction]
+pub fn points_inside<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    dimension: usize,
+    points: PyReadonlyArray2<'py, f64>,
+    positions: PyReadonlyArray2<'py, f64>,
+    orientations: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    let mut reader = Reader { dimension, functions: Vec::new() };
+    let kind: String = record.get_item("kind")?.extract()?;
+    let (shape, _) = SolidShape::declared(&reader.item(record, kind)?, dimension).map_err(|error| exception(py, error))?;
+    let [points, centers] = [points.as_array(), positions.as_array()]
+        .map(|rows| rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect::<Vec<_>>());
+    let turns = orientations.as_array();
+    let turns = turns.rows().into_iter().map(|row| DQuat::from_xyzw(row[1], row[2], row[3], row[0]).inverse());
+    let bodies: Vec<(DVec3, DQuat)> = centers.into_iter().zip(turns).collect();
+    let square = shape.reach() * shape.reach();
+    let is_inside = |point: DVec3| {
+        let mut near = bodies.iter().map(|(center, turn)| (point - *center, turn));
+        near.any(|(away, turn)| away.length_squared() <= square && shape.contains(*turn * away))
+    };
+    Ok(PyArray1::from_iter(py, points.into_iter().map(is_inside)))
+}
 
 /// Mass properties of the shape that a record declares.
 #[pyfunction]

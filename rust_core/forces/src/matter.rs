@@ -90,6 +90,8 @@ pub struct SolidMotion {
     pub particle: u32,
     /// Rotation from the body's frame to the world's.
     pub orientation: DQuat,
+    /// Orientation at the start of the last drift.
+    pub before: DQuat,
     /// Angular velocity in the world's axes [rad/s].
     pub angular_velocity: DVec3,
 }

@@ -9,6 +9,8 @@
 //! reference axis is the one for which the product of both c is least in size. Source: F. Fassò, J. Comput. Phys. 189, 527 (2003).
 
 use glam::{DMat3, DQuat, DVec3};
+use physcore_base::error::Result;
+use physcore_base::scene::{Item, Value};
 
 /// Orientation of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,11 +32,34 @@ impl Orientation {
         Self { quaternion, angle: 0.0 }
     }
 
+    /// Orientations of the `count` bodies of an item: by its `angles` in 2D, and by its `orientations` (w, x, y, z) in 3D.
+    ///
+    /// # Errors
+    /// If they are not that many numbers or quaternions.
+    pub fn declared(item: &Item, count: usize, dimension: usize) -> Result<Vec<Self>> {
+        if dimension == 2 {
+            return Ok(item.numbers("angles", count)?.iter().map(|&angle| Self::planar(angle)).collect());
+        }
+        match item.values.get("orientations") {
+            Some(Value::Numbers(array)) if array.shape == [count, 4] => {
+                let rows = array.entries.as_chunks::<4>().0.iter();
+                Ok(rows.map(|&[w, x, y, z]| Self::spatial(DQuat::from_xyzw(x, y, z, w).normalize())).collect())
+            }
+            other => Err(item.wrong("orientations", &format!("{count} quaternions"), other)),
+        }
+    }
+
     /// Orientation after a turn by the vector `angle` [rad] in the world.
     #[must_use]
     pub fn turned(&self, angle: DVec3) -> Self {
         let quaternion = (rotation_by(angle) * self.quaternion).normalize();
         Self { quaternion, angle: self.angle + angle.z }
+    }
+
+    /// Components of the quaternion (w, x, y, z).
+    pub fn components(&self) -> [f64; 4] {
+        let [x, y, z, w] = self.quaternion.to_array();
+        [w, x, y, z]
     }
 
     /// Rotation matrix.

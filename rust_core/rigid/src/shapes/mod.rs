@@ -16,6 +16,7 @@ mod part;
 mod parts;
 mod patches;
 mod plane;
+mod samples;
 mod skin;
 mod terrain;
 mod tree;
@@ -27,6 +28,7 @@ pub(crate) use part::Part;
 pub(crate) use parts::ConvexParts;
 pub use patches::SurfacePatch;
 use plane::Planar;
+pub use samples::{ShapeSamples, VolumeSample};
 pub(crate) use terrain::GroundProfile;
 pub use walls::{WallShape, walls};
 

@@ -155,6 +155,13 @@ impl RigidWorld {
         solid.inertia.inverse(&turn.orientation) * impulse
     }
 
+    /// Work of fixed bodies that turn, against the present torques of the forces during half a step of `h` seconds [J].
+    pub fn work_of_turning(&self, h: f64) -> f64 {
+        let each = self.bodies.iter().zip(&self.state.turns).zip(&self.state.torques);
+        let fixed = each.filter(|((body, _), _)| body.inverse_mass == 0.0);
+        fixed.map(|((_, turn), torque)| -0.5 * h * torque.dot(turn.spin)).sum()
+    }
+
     /// Sets the orientation and the angular velocity [rad/s] of a body.
     pub fn turn(&mut self, body: usize, orientation: Orientation, turning: DVec3) {
         let solid = &self.bodies[body];

@@ -1,6 +1,6 @@
 //! Rigid bodies, joints and boundaries of a scene.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use physcore_rigid::joints::{DampedSpring, Joint, JointKind, Motor};
 use physcore_rigid::mover::Mover;
 use physcore_rigid::rotation::{Inertia, Orientation};
@@ -15,7 +15,7 @@ use crate::fluids;
 use crate::forces::Space;
 use crate::math::Real;
 use crate::matter::Properties;
-use crate::scene::{Item, RIGID_BODIES, Scene, Value};
+use crate::scene::{Item, RIGID_BODIES, Scene};
 use crate::systems::matter::constraints::{Declaration, RIGID, refuse};
 
 /// Kinds of joints.
@@ -33,9 +33,6 @@ impl RigidBodies {
         refuse(RIGID, method)?;
         if V::Scalar::NAME != "f64" {
             return Err(Error::parameter("precision", "f64 in a scene with rigid bodies", V::Scalar::NAME));
-        }
-        if let Some(fluid) = scene.bodies.iter().find(|body| body.item.kind == fluids::KIND) {
-            return Err(Error::parameter(&fluid.item.path, "no fluid in a scene with rigid bodies", &fluid.item.kind));
         }
         let mut world = RigidWorld::new(scene.dimension == 2);
         world.solver = solver(&first.item)?;
@@ -124,11 +121,7 @@ pub(super) fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) ->
     } else {
         item.vectors("angular_velocities", Some(count), 3)?
     };
-    let orientations: Vec<Orientation> = if planar {
-        item.numbers("angles", count)?.iter().map(|&angle| Orientation::planar(angle)).collect()
-    } else {
-        quaternions(item, count)?.into_iter().map(Orientation::spatial).collect()
-    };
+    let orientations = Orientation::declared(item, count, scene.dimension)?;
     for row in 0..count {
         let density = body.mass[row] / size;
         let inertia = if planar { Inertia::planar(density * inertia.z_axis.z) } else { Inertia::spatial(inertia * density) };
@@ -149,16 +142,6 @@ pub(super) fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) ->
     Ok(())
 }
 
-/// Unit quaternions of an item, (w, x, y, z).
-fn quaternions(item: &Item, count: usize) -> Result<Vec<DQuat>> {
-    match item.values.get("orientations") {
-        Some(Value::Numbers(array)) if array.shape == [count, 4] => {
-            Ok(array.entries.chunks_exact(4).map(|row| DQuat::from_xyzw(row[1], row[2], row[3], row[0]).normalize()).collect())
-        }
-        other => Err(item.wrong("orientations", &format!("{count} quaternions"), other)),
-    }
-}
-
 /// Adds the boundaries of a scene as fixed shapes.
 pub(super) fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
     let rigid: Vec<usize> = (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == RIGID_BODIES).collect();
@@ -175,7 +158,8 @@ pub(super) fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// Particles that may meet the bodies, in the caller's order, without those that are tied. A particle has the friction and restitution of what it meets.
+/// Particles that may meet the bodies, in the caller's order, without those that are tied and those of fluids. A particle has the
+/// friction and restitution of what it meets.
 fn points<V: Space>(
     world: &mut RigidWorld,
     scene: &Scene,
@@ -185,7 +169,8 @@ fn points<V: Space>(
 ) -> Vec<(u32, FreePoint)> {
     let mut points = Vec::new();
     let mut known: Vec<(f64, usize)> = Vec::new();
-    for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| body.item.kind != RIGID_BODIES) {
+    let meets = |item: &Item| ![RIGID_BODIES, fluids::KIND].contains(&item.kind.as_str());
+    for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| meets(&body.item)) {
         let start = scene.first(index);
         for row in (0..body.positions.len()).filter(|row| ties.owners[start + row].is_none()) {
             let particle = engine[start + row];

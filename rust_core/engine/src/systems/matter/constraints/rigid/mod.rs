@@ -120,7 +120,7 @@ impl RigidBodies {
         let of = |(body, &particle): (usize, &u32)| {
             let (orientation, torque) = (self.world.state.turns[body].orientation, self.world.state.torques[body]);
             let angular_velocity = self.world.angular_velocity(body) + self.world.angular_velocity_by(body, h * torque);
-            SolidMotion { particle, orientation: orientation.quaternion, angular_velocity }
+            SolidMotion { particle, orientation: orientation.quaternion, before: orientation.quaternion, angular_velocity }
         };
         self.particles.iter().enumerate().map(of).collect()
     }
@@ -221,6 +221,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
             motion.drift = step.drift_velocity(*particle as usize);
         }
         self.choose(step.h);
+        let before: Vec<Turn> = self.world.state.turns.clone();
         let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
         let moved = self.world.drift(step.h, &mut self.motions, &points, &mut others, step.executor);
@@ -244,13 +245,17 @@ impl<V: Space> Constraint<V> for RigidBodies {
             self.world.state.torques[tied.body] = start.torque;
         }
         step.matter.solids = self.motions_after(0.5 * step.h);
+        let solids = step.matter.solids.iter_mut().zip(before);
+        solids.for_each(|(solid, turn)| solid.before = turn.orientation.quaternion);
         Ok(true)
     }
 
     fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
         let at = |particle: u32| motion(step, particle as usize);
         self.motions.clear();
+        let turned = self.world.work_of_turning(step.h);
         self.world.state.torques = step.torques();
+        let turned = turned + self.world.work_of_turning(step.h);
         let torques = self.particles.iter().zip(&self.world.state.torques);
         self.motions.extend(torques.map(|(&particle, &torque)| CenterMotion { torque, ..at(particle) }));
         for tied in &mut self.tied {
@@ -274,7 +279,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
             tally.add(EnergySink::Contact, meters.dissipated);
             tally.add(EnergySink::Damping, meters.damped);
-            tally.add(EnergySink::Work, meters.work);
+            tally.add(EnergySink::Work, meters.work + turned);
         }
         Ok(())
     }
@@ -354,7 +359,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let name = Constraint::<V>::fields(self).swap_remove(field).name;
         match name.as_str() {
             "angles" => state.turns.iter().map(|turn| turn.orientation.angle).collect(),
-            "orientations" => state.turns.iter().flat_map(|turn| quaternion(&turn.orientation)).collect(),
+            "orientations" => state.turns.iter().flat_map(|turn| turn.orientation.components()).collect(),
             "angular_velocities" => turns(&mut (0..self.particles.len()).map(|body| self.world.angular_velocity(body))),
             "joint_forces" => forces(&mut state.joints.iter().map(|joint| joint.reaction[0])),
             "joint_torques" => turns(&mut state.joints.iter().map(|joint| joint.reaction[1])),
@@ -385,12 +390,6 @@ impl<V: Space> Constraint<V> for RigidBodies {
             self.world.turn(body, orientation, turning);
         }
     }
-}
-
-/// Quaternion (w, x, y, z).
-fn quaternion(orientation: &Orientation) -> [f64; 4] {
-    let [x, y, z, w] = orientation.quaternion.to_array();
-    [w, x, y, z]
 }
 
 /// Motion of a particle in the present state.
