@@ -89,7 +89,7 @@ pub struct Island {
 
 impl Island {
     /// Group without contacts yet.
-    pub fn new(planar: bool, accuracy: Accuracy) -> Self {
+    pub fn new(planar: bool) -> Self {
         Self {
             movers: Vec::new(),
             members: Vec::new(),
@@ -98,7 +98,7 @@ impl Island {
             contacts: Vec::new(),
             joints: Vec::new(),
             planar,
-            accuracy,
+            accuracy: Accuracy::FINE,
             meters: Meters::default(),
             step: 0.0,
             open: 0.0,

@@ -55,6 +55,7 @@ impl Island {
         let mut first = FirstHalf::default();
         first.rows.planar = self.planar;
         self.hold_joints((length, h), &v, &mut first);
+        let poses = self.poses();
         let mut before = Vec::new();
         let mut anchors = Vec::new();
         for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.held) {
@@ -64,7 +65,7 @@ impl Island {
             row.impulse = contact.load.scaled(0.5 * length);
             row.impulse.tangential = row.impulse.tangential.reject_from_normalized(row.normal);
             before.push((row.velocity(&start), row.turning(&start)));
-            anchors.push(self.anchors(contact));
+            anchors.push(contact.anchors(&poses));
             first.rows.contacts.push(row);
             first.contacts.push(index);
         }
@@ -81,8 +82,8 @@ impl Island {
                 break;
             }
         }
-        for ((row, &index), before) in first.rows.contacts.iter().zip(&first.contacts).zip(before) {
-            first.lost += lost(row, self.contacts[index].strikes, before, (row.velocity(&v), row.turning(&v)));
+        for (row, before) in first.rows.contacts.iter().zip(before) {
+            first.lost += lost(row, false, before, (row.velocity(&v), row.turning(&v)));
         }
         first.lost += first.rows.stopped(&start, &v);
         first.work = first.rows.supplied(&start, &v);
@@ -114,20 +115,21 @@ impl Island {
         (v, middle): (&BodyVelocities, &BodyVelocities),
         length: f64,
     ) -> bool {
+        let poses = self.poses();
         let mut worst = 0.0_f64;
         let mut size = f64::INFINITY;
         let rows = first.rows.contacts.iter_mut().zip(&first.contacts).zip(&first.remainders).zip(anchors);
         for (((row, &index), remainder), anchors) in rows {
             let contact = &self.contacts[index];
             size = size.min(self.pairs[contact.pair].size);
-            let gap = self.touch(contact).gap - remainder;
+            let gap = contact.at(&poses).gap - remainder;
             let relative = row.velocity(v);
             row.least = row.normal.dot(relative) - gap / length;
             if row.impulse.normal > 0.0 || gap < 0.0 {
                 worst = worst.max(gap.abs());
             }
             if row.friction.sliding > 0.0 && row.impulse.normal > 0.0 {
-                let way = self.way(contact, anchors, middle, length);
+                let way = contact.way(anchors, &poses, middle, length);
                 let slip = (way / length).reject_from_normalized(row.normal);
                 row.slip = relative.reject_from_normalized(row.normal) - slip;
             }
@@ -163,17 +165,17 @@ impl Island {
             row.before = past.impulse;
             row.before.tangential = row.before.tangential.reject_from_normalized(row.normal);
             row.impulse = row.before;
-            row.least = if past.impulse.normal > 0.0 { contact.rebound } else { 0.0 };
+            row.least = 0.0;
             rows.contacts.push(row);
         }
-        let mut v = BodyVelocities::of(&self.movers);
+        let mut v = start;
         rows.start(&mut v);
         let tolerance = self.tolerance(length);
         rows.solve(&mut v, tolerance, self.accuracy.iterations);
         rows.apply(&mut self.movers);
         let mut losses = first.lost + rows.stopped(&first.drifted, &v);
-        for ((row, &index), &middle) in rows.contacts.iter().zip(&first.contacts).zip(&first.middle) {
-            losses += lost(row, self.contacts[index].strikes, middle, (row.velocity(&v), row.turning(&v)));
+        for (row, &middle) in rows.contacts.iter().zip(&first.middle) {
+            losses += lost(row, false, middle, (row.velocity(&v), row.turning(&v)));
         }
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += losses.max(0.0);

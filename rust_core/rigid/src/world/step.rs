@@ -28,7 +28,7 @@ impl RigidWorld {
             movers.push(Mover {
                 position: motion.position,
                 velocity: motion.velocity,
-                acceleration: (motion.drift - motion.velocity) * (2.0 / h),
+                acceleration: motion.acceleration(h),
                 inverse_mass: point.inverse_mass,
                 ..Mover::wall(&Pose::WORLD)
             });

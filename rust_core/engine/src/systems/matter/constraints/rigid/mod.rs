@@ -62,8 +62,7 @@ impl RigidBodies {
         }
         let (lower, upper) = self.world.extent(&self.motions, h);
         for (index, motion) in self.others.iter().enumerate() {
-            let way = h * motion.velocity.length() + h * (motion.drift - motion.velocity).length();
-            let reach = DVec3::splat(way + self.world.reach(&self.points[index].1));
+            let reach = DVec3::splat(motion.way(h) + self.world.reach(&self.points[index].1));
             let inside = (motion.position + reach).cmpge(lower).all() && (motion.position - reach).cmple(upper).all();
             if inside || self.joined[index] {
                 self.near.push(index);
