@@ -9,16 +9,13 @@ mod strikes;
 mod times;
 
 use crate::direct;
-use crate::island::{Accuracy, BodyPair, GroupContact, Island};
+use crate::island::{Accuracy, BodyPair, CLOSED, GroupContact, Island};
 use crate::mover::Mover;
 use crate::rows::BodyVelocities;
 use crate::shapes::SolidShape;
 
 pub(crate) use times::{BodyPath, first_zero};
 
-/// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
-pub(crate) const HIT: f64 = 1e-9;
-pub(crate) const CLOSED: f64 = 1e-6;
 /// Velocity that is no motion, over the largest speed.
 const REST: f64 = 1e-10;
 /// Part of the energy that a step may gain by errors of its impulses.
@@ -28,6 +25,9 @@ const SHORTEST: f64 = 1e-9;
 /// Number of pieces of a step: these, and so many for each body.
 const PIECES: usize = 8;
 const PIECES_PER_BODY: usize = 1;
+/// Largest number of sweeps in the rest of a step, and largest way of a body in one of them, over the size of the least.
+const MOST_SWEEPS: usize = 32;
+const PART_OF_SIZE: f64 = 0.5;
 
 impl Island {
     /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. A step whose impulses would
@@ -38,7 +38,8 @@ impl Island {
         if self.gain(&movers, h) > self.meters.work - meters.work + self.open_work() {
             (self.movers, self.meters, self.joints) = (movers, meters, joints);
             self.contacts.clear();
-            self.sweep(shapes, h, rest);
+            self.meters.retaken += 1;
+            self.sweep_rest(shapes, (h, h), rest);
         }
     }
 
@@ -82,9 +83,17 @@ impl Island {
             if !self.is_small() {
                 break;
             }
-            let start = self.movers.clone();
             let remaining = h - time;
+            let mut start = self.movers.clone();
             self.begin_piece(remaining, h);
+            let landing = self.landing();
+            if !landing.is_empty() {
+                self.movers.copy_from_slice(&start);
+                self.renew_touches();
+                self.settle(&landing);
+                start.copy_from_slice(&self.movers);
+                self.begin_piece(remaining, h);
+            }
             let impact = self.first_impact(shapes, &start, remaining);
             let Some(after) = impact.filter(|&after| after < remaining) else { return };
             self.movers.copy_from_slice(&start);
@@ -97,7 +106,27 @@ impl Island {
                 time += after;
             }
         }
-        self.sweep(shapes, h - time, rest);
+        self.sweep_rest(shapes, (h - time, h), rest);
+    }
+
+    /// Takes the rest of a step of `h` seconds in equal pieces, so short that no body passes through another. Bodies that would
+    /// need too many of them stay where they are for what is left.
+    fn sweep_rest(&mut self, shapes: &[SolidShape], (mut left, h): (f64, f64), rest: (usize, Accuracy)) {
+        let least = self.pairs.iter().map(|pair| pair.size).fold(f64::INFINITY, f64::min);
+        for _ in 0..MOST_SWEEPS {
+            let longest = PART_OF_SIZE * least / self.speed();
+            if !(longest < left) {
+                self.sweep(shapes, left, rest);
+                return;
+            }
+            self.sweep(shapes, longest, rest);
+            let open = 0.5 * self.open;
+            self.movers.iter_mut().for_each(|mover| mover.kick(open));
+            self.end_piece();
+            left -= longest;
+        }
+        self.meters.waits += 1;
+        self.wait(h);
     }
 
     /// Whether the rows that hold are few enough to be solved by Newton steps.
@@ -116,6 +145,7 @@ impl Island {
             let contact = self.contacts[index];
             let closed = contact.touch.gap <= CLOSED * self.pairs[contact.pair].size;
             let opening = self.row(&contact, &v).map_or(f64::INFINITY, |row| row.normal.dot(row.velocity(&v)));
+            self.contacts[index].bounces = opening > still;
             self.contacts[index].held = closed && opening <= (0.5 * h * self.pressing(&contact)).max(still);
         }
         self.hold_closed_limits();

@@ -28,8 +28,9 @@ pub struct GroupContact {
     pub restitution: f64,
     /// Mean force and moment of the last piece.
     pub load: ContactImpulse,
-    /// Whether a row holds the contact in this piece.
+    /// Whether a row holds the contact in this piece, and whether it opens at the start, in a bounce of less than a step.
     pub held: bool,
+    pub bounces: bool,
 }
 
 impl Island {
@@ -91,6 +92,7 @@ impl Island {
                         |contact| contact.load,
                     ),
                     held: false,
+                    bounces: false,
                 });
             }
         }

@@ -22,6 +22,10 @@ pub use contacts::{ContactKey, GroupContact};
 pub(crate) use joints::{HeldJoint, LIMIT_BOUNDS, LIMITS};
 pub use pieces::{FirstHalf, lost};
 
+/// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
+pub(crate) const HIT: f64 = 1e-9;
+pub(crate) const CLOSED: f64 = 1e-6;
+
 /// Numerical parameters of contacts and joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
@@ -59,6 +63,10 @@ pub struct Meters {
     pub damped: f64,
     /// Supplied by motors, and by bodies that move as prescribed.
     pub work: f64,
+    /// Number of steps that were taken again because impulses would have added energy.
+    pub retaken: u32,
+    /// Number of steps in which bodies waited because of too many impacts.
+    pub waits: u32,
 }
 
 /// Group of bodies during a step.

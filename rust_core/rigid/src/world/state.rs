@@ -49,6 +49,11 @@ pub struct RigidState {
     pub joints: Vec<WorldJoint>,
     /// Energy of the springs that broke [J].
     pub torn: f64,
+    /// Number of steps of groups that were taken again because impulses would have added energy, since the start or since a
+    /// checkpoint was read.
+    pub retaken: u64,
+    /// Number of steps of groups in which bodies waited because of too many impacts, since then.
+    pub waits: u64,
 }
 
 /// Numbers of a joint in a file.

@@ -175,11 +175,24 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn notes(&self) -> Vec<String> {
-        let overlap = self.overlap.filter(|&overlap| overlap > 0.0);
-        let text = |overlap| {
-            format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart")
-        };
-        overlap.map(text).into_iter().collect()
+        let mut notes = Vec::new();
+        if let Some(overlap) = self.overlap.filter(|&overlap| overlap > 0.0) {
+            notes.push(format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"));
+        }
+        let (retaken, waits) = (self.world.state.retaken, self.world.state.waits);
+        if retaken > 0 {
+            notes.push(format!(
+                "rigid bodies: {retaken} steps of small groups were taken as those of large ones, because the impulses found would \
+                 have added energy; a smaller dt helps"
+            ));
+        }
+        if waits > 0 {
+            notes.push(format!(
+                "rigid bodies: in {waits} steps of small groups bodies met too often, and stayed where they were for a part of the \
+                 step; a smaller dt helps"
+            ));
+        }
+        notes
     }
 
     /// Refuses bodies that overlap at the start.
