@@ -287,6 +287,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         pc.tradeoff,
         {"scene": SCENE, "duration": 1e-3, "budget": 1e-3, "integrators": [pc.VelocityVerlet()], "dts": [1e-3]},
     ),
+    "sweep": (
+        pc.sweep,
+        {"build": lambda stiffness: SCENE, "parameters": {"stiffness": [1.0]}, "duration": 1e-3, "measure": len},
+    ),
     "Window": (Window, {"lower": (0.0, 0.0), "upper": (1.0, 1.0)}),
     "Orbit": (Orbit, {}),
     "Keyframes": (Keyframes, {"cameras": {0.0: Orbit(), 1.0: Orbit()}}),

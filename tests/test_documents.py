@@ -31,9 +31,14 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize(
-    ("script", "printed"), [*TROUBLES, *scripts("accuracy.md"), *scripts("replace.md"), *scripts("rigid.md")]
+    ("script", "printed"),
+    [
+        *TROUBLES,
+        *(each for name in ("accuracy", "replace", "rigid", "sweeps", "live") for each in scripts(f"{name}.md")),
+    ],
 )
-def test_scripts_print_what_stands_beneath_them(script, printed, capsys):
+def test_scripts_print_what_stands_beneath_them(script, printed, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     exec(compile(script, "docs", "exec"), {})
     took = re.compile(r"about \d+ (s|minutes|hours)")  # That of a run depends on the machine.
     assert took.sub("about", capsys.readouterr().out) == took.sub("about", printed)

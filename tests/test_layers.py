@@ -34,6 +34,7 @@ LAYERS = [
     "film",
     "output",
     "studies",
+    "panel",
     "gallery",
     "__main__",
 ]

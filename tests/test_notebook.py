@@ -23,6 +23,7 @@ CELLS = (
     "pc.film(recording, path, size=(160, 120))",
     "recording.show()",
     "print(repr(pc.tradeoff(recording.scene, 0.05, budget=0.5)._repr_html_()[:7]))",
+    "panel = pc.live(lambda: recording.scene)\npanel.close()",
 )
 
 
@@ -74,3 +75,10 @@ def test_a_film_that_is_shown_twice_is_drawn_once(monkeypatch: pytest.MonkeyPatc
 
 def test_a_trade_is_a_table(outputs: list[list[Any]]) -> None:
     assert "<table>" in "".join(output.get("text", "") for output in outputs[6])
+
+
+def test_a_live_panel_is_a_widget(outputs: list[list[Any]]) -> None:
+    pytest.importorskip("anywidget", reason="the extra physcore[live] is not installed")
+    (shown,) = outputs[7]
+    assert shown.output_type == "display_data"
+    assert "application/vnd.jupyter.widget-view+json" in shown.data

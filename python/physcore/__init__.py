@@ -22,6 +22,7 @@ from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
     FileError,
+    FileWarning,
     InternalError,
     MachWarning,
     PhyscoreError,
@@ -29,6 +30,7 @@ from physcore.errors import (
     SceneWarning,
     SimulationDiverged,
     StabilityWarning,
+    WorkerError,
 )
 from physcore.film import film
 from physcore.forces import (
@@ -128,9 +130,11 @@ if TYPE_CHECKING:
         styles,
     )
     from physcore.output import export
+    from physcore.panel import Choice, Panel, Slider, Switch, live
     from physcore.studies.diagnosis import Diagnosis, Finding, diagnose
     from physcore.studies.lyapunov import Lyapunov, lyapunov
     from physcore.studies.stability import MeasuredLimit, stability_limit
+    from physcore.studies.sweep import Sweep, sweep
     from physcore.studies.tradeoff import Tradeoff, tradeoff
 
 __version__: str
@@ -163,6 +167,7 @@ __all__ = [
     "Brusselator",
     "Capsule",
     "CentralForce",
+    "Choice",
     "Compound",
     "ContactSolver",
     "ConvexHull",
@@ -186,6 +191,7 @@ __all__ = [
     "Events",
     "ExplicitEuler",
     "FileError",
+    "FileWarning",
     "Finding",
     "FitzHughNagumo",
     "Floor",
@@ -222,6 +228,7 @@ __all__ = [
     "Neumann",
     "Occurrences",
     "Orbit",
+    "Panel",
     "Part",
     "Particles",
     "PaulTrap",
@@ -256,6 +263,7 @@ __all__ = [
     "SemiImplicitEuler",
     "Simulation",
     "SimulationDiverged",
+    "Slider",
     "Snapshot",
     "SoftSpheres",
     "Source",
@@ -265,6 +273,8 @@ __all__ = [
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
+    "Sweep",
+    "Switch",
     "Theme",
     "Thomas",
     "Tracers",
@@ -280,6 +290,7 @@ __all__ = [
     "Wind",
     "Window",
     "Wire",
+    "WorkerError",
     "ball",
     "block",
     "cloth",
@@ -287,6 +298,7 @@ __all__ = [
     "diagnose",
     "export",
     "film",
+    "live",
     "load",
     "lyapunov",
     "materials",
@@ -297,6 +309,7 @@ __all__ = [
     "soft_body",
     "stability_limit",
     "styles",
+    "sweep",
     "tradeoff",
     "units",
     "wave_packet",
@@ -317,9 +330,11 @@ _LATER = {
         "styles",
     ),
     "physcore.output": ("export",),
+    "physcore.panel": ("Choice", "Panel", "Slider", "Switch", "live"),
     "physcore.studies.diagnosis": ("Diagnosis", "Finding", "diagnose"),
     "physcore.studies.lyapunov": ("Lyapunov", "lyapunov"),
     "physcore.studies.stability": ("MeasuredLimit", "stability_limit"),
+    "physcore.studies.sweep": ("Sweep", "sweep"),
     "physcore.studies.tradeoff": ("Tradeoff", "tradeoff"),
 }
 """Names that few scripts use, by module: each module is imported when one of its names is asked for."""

@@ -1,4 +1,4 @@
-"""The command line: `physcore list`, `physcore demo`, `physcore gallery`, `physcore tradeoff`, `physcore bench`."""
+"""The command line: `physcore list`, `demo`, `live`, `gallery`, `tradeoff` and `bench`."""
 
 from __future__ import annotations
 
@@ -69,6 +69,10 @@ def _parser() -> argparse.ArgumentParser:
         "--particles", type=int, metavar="N", help="how many particles, where a demo has them by number, as two_dams"
     )
     demo.set_defaults(run=_demo)
+    live = commands.add_parser("live", help="play a demo or the scene of a script, with a page in the browser")
+    live.add_argument("name", metavar="NAME", help="one of `physcore list`, or a script such as cloth.py")
+    live.add_argument("--port", type=int, default=0, help="port of the page, of this machine alone (default: any)")
+    live.set_defaults(run=_live)
     page = commands.add_parser("gallery", help="run the demos: write their films and a page that shows them")
     page.add_argument("names", nargs="*", metavar="NAME", help="some of `physcore list` (default: all)")
     page.add_argument(
@@ -167,6 +171,36 @@ def _ahead(chosen: Any, particles: int) -> str:
     )
 
 
+def _live(options: argparse.Namespace) -> int:
+    from physcore.panel.scripts import play_script
+
+    script = options.name.endswith(".py")
+    if not script and not _exists(options.name):
+        return 2
+    try:
+        panels = play_script(options.name, options.port) if script else [_played(options.name, options.port)]
+    except PhyscoreError as error:
+        print(f"physcore: {error}", file=sys.stderr)
+        return 2
+    try:
+        for panel in panels:
+            panel.wait()
+    finally:
+        for panel in panels:
+            panel.close()
+    return 0
+
+
+def _played(name: str, port: int) -> physcore.Panel:
+    """A panel of a demo."""
+    from physcore.gallery import demo
+
+    chosen = demo(name)
+    method = getattr(chosen, "METHOD", None)  # the method of a fluid demo, where it is not the default
+    numerics = getattr(chosen, "NUMERICS", {} if method is None else {"fluids": method})
+    return physcore.live(lambda: chosen.scene(), port=port, **numerics)
+
+
 def _gallery(options: argparse.Namespace) -> int:
     from physcore.gallery import DEMOS, costs
     from physcore.gallery.page import INDEX, gallery
@@ -205,7 +239,7 @@ def _minutes(seconds: float) -> str:
 def _tradeoff(options: argparse.Namespace) -> int:
     from physcore.gallery import caption, demo
     from physcore.storage.files import require_writable
-    from physcore.studies.tradeoff.drawing import require_plottable
+    from physcore.studies.figures import require_plottable
 
     if not _exists(options.name):
         return 2

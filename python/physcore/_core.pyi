@@ -24,6 +24,7 @@ __all__ = [
     "missing_signs",
     "norms",
     "power",
+    "rigid_overlaps",
     "shape_properties",
     "sin",
     "spline_points",
@@ -75,6 +76,9 @@ def power(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]
 def shape_properties(
     record: dict[str, object], dimension: int
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]: ...
+def rigid_overlaps(
+    scene: dict[str, object], bodies: int, positions: NDArray[np.float64], turns: NDArray[np.float64]
+) -> list[list[tuple[float, float, str, str]]]: ...
 def available_memory() -> int | None: ...
 def advances(kind: str, method: dict[str, object]) -> bool: ...
 

@@ -9,7 +9,7 @@ from inspect import isfunction
 from types import TracebackType
 from typing import ParamSpec, TypeVar
 
-from physcore.errors import InternalError, MachWarning, PhyscoreError, SceneWarning, StabilityWarning
+from physcore.errors import FileWarning, InternalError, MachWarning, PhyscoreError, SceneWarning, StabilityWarning
 from physcore.spelling import KeywordError, UnknownKey, explained
 
 P = ParamSpec("P")
@@ -18,7 +18,7 @@ R = TypeVar("R")
 FULL = "PHYSCORE_TRACEBACKS"
 """Environment variable; with the value "full", tracebacks keep the frames of this package."""
 
-_EXPECTED = (PhyscoreError, KeywordError, UnknownKey, MachWarning, SceneWarning, StabilityWarning)
+_EXPECTED = (PhyscoreError, KeywordError, UnknownKey, FileWarning, MachWarning, SceneWarning, StabilityWarning)
 """Exceptions that tell users of a mistake. Warnings are exceptions under `warnings.simplefilter("error")`."""
 
 _SPECIAL = ("__init__", "__call__", "__getitem__")

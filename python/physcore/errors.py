@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ class PhyscoreError(Exception):
         except pc.PhyscoreError as error:
             print(error)
 
-    Its subclasses are SceneError, FileError, SimulationDiverged, AccuracyError and InternalError.
+    Its subclasses are SceneError, FileError, SimulationDiverged, AccuracyError, WorkerError and InternalError.
     """
 
 
@@ -56,6 +56,25 @@ class InternalError(PhyscoreError):
 
     After this error the simulation is at the last good step.
     """
+
+
+class WorkerError(PhyscoreError, RuntimeError):
+    """Worker process that died, or an executor that cannot run the points of a sweep.
+
+        try:
+            table = pc.sweep(lambda number: scene, {"number": [1, 2]}, 0.1, measure=len)
+        except pc.WorkerError as error:
+            table = error.table
+
+    This class is a RuntimeError too.
+
+    Attributes:
+        table: the finished points of the sweep, a Sweep; None if there are none.
+    """
+
+    def __init__(self, message: str, *, table: Any = None) -> None:
+        super().__init__(message)
+        self.table = table
 
 
 class State(Protocol):
@@ -166,8 +185,7 @@ class StabilityWarning(UserWarning):
         import warnings
         warnings.simplefilter("error", pc.StabilityWarning)  # a step that is too long stops the script
 
-    A failed step is such a sign. A failed step is such a sign. A failed step is such a sign. `stability_limit` gives
-    the limit.
+    A failed step is such a sign. `stability_limit` gives the limit.
     """
 
 
@@ -188,6 +206,16 @@ class MachWarning(UserWarning):
         warnings.simplefilter("error", pc.MachWarning)  # a fluid that is too fast stops the script
 
     A larger `sound_speed` lowers the Mach number. The time steps become shorter by the same factor.
+    """
+
+
+class FileWarning(UserWarning):
+    """File of a cache or a sweep that is damaged or cannot be written. Its result is computed anew.
+
+        import warnings
+        warnings.simplefilter("error", pc.FileWarning)  # a damaged file stops the script
+
+    The message has the path.
     """
 
 

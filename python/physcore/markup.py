@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from html import escape
 
 
@@ -14,6 +14,18 @@ class Printed:
 
     def __repr__(self) -> str:
         return str(self)
+
+
+def text_table(lines: Sequence[Sequence[str]], left: Collection[int]) -> list[str]:
+    """The lines of a table as text, the head first. The columns in `left` are left-aligned, others right-aligned."""
+    widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
+    return [
+        "  ".join(
+            cell.ljust(width) if column in left else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
+        for line in lines
+    ]
 
 
 def html_table(heads: Sequence[str], rows: Mapping[str, Sequence[str]], caption: str = "") -> str:

@@ -42,6 +42,21 @@ def tracers() -> pc.Scene:
     return pc.Scene(pc.Tracers([[1.0, 1.0, 1.0], [1.1, 1.0, 1.0]], pc.Lorenz()))
 
 
+def boxes() -> pc.Scene:
+    body = pc.RigidBodies(pc.Rectangle(0.3, 0.2), [(0.4, 0.5), (1.2, 0.3)], [0.3, 0.0], angular_velocities=2.0)
+    return pc.Scene(body, pc.Hinge((body, 1), None, (1.0, 0.3)), pc.Floor(-0.1), pc.Gravity())
+
+
+def wedges() -> pc.Scene:
+    """Two bodies of one mesh, a wedge, and a ball on a floor."""
+    corners = [(0, 0, 0), (0.6, 0, 0), (0.6, 0.4, 0), (0, 0.4, 0), (0, 0, 0.4), (0, 0.4, 0.4)]
+    faces = [(0, 3, 2), (0, 2, 1), (0, 4, 5), (0, 5, 3), (1, 2, 5), (1, 5, 4), (0, 1, 4), (2, 3, 5)]
+    wedge = pc.RigidBodies(
+        pc.MeshShape(corners, faces), [(0.0, 0.0, 0.4), (0.0, 0.8, 0.5)], angular_velocities=(1.0, 0.0, 2.0)
+    )
+    return pc.Scene(wedge, pc.RigidBody(pc.Ball(0.2), (0.8, 0.0, 0.3)), pc.Floor(0.0), pc.Gravity())
+
+
 AROUND, FLAT = pc.Orbit(target=(0, 0, 0), extent=3.0), pc.Window((-0.2, -0.2), (2.0, 1.6))
 GIVEN: dict[str, tuple[Any, dict[str, Any]]] = {
     "cloth": (cloth, {"camera": AROUND, "style": pc.styles.Surface(range=0.1)}),
@@ -52,6 +67,8 @@ GIVEN: dict[str, tuple[Any, dict[str, Any]]] = {
     "tracers": (tracers, {"camera": pc.Orbit(target=(0, 0, 25), extent=60.0), "style": pc.styles.Trails()}),
     "turning": (cloth, {"camera": lambda time: pc.Orbit(azimuth=90 * time, target=(0, 0, 0), extent=3.0)}),
     "labels": (orbits, {"camera": FLAT, "labels": ("time", "dt", "energy"), "name_tags": True, "scale_bar": True}),
+    "boxes": (boxes, {"camera": FLAT}),
+    "wedges": (wedges, {"camera": AROUND, "style": pc.styles.Solids("teal")}),
     "diagram": (orbits, {"camera": FLAT, "inset": "energy", "style": pc.styles.Points("body")}),
 }
 """Scenes with options that leave nothing open to be found from the whole motion."""

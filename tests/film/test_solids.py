@@ -96,6 +96,70 @@ def test_a_ball_in_space_covers_a_circle_and_is_lit_from_above() -> None:
     assert at(shot, 0.0, 0.3).sum() > at(shot, 0.4, -0.1).sum() + 60.0
 
 
+def prism(outline: list[tuple[float, float]], height: float) -> Any:
+    """A closed mesh: an outline in the plane that is star-shaped about its first point, extruded along z."""
+    count = len(outline)
+    points = [(x, y, z) for z in (-0.5 * height, 0.5 * height) for x, y in outline]
+    faces = [(0, k + 1, k) for k in range(1, count - 1)]
+    faces += [tuple(count + corner for corner in face[::-1]) for face in faces]
+    for k in range(count):
+        after = (k + 1) % count
+        faces += [(k, after, count + after), (k, count + after, count + k)]
+    return pc.MeshShape(points, faces)
+
+
+def seen(scene: pc.Scene, **options: Any) -> np.ndarray:
+    """Whether each pixel, as seen from above, differs from an empty picture."""
+    empty = picture(pc.Scene(pc.RigidBody(pc.Ball(0.01), (0.9, -0.7, 0.0))), ABOVE, **options)
+    return (np.abs(picture(scene, ABOVE, **options) - empty) > 6.0).any(axis=2) & NEAR
+
+
+NEAR = np.hypot(*(np.mgrid[0:160, 0:200] - np.array([80, 100])[:, np.newaxis, np.newaxis])) < 78.0
+"""Pixels that are not near the small ball of the empty picture."""
+SQUARE = [(-0.3, -0.2), (0.3, -0.2), (0.3, 0.2), (-0.3, 0.2)]
+CORNER = [(0.0, 0.0), (0.6, 0.0), (0.6, 0.2), (0.2, 0.2), (0.2, 0.6), (0.0, 0.6)]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_a_mesh_is_drawn_as_the_cuboid_that_it_is(turn: float) -> None:
+    """Up to the rounded edges of a polytope, which are lit otherwise, and half a pixel along the outline."""
+    turned = (math.cos(0.5 * turn), math.sin(0.5 * turn), 0.0, 0.0)
+    style = pc.styles.Solids("#808080", marks=False)
+    shapes = prism(SQUARE, 0.3), pc.Cuboid(0.6, 0.4, 0.3)
+    scenes = [pc.Scene(pc.RigidBody(shape, (0.0, 0.0, 0.0), orientation=turned)) for shape in shapes]
+    mesh, cuboid = (picture(scene, ABOVE, style=style) for scene in scenes)
+    one, other = (seen(scene, style=style) for scene in scenes)
+    depth = 0.4 * math.cos(turn) + 0.3 * math.sin(turn)
+    length = 200.0 * (0.6 + depth)
+    assert np.count_nonzero(one != other) < 0.5 * length
+    assert 0.0 <= np.count_nonzero(one) - 1e4 * 0.6 * depth <= 1.5 * length
+    differ = np.abs(mesh - cuboid).max(axis=2) > 4.0
+    assert np.count_nonzero(differ) < 0.3 * np.count_nonzero(one)
+    middle = -0.15 * math.sin(turn)  # of the upper face
+    assert at(mesh, 0.0, middle) == pytest.approx(at(cuboid, 0.0, middle), abs=2.0)
+
+
+def test_a_mesh_with_a_notch_covers_its_silhouette_about_its_center_of_mass() -> None:
+    """From above: the area of the outline, with each touched pixel along it. The notch stays free."""
+    shape, place = prism(CORNER, 0.2), np.array([0.1, -0.05])
+    shown = seen(pc.Scene(pc.RigidBody(shape, (*place, 0.0))), style=pc.styles.Solids("#808080"))
+    assert 0.0 <= np.count_nonzero(shown) - 1e4 * shape.volume / 0.2 <= 1.5 * 100.0 * 2.4
+    rows, columns = np.nonzero(shown)
+    middle = np.array([columns.mean() + 0.5 - 100.0, 80.0 - rows.mean() - 0.5]) / 100.0
+    assert middle == pytest.approx(place, abs=0.01)
+    for x, y, inside in ((0.1, 0.1, True), (0.5, 0.1, True), (0.1, 0.5, True), (0.4, 0.4, False)):
+        x, y = (x, y) - shape.center[:2] + place
+        assert shown[round(80 - 100 * y), round(100 + 100 * x)] == inside
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_notebook_shows_rigid_bodies(dimension: int) -> None:
+    shape = pc.Rectangle(0.3, 0.2) if dimension == 2 else prism(CORNER, 0.2)
+    body = pc.RigidBody(shape, (0.0,) * (dimension - 1) + (0.5,))
+    recording = pc.simulate(pc.Scene(body, pc.Floor(0.0), pc.Gravity()), 0.3)
+    assert "data:image/gif;base64," in recording.show()._repr_html_()
+
+
 def test_faces_toward_the_camera_are_lit_by_their_normals() -> None:
     """From above, the upper face of a cuboid looks up; tilted to the left by 0.6 rad, its normal is tilted too. In the
     middle of the depth of the scene, half of the fog is added.

@@ -82,6 +82,7 @@ VALID = {
         ),
     },
     **{"Corotating.first": "0", "Corotating.second": "(0, 1)"},
+    **{"build": "lambda stiffness: SCENE", "parameters": "{'stiffness': [1.0, 2.0]}"},
     **{"film.path": "'out.png'", "export.path": "'out.xyz'", "Tradeoff.path": "'out.json'"},
     **{
         "Floor.height": "-1.0",
@@ -103,6 +104,7 @@ ALWAYS: dict[str, dict[str, str]] = {
     "Source": {"frequency": "1.0"},
     "cloth": {"stiffness": "1.0"},
     "tradeoff": {"budget": "0.01", **QUIET},
+    "sweep": {"measure": "lambda recording: 1.0", **QUIET},
     **dict.fromkeys(("export", "simulate", "Simulation.record"), QUIET),
 }
 """Optional arguments that are given: calls take no time then, and are valid."""
@@ -115,7 +117,7 @@ RECEIVERS = {
 }
 """Instances, and classes, whose methods are called."""
 
-SLOW = ("lyapunov", "film", "gif_bytes", "export", "simulate", "tradeoff", "record", "save", "stability_limit")
+SLOW = ("lyapunov", "film", "gif_bytes", "export", "simulate", "sweep", "tradeoff", "record", "save", "stability_limit")
 """Calls that take milliseconds."""
 
 LONG = (
@@ -127,6 +129,7 @@ LONG = (
     "film",
     "gif_bytes",
     "export",
+    "sweep",
     "tradeoff",
     "lyapunov",
     "stability_limit",
@@ -155,11 +158,14 @@ PARTS = (
     "Plan",
     "Recording",
     "Snapshot",
+    "Sweep",
     "Tradeoff",
     "Painter",
 )
 """Results: nobody but physcore makes them, and they take what they are given."""
 
+OPEN = ("Panel", "live")
+"""Names that leave threads and a page open; `tests/panel` tries their arguments and messages."""
 INTERNAL = ("from_content", "packed")
 """Methods that only physcore calls."""
 
@@ -207,7 +213,7 @@ def _all() -> Iterator[Entrance]:
     for module, prefix in ((pc, "pc"), (film, "film"), (pc.styles, "styles")):
         for name in module.__all__:
             thing = getattr(module, name)
-            if not callable(thing) or (prefix != "pc" and getattr(pc, name, None) is thing):
+            if name in OPEN or not callable(thing) or (prefix != "pc" and getattr(pc, name, None) is thing):
                 continue
             if isinstance(thing, type) and (
                 issubclass(thing, BaseException) or inspect.isabstract(thing) or name in PARTS
@@ -255,6 +261,7 @@ def prepare() -> None:
         "h5py",
         "imageio_ffmpeg",
         "PIL.Image",
+        "physcore.studies.sweep",
         "physcore.studies.tradeoff",
     ):
         with suppress(ImportError):

@@ -136,8 +136,17 @@ def test_what_has_no_outline_is_refused(mask, message):
 
 def test_a_file_that_is_no_image_is_refused(tmp_path):
     (tmp_path / "note.png").write_text("no image")
-    with pytest.raises(pc.SceneError, match=r"note\.png' is no image that can be read"):
+    with pytest.raises(pc.SceneError, match=r"polygon_from_mask.mask: .*note\.png: cannot be read"):
         pc.polygon_from_mask(tmp_path / "note.png")
+
+
+def test_a_picture_that_is_too_large_to_be_opened_is_refused(tmp_path, monkeypatch):
+    """Pillow warns of more pixels than a limit, and refuses twice as many."""
+    Image.new("L", (20, 20)).save(tmp_path / "map.png")
+    for limit in (300, 150):
+        monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", limit)
+        with pytest.raises(pc.SceneError, match=r"polygon_from_mask.mask: .*map\.png: .*decompression bomb"):
+            pc.polygon_from_mask(tmp_path / "map.png")
 
 
 @pytest.mark.parametrize(("name", "value"), [("height", 0.0), ("height", math.inf), ("tolerance", -1.0)])

@@ -36,10 +36,10 @@ def measured(*items: object) -> pc.Tradeoff:
 def test_an_item_has_its_primary_field_and_bodies_have_one_together():
     still = pc.Particles([[0.0, 0.0]], fixed=True)
     nothing = pc.Tracers(np.empty((0, 2)), pc.Flow(lambda time, x: x))
-    names = [each.channel for each in compared(pc.Scene(free(), wave(), still))]
+    names = [channel for each in compared(pc.Scene(free(), wave(), still)) for channel in each.channels]
     assert names == ["positions", "pond.displacement"]
-    assert [each.channel for each in compared(pc.Scene(still, wave(), nothing))] == ["pond.displacement"]
-    assert [each.channel for each in compared(pc.Scene(still))] == ["positions"]
+    assert [each.channels for each in compared(pc.Scene(still, wave(), nothing))] == [("pond.displacement",)]
+    assert [each.channels for each in compared(pc.Scene(still))] == [("positions",)]
 
 
 def test_the_error_of_the_second_item_decides_in_a_tradeoff():

@@ -58,11 +58,14 @@ class PairJoint(Joint):
     selects: ClassVar[bool] = True
     turns: ClassVar[bool] = True
     """Whether the joint depends on the orientations of both ends, which particles do not have."""
+    keeps_apart: ClassVar[bool] = True
+    """Whether the joined bodies do not touch each other."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in self.naming:
             self._check_end(name)
+        self._set(breaking_force=self._breaking())
         if not self._ends:
             raise SceneError(f"{self._kind}.one: must be a body, because other=None is the world already")
         if self.by_name:
@@ -95,7 +98,7 @@ class PairJoint(Joint):
             for name in self.naming
             for body, index in map(located, self._end(name))
         }
-        force = getattr(self, "breaking_force", math.inf)
+        force = self._breaking()
         return rows | {"breaking_force": None if math.isinf(force) else force}
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
@@ -123,6 +126,13 @@ class PairJoint(Joint):
     def _targets(self, name: str) -> tuple[Target, ...] | None:
         """The validated value of an end; None for the world."""
         return super()._targets(name) or None
+
+    def _breaking(self) -> float:
+        """The validated force at which the joint breaks [N], above zero, possibly infinite."""
+        force = getattr(self, "breaking_force", math.inf)
+        if isinstance(force, float) and force == math.inf:
+            return math.inf
+        return number(force, f"{self._kind}.breaking_force", above=0.0)
 
     def _check_end(self, name: str) -> None:
         """Check that an end is one rigid body, one particle or the world, as far as its body is known."""
@@ -175,13 +185,6 @@ class PairJoint(Joint):
                 f"{path}: must be the position of the particle {shown(self._end(end)[0])}, "
                 f"{center.tolist()}, got {point.tolist()}"
             )
-
-
-def breaking(value: object, path: str) -> float:
-    """A force at which a joint breaks [N], above zero, possibly infinite."""
-    if isinstance(value, float) and value == math.inf:
-        return math.inf
-    return number(value, path, above=0.0)
 
 
 def limits(lower: object, upper: object, kind: str, what: str) -> dict[str, float | None]:

@@ -9,7 +9,7 @@ from typing import ClassVar
 from numpy.typing import ArrayLike
 
 from physcore.checks import Vector
-from physcore.constraints.joint import PairJoint, breaking, direction, limits
+from physcore.constraints.joint import PairJoint, direction, limits
 from physcore.errors import SceneError
 
 
@@ -71,7 +71,6 @@ class Hinge(AnchoredJoint):
         self._set(
             axis=None if self.axis is None else direction(self.axis, "Hinge.axis"),
             **limits(self.lower, self.upper, "Hinge", "angle"),
-            breaking_force=breaking(self.breaking_force, "Hinge.breaking_force"),
         )
         if self.by_name:
             return
@@ -111,7 +110,6 @@ class BallJoint(AnchoredJoint):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set_anchor(self.anchor)
-        self._set(breaking_force=breaking(self.breaking_force, "BallJoint.breaking_force"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -141,7 +139,6 @@ class Weld(AnchoredJoint):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set_anchor(self.anchor)
-        self._set(breaking_force=breaking(self.breaking_force, "Weld.breaking_force"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -182,7 +179,6 @@ class Prismatic(AnchoredJoint):
         self._set(
             axis=direction(self.axis, "Prismatic.axis"),
             **limits(self.lower, self.upper, "Prismatic", "way"),
-            breaking_force=breaking(self.breaking_force, "Prismatic.breaking_force"),
         )
         if not self.by_name and len(self.axis) != self.dimension:
             raise SceneError(f"Prismatic.axis: must have {self.dimension} components like the bodies, got {self.axis}")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from physcore.arithmetic import lengths
 from physcore.checks import FloatArray, array, frozen, number
-from physcore.constraints.joint import PairJoint, breaking
+from physcore.constraints.joint import PairJoint
 from physcore.errors import SceneError
 
 
@@ -67,7 +67,7 @@ class Rod(Link):
     def __post_init__(self) -> None:
         super().__post_init__()
         points = self._anchored(self.anchors)
-        self._set(anchors=points, breaking_force=breaking(self.breaking_force, "Rod.breaking_force"))
+        self._set(anchors=points)
         if points is not None and (points[0] == points[1]).all():
             raise SceneError("Rod.anchors: must differ; a rod without length is a BallJoint")
 
@@ -100,6 +100,8 @@ class SpringJoint(Link):
             anchor is not at the particle, or a value is out of range.
     """
 
+    keeps_apart: ClassVar[bool] = False
+
     anchors: ArrayLike | None
     stiffness: float
     damping: float = 0.0
@@ -118,5 +120,4 @@ class SpringJoint(Link):
             stiffness=number(self.stiffness, "SpringJoint.stiffness", least=0.0),
             damping=number(self.damping, "SpringJoint.damping", least=0.0),
             rest_length=length,
-            breaking_force=breaking(self.breaking_force, "SpringJoint.breaking_force"),
         )

@@ -1,15 +1,16 @@
-"""The composition of a picture: panels side by side with their painters, the layout, and the text around them."""
+"""The composition of a picture: panels with their painters, the layout, and the text around them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
 
 from physcore._core import Canvas
+from physcore.checks import shown
 from physcore.errors import SceneError
 from physcore.film import assignment
 from physcore.film.camera.corotating import Corotating, corotating
@@ -25,8 +26,7 @@ from physcore.film.labels.drawing import write
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
 from physcore.film.labels.tags import Listed, Named, NameTags, check_named
-from physcore.film.labels.text import text_height
-from physcore.film.layout import Heading, Layout, best
+from physcore.film.layout import Heading, Layout, best, columns_for
 from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.simulation.sources import Source, SourceFrame
@@ -60,6 +60,8 @@ class Composition:
         theme: the colors.
         heading: the titles above the picture; None: no titles.
         samples: samples per pixel along each side in 3D; a pixel is their mean.
+        columns: the number of panels side by side; None: a suitable one.
+        in_turn: whether the panels are shown one after the other.
 
     Raises:
         SceneError: an argument is not valid.
@@ -83,9 +85,14 @@ class Composition:
         inset: Inset | None = None,
         credit: str = "",
         samples: int = 1,
+        columns: int | None = None,
+        in_turn: bool = False,
     ) -> None:
+        self._columns, self._in_turn = columns_for(columns, len(found)), in_turn
         self._theme, self._samples, self._units = theme, samples, found[0].scene.units
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
+        if not in_turn and self._columns < len(found) and set(self._labels) - {"time"}:
+            raise SceneError(f"labels: of several rows of panels, must be ('time',) or (), got {shown(self._labels)}")
         self._diagrammed = check_inset(inset, found) is not None
         self._bar = check_scale_bar(scale_bar, self._units)
         self._listed = check_named(legend, "legend", found, systems=True)
@@ -108,11 +115,12 @@ class Composition:
         for panel in self._panels:
             panel.tags.begin()
 
-    def _make_footer(self, clock: Clock, steps: Sequence[float | None]) -> Footer:
-        """The footer of the picture; `steps` are the time steps of the panels [s]."""
+    def _make_footer(self, clock: Clock, steps: Sequence[float | None], numbers: Sequence[int] | None = None) -> Footer:
+        """The footer of some panels, by default all; `steps` are the time steps of these panels [s]."""
+        found = self._found if numbers is None else [self._found[number] for number in numbers]
         facts = [
             (source.integrator if "integrator" in self._labels else None, step)
-            for source, step in zip(self._found, steps, strict=True)
+            for source, step in zip(found, steps, strict=True)
         ]
         legend = self._legend(list(chain.from_iterable(self._painters)))
         return Footer(self._labels, clock, facts, self._color_bars(), self._credit, legend, self._units)
@@ -147,17 +155,21 @@ class Composition:
             still: whether the view is the same in all pictures.
         """
         flat = self._found[0].scene.dimension < 3
-        self._still, self._over = still, not flat and any(extent.given for extent in found)
+        self._still, self._over = still and not self._in_turn, not flat and any(extent.given for extent in found)
         self._panels = self._lay_out(size, found, passes)
         views = [panel.view.at(0) for panel in self._panels]
         self._canvas = Canvas(*self.size, self._theme.background, 1 if views[0].flat else self._samples)
-        if still:
-            self._draw_scenery(views)
+        if self._still:
+            self._draw_scenery(self._panels, views)
             self._canvas.keep()
 
     def _layout_of(self, size: tuple[int, int]) -> Layout:
-        footer = self._footer.height(text_height(*size), size[0])
-        return Layout(size, len(self._found), self._heading, footer)
+        layout = Layout(size, len(self._found), self._heading, self._columns, in_turn=self._in_turn)
+        return replace(layout, footer=self._footer_height(layout.text, size[0]))
+
+    def _footer_height(self, text: int, width: int) -> int:
+        """The height of the footer, for a height of the text and a width of the picture [pixels]."""
+        return self._footer.height(text, width)
 
     def _inset(self, layout: Layout, index: int) -> float:
         """Distance of the motion from a panel's edge [pixels]."""
@@ -175,7 +187,8 @@ class Composition:
             )
 
         if size is None:
-            size = best(len(found), magnification, fixed=any(extent.given for extent in found))
+            columns, rows = (1, 1) if self._in_turn else (self._columns, math.ceil(len(found) / self._columns))
+            size = best(columns, rows, magnification, fixed=any(extent.given for extent in found))
         self._layout = layout = self._layout_of(size)
         panels = []
         for index, (source, painters, extent, seen) in enumerate(
@@ -195,16 +208,16 @@ class Composition:
             occupied = [np.empty((0, 2), dtype=np.float32)]
             for index, frame in panel.samples:
                 view = panel.view.at(index)
-                shown = panel.view.shown(frame, view)
-                more = [points for painter in panel.painters if (points := painter.places(shown)) is not None]
-                occupied += [view.project(points)[0] for points in (shown.positions, *more) if len(points)]
+                drawn = panel.view.shown(frame, view)
+                more = [points for painter in panel.painters if (points := painter.places(drawn)) is not None]
+                occupied += [view.project(points)[0] for points in (drawn.positions, *more) if len(points)]
             area, text = self._layout.area(number), self._layout.text
             panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
 
-    def _draw_scenery(self, views: Sequence[View]) -> None:
+    def _draw_scenery(self, panels: Sequence[Panel], views: Sequence[View]) -> None:
         """Draw all that is behind every moving object."""
         canvas = self._canvas
-        for panel, view in zip(self._panels, views, strict=True):
+        for panel, view in zip(panels, views, strict=True):
             canvas.clip(*panel.rectangle)
             if not view.flat:
                 canvas.eye(view.scale, view.middle, view.distance)
@@ -212,14 +225,22 @@ class Composition:
             draw_behind(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
         canvas.clip(0, 0, *self.size)
 
-    def _write_titles(self, canvas: Canvas) -> None:
+    def _write_titles(self, canvas: Canvas, numbers: Sequence[int]) -> None:
         outline = self._theme.background if self._over else None
-        for line, middle, top, height in self._layout.written():
+        for line, middle, top, height in self._layout.written(numbers):
             color = self._theme.label if line == self._heading.subtitle else self._theme.text
             write(canvas, line, middle, top, height, color, 0, outline)
+        for index in numbers:
+            for bar, box in self._layout.bars(index):
+                bar.draw(canvas, box, self._layout.bar_text, self._theme, outline)
 
     def _draw(
-        self, frames: Sequence[SourceFrame], views: Sequence[View], moments: Sequence[int], time: float
+        self,
+        frames: Sequence[SourceFrame],
+        views: Sequence[View],
+        moments: Sequence[int],
+        time: float,
+        numbers: Sequence[int] | None = None,
     ) -> Canvas:
         """Draw a picture.
 
@@ -228,15 +249,18 @@ class Composition:
             views: the view of each panel.
             moments: the moment of each panel in its diagram.
             time: the time of the label [s].
+            numbers: the numbers of these panels; None: all.
         """
+        chosen = range(len(self._panels)) if numbers is None else numbers
+        panels = [self._panels[number] for number in chosen]
         canvas = self._canvas
         canvas.clear()
         if not self._still:
-            self._draw_scenery(views)
-        for panel, view, moment, frame in zip(self._panels, views, moments, frames, strict=True):
-            shown = panel.view.shown(frame, view)
+            self._draw_scenery(panels, views)
+        for panel, view, moment, frame in zip(panels, views, moments, frames, strict=True):
+            drawn = panel.view.shown(frame, view)
             for painter in panel.painters:
-                shown = painter.raised(shown)
+                drawn = painter.raised(drawn)
             canvas.clip(*(panel.free if view.flat else panel.rectangle))  # in 3D the ground extends below the text
             canvas.lens(view.blur, view.distance)
             if not view.flat:
@@ -246,7 +270,7 @@ class Composition:
             draw_among(canvas, panel.source.scene, view, self._theme, scenery)
             for painter in panel.painters:
                 painter.domain = scenery.domain
-                painter.paint(canvas, shown, view, panel.pixels)
+                painter.paint(canvas, drawn, view, panel.pixels)
             canvas.paint()
             taken = []
             if panel.diagram is not None:
@@ -254,9 +278,9 @@ class Composition:
                 taken.append(panel.diagram.box)
             if panel.bar is not None:
                 taken.append(panel.bar.draw(canvas, view, *taken))
-            panel.tags.draw(canvas, shown, view, panel.pixels, taken)
+            panel.tags.draw(canvas, drawn, view, panel.pixels, taken)
         canvas.clip(0, 0, *self.size)
-        self._write_titles(canvas)
+        self._write_titles(canvas, chosen)
         energies, text = [each.energy for each in frames], self._layout.text
         self._footer.draw(canvas, self.size, text, self._theme, time, energies, over=self._over)
         return canvas

@@ -67,8 +67,9 @@ class FilmRenderer(Composition):
     ) -> None:
         asked = check_size(size)
         super().__init__(found, style, camera, theme, heading, **contents)
-        self.count = max(source.count for source in found)
-        self._clock = _clock(self._found, self.count)
+        counts = [source.count for source in found]
+        self.count = sum(counts) if self._in_turn else max(counts)
+        self._clock = _clock(self._found, max(counts))
         track = camera_track(self._camera, self._found, self._clock)
         self._once = track.closed and not self._diagrammed and "dt" not in self._labels and self._settled
         self._caches: list[FrameCache | None] = [None] * len(found)
@@ -78,7 +79,11 @@ class FilmRenderer(Composition):
             assignment.share_scales(self._painters)
             fps = found[0].fps
             written = Clock(self._clock, fps, fps if rate is None else rate, time_unit, self._units, start)
-            self._footer = self._make_footer(written, [seen.dt for seen in self._passes])
+            self._footers = [
+                self._make_footer(written, [self._passes[number].dt for number in group], group)
+                for group in self._groups
+            ]
+            self._footer = self._footers[0]
             self._extents, self._moving = extents(track, self._passes, self._found), track.moving
             self.resize(asked)
         except BaseException:
@@ -125,26 +130,41 @@ class FilmRenderer(Composition):
 
     def samples(self) -> Iterator[Canvas]:
         """Sampled frames of the film, to choose its palette from; each canvas is valid until the next is requested."""
-        for index in range(max(len(panel.samples) for panel in self._panels)):
-            self._begin()  # trails must not connect samples, which are far apart in time
-            chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
-            yield self._draw_panels([index for index, _ in chosen], [frame for _, frame in chosen])
+        for group, footer in zip(self._groups, self._footers, strict=True):
+            self._footer = footer
+            panels = [self._panels[number] for number in group]
+            for index in range(max(len(panel.samples) for panel in panels)):
+                self._begin()  # trails must not connect samples, which are far apart in time
+                chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in panels]
+                yield self._draw_panels(group, [index for index, _ in chosen], [frame for _, frame in chosen])
         for source, painters in zip(self._found, self._painters, strict=True):
             if self._once or any(painter.traced is not None for painter in painters):
                 bodies, flat = len(source.scene.bodies), source.scene.dimension < 3
                 yield palette_samples(painters, bodies, self._theme, flat=flat, once=self._once)
 
     def frames(self) -> Iterator[Canvas]:
-        """All frames; each canvas is valid until the next is requested. A panel that ends early repeats its last frame
-        in the rest of the film.
+        """All frames; each canvas is valid until the next is requested. A panel that ends before others repeats its
+        last frame.
         """
-        self._begin()
-        self._footer.begin()
-        running, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
-        frames = [next(each) for each in running]
-        for index in range(self.count):
-            yield self._draw_panels([index] * len(frames), frames)
-            frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
+        opened, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
+        for group, footer in zip(self._groups, self._footers, strict=True):
+            self._footer = footer
+            self._begin()
+            footer.begin()
+            running = [opened[number] for number in group]
+            frames = [next(each) for each in running]
+            for index in range(max(self._found[number].count for number in group)):
+                yield self._draw_panels(group, [index] * len(frames), frames)
+                frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
+
+    def _footer_height(self, text: int, width: int) -> int:
+        return max(footer.height(text, width) for footer in self._footers)
+
+    @property
+    def _groups(self) -> list[list[int]]:
+        """The numbers of the panels that are shown together: all, or one after the other."""
+        numbers = list(range(len(self._found)))
+        return [[number] for number in numbers] if self._in_turn else [numbers]
 
     @property
     def _settled(self) -> bool:
@@ -157,7 +177,8 @@ class FilmRenderer(Composition):
         for index, (source, painters) in enumerate(zip(self._found, self._painters, strict=True)):
             with Progress(source.count, "first pass", False if self._once else progress) as bar:
                 frames = self._first(index)
-                passes.append(first_pass(source, frames, self.count, painters, track.axes, track.follow, bar.update))
+                count = len(self._clock)
+                passes.append(first_pass(source, frames, count, painters, track.axes, track.follow, bar.update))
         return passes
 
     def _first(self, index: int) -> Iterable[SourceFrame]:
@@ -178,11 +199,11 @@ class FilmRenderer(Composition):
         cache = self._caches[index]
         return self._found[index].frames() if cache is None else cache.again()
 
-    def _draw_panels(self, indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
-        """Draw one frame of the film, from one frame of each panel with its index."""
+    def _draw_panels(self, numbers: Sequence[int], indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
+        """Draw one frame of the film, from one frame of each of some panels with its index."""
         index = max(indices)
-        views = [panel.view.at(index) for panel in self._panels]
-        return self._draw(frames, views, indices, self._clock[index])
+        views = [self._panels[number].view.at(index) for number in numbers]
+        return self._draw(frames, views, indices, self._clock[index], numbers)
 
 
 def _clock(found: Sequence[Source], count: int) -> FloatArray:

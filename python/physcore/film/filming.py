@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from physcore.film.labels.footer import Label
     from physcore.film.labels.scale_bar import LengthUnit
     from physcore.film.labels.tags import Listed, Named
-    from physcore.film.layout import Format
+    from physcore.film.layout import Arrangement, Format
     from physcore.film.quality import Quality
     from physcore.film.styles import Style
     from physcore.film.writers import Film, Loop
@@ -67,6 +67,9 @@ def film(
     max_bytes: int | None = None,
     sidecar: bool = False,
     progress: bool | None = None,
+    arrangement: Arrangement = "panels",
+    columns: int | None = None,
+    parameters: Sequence[Mapping[str, object]] | None = None,
     **numerics: Unpack[Options],
 ) -> Film:
     """Draw a film of a recording, or of a scene while it is simulated. A PNG shows the last frame.
@@ -89,7 +92,7 @@ def film(
     90 frames per second. An .mp4 (H.264) has up to 240 frames per second and needs `pip install 'physcore[video]'`.
 
     Args:
-        recording: the recording or scene; several are shown side by side, with one camera and one color scale.
+        recording: the recording or scene; several are shown with one camera and one color scale.
         path: the file to write, ending in .gif, .webp, .apng, .mp4 or .png.
         size: width and height of the picture [pixels]. None: 640 × 480, or an aspect ratio of about equal area if it
             shows the motion clearly larger. Several panels are up to 1280 pixels wide.
@@ -143,6 +146,10 @@ def film(
         sidecar: whether to write the provenance also into a file beside the film, such as film.gif.json. There it
             contains the number of threads too, on which the film does not depend.
         progress: whether to show a progress bar; None: on a terminal or in a notebook, after one second.
+        arrangement: "panels": several recordings beside each other; "sequence": one after the other.
+        columns: the number of panels side by side; None: all of up to four, in one row; of more, about as many as rows.
+        parameters: the parameters of each recording, mappings with the same names. Those with several values have bars
+            above the pictures, on which all values are marked. `Sweep.film` gives them.
         numerics: options for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Returns:
@@ -158,7 +165,7 @@ def film(
     from physcore.film.film_renderer import FilmRenderer
     from physcore.film.labels.clock import check_unit
     from physcore.film.labels.dates import check_start
-    from physcore.film.layout import check_format, check_heading, check_size, line_of
+    from physcore.film.layout import ARRANGEMENTS, check_format, check_heading, check_size, line_of
     from physcore.film.metadata import metadata, sidecar_of, write_sidecar
     from physcore.film.quality import SAMPLES
     from physcore.film.writers import WRITERS, FilmJob, check_loop
@@ -177,7 +184,9 @@ def film(
     repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving)
     _check_bytes(quality, max_bytes)
     sides = check_format(format, check_size(size), video=writer.video)
-    colors, heading = chosen_theme(theme, background), check_heading(title, titles, subtitle, len(found))
+    colors = chosen_theme(theme, background)
+    heading = check_heading(title, titles, subtitle, len(found), parameters)
+    in_turn = word(arrangement, "arrangement", ARRANGEMENTS) == "sequence"
     note = "" if credit is None else line_of(credit, "credit")
     begin = check_start(start, units)
     try:
@@ -185,6 +194,7 @@ def film(
             found, sides, style, camera, colors, heading, shown,
             labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
             inset=inset, credit=note, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
+            columns=columns, in_turn=in_turn,
         ) as renderer:  # fmt: skip
             job = FilmJob(renderer, rate, quality, max_bytes, lambda: metadata(found), shown, repeat)
             written = writer.write(job, target)

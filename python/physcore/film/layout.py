@@ -1,15 +1,16 @@
-"""Layout of a picture: panels side by side, titles above, lines of text below."""
+"""Layout of a picture: panels in rows or one after the other, titles above, lines of text below."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from physcore.checks import count as whole_number
 from physcore.checks import items, shown, text, word
 from physcore.errors import SceneError
+from physcore.film.labels.parameters import ParameterBar, parameter_bars
 from physcore.film.labels.text import fitting, text_height, warn_of_missing
 
 MARGIN = 0.03
@@ -19,7 +20,12 @@ LARGEST = 16384
 ASPECTS = (4 / 3, 1.0, 3 / 4, 16 / 9, 9 / 16, 2.4)
 """Candidate aspect ratios of the panels (width over height). The first is taken unless another is clearly better."""
 PIXELS = 640 * 480
-"""Area of a panel [pixels]; more than two panels share the area of two."""
+"""Area of a panel [pixels]; more than two panels in a row share the area of two, and all panels that of four."""
+ROW = 4
+"""Largest number of panels that are in one row if nothing else is asked for."""
+Arrangement = Literal["panels", "sequence"]
+ARRANGEMENTS: tuple[Arrangement, ...] = ("panels", "sequence")
+"""Recordings beside each other, or one after the other."""
 WIDEST = 1280
 """Largest width of a picture whose size was not given [pixels]."""
 CLEARLY = 1.1
@@ -41,10 +47,24 @@ class Heading:
     """No title, one for all panels, or one for each panel."""
     subtitle: str = ""
     """A smaller line below a common title."""
+    bars: tuple[tuple[ParameterBar, ...], ...] = ()
+    """The bars of parameters of each panel, as many in all; or none."""
+
+    @property
+    def common(self) -> Heading:
+        """The lines for all panels."""
+        return Heading(self.titles if len(self.titles) == 1 else (), self.subtitle)
+
+    @property
+    def own(self) -> Heading:
+        """The lines of each panel."""
+        return Heading(self.titles if len(self.titles) > 1 else (), bars=self.bars)
 
     def lines(self, text: int) -> int:
         """The height of all lines for a text of this height [pixels]."""
-        heights = [TITLE] * bool(self.titles) + [SUBTITLE] * bool(self.subtitle)
+        heights = [TITLE] * bool(self.titles) + [SUBTITLE] * (
+            bool(self.subtitle) + len(self.bars[0] if self.bars else ())
+        )
         return round(LEADING * sum(heights) * text)
 
 
@@ -55,40 +75,82 @@ class Layout:
     size: tuple[int, int]
     panels: int
     heading: Heading
-    footer: int
+    columns: int
+    """Number of panels side by side."""
+    footer: int = 0
     """Height of the lines below the panels [pixels]."""
+    in_turn: bool = False
+    """Whether the panels are shown one after the other, each in the whole picture."""
+
+    @property
+    def rows(self) -> int:
+        """The number of rows of panels."""
+        return 1 if self.in_turn else math.ceil(self.panels / self.columns)
 
     @property
     def text(self) -> int:
-        """The height of a line of text [pixels]."""
-        return text_height(*self.size)
+        """The height of a line of text, smaller if there are several rows [pixels]."""
+        return text_height(self.size[0], self.size[1] // self.rows)
 
-    def written(self) -> list[tuple[str, int, int, int]]:
-        """The lines above the picture: text, horizontal center, top and height [pixels]."""
-        text, titles, top = self.text, self.heading.titles, round(0.3 * self.text)
-        areas = [(0, 0, *self.size)] if len(titles) == 1 else [self.panel(index) for index in range(len(titles))]
-        lines = [(title, area, top, round(TITLE * text)) for title, area in zip(titles, areas, strict=True)]
+    @property
+    def bar_text(self) -> int:
+        """The height of the text of a bar [pixels]."""
+        return round(SUBTITLE * self.text)
+
+    def written(self, shown: Sequence[int]) -> list[tuple[str, int, int, int]]:
+        """The lines above some panels: text, horizontal center, top and height [pixels]."""
+        text, titles, edge = self.text, self.heading.titles, self._edge
+        whole = (0, 0, *self.size)
+        lines = [(titles[0], whole, edge, round(TITLE * text))] if len(titles) == 1 else []
+        if len(titles) > 1:
+            panels = {index: self.panel(index) for index in shown}
+            lines = [(titles[index], panel, panel[1] + edge, round(TITLE * text)) for index, panel in panels.items()]
         if self.heading.subtitle:
-            below = top + round(LEADING * TITLE * text) * bool(titles)
-            lines.append((self.heading.subtitle, (0, 0, *self.size), below, round(SUBTITLE * text)))
+            above = self.heading.titles if self.rows == 1 else self.heading.common.titles
+            below = edge + round(LEADING * TITLE * text) * bool(above)
+            lines.append((self.heading.subtitle, whole, below, round(SUBTITLE * text)))
         result = []
         for line, (left, _, right, _), start, height in lines:
             fits = fitting(line, height, right - left - text)
             result.append((line, (left + right) // 2, start + (height - fits) // 2, fits))
         return result
 
+    def bars(self, index: int) -> list[tuple[ParameterBar, tuple[int, int, int]]]:
+        """The bars of a panel, each with its left, top and right [pixels]."""
+        if not self.heading.bars:
+            return []
+        left, top, right, _ = self.panel(index)
+        above = replace(self.heading if self.rows == 1 else self.heading.own, bars=()).lines(self.text)
+        first, line, edge = top + self._edge + above, LEADING * SUBTITLE * self.text, self.text // 2
+        own = self.heading.bars[index]
+        return [(bar, (left + edge, first + round(number * line), right - edge)) for number, bar in enumerate(own)]
+
     def panel(self, index: int) -> tuple[int, int, int, int]:
-        """Left, top, right and bottom of a panel [pixels]."""
+        """Left, top, right and bottom of a panel [pixels]. A single row has the height of the picture."""
         width, height = self.size
-        return width * index // self.panels, 0, width * (index + 1) // self.panels, height
+        if self.in_turn:
+            return 0, 0, width, height
+        row, column = divmod(index, self.columns)
+        left, right = width * column // self.columns, width * (column + 1) // self.columns
+        if self.rows == 1:
+            return left, 0, right, height
+        header = self.heading.common.lines(self.text)
+        top = min(header + self._edge * (header > 0), height - self.rows)
+        free = max(height - self.footer - top, self.rows)
+        return left, top + free * row // self.rows, right, top + free * (row + 1) // self.rows
 
     def area(self, index: int) -> tuple[int, int, int, int]:
         """The part of a panel that is free of text."""
-        left, _, right, bottom = self.panel(index)
-        header = self.heading.lines(self.text)
+        left, above, right, bottom = self.panel(index)
+        header = (self.heading if self.rows == 1 else self.heading.own).lines(self.text)
         # At least one row of pixels is left free of text.
-        top = min(header + round(0.3 * self.text) * (header > 0), bottom - 1)
-        return left, top, right, max(bottom - self.footer, top + 1)
+        top = min(above + header + self._edge * (header > 0), bottom - 1)
+        return left, top, right, max(bottom - self.footer * (self.rows == 1), top + 1)
+
+    @property
+    def _edge(self) -> int:
+        """Distance of the first line from an edge [pixels]."""
+        return round(0.3 * self.text)
 
     def pixels(self, index: int) -> float:
         """The area of a panel [pixels]."""
@@ -129,8 +191,10 @@ def check_format(format: object, size: tuple[int, int] | None, *, video: bool) -
     return VIDEO[chosen] if video else FORMATS[chosen]
 
 
-def check_heading(title: str | None, titles: Sequence[str] | None, subtitle: str | None, panels: int) -> Heading:
-    """The requested titles: none, one for all panels, or one for each panel.
+def check_heading(
+    title: str | None, titles: Sequence[str] | None, subtitle: str | None, panels: int, parameters: object = None
+) -> Heading:
+    """The requested titles, none, one for all panels or one for each, and the bars of parameters.
 
     Raises:
         SceneError: the titles are not valid.
@@ -143,7 +207,8 @@ def check_heading(title: str | None, titles: Sequence[str] | None, subtitle: str
             raise SceneError(f"titles: must be one for each of the {panels} panels, got {len(lines)}")
     else:
         lines = [] if title is None else [each for each in (line_of(title, "title"),) if each]
-    return Heading(tuple(lines), "" if subtitle is None else line_of(subtitle, "subtitle"))
+    bars = parameter_bars(parameters, panels)
+    return Heading(tuple(lines), "" if subtitle is None else line_of(subtitle, "subtitle"), bars)
 
 
 def line_of(value: object, path: str) -> str:
@@ -157,25 +222,37 @@ def line_of(value: object, path: str) -> str:
     return line
 
 
-def sizes(panels: int) -> list[tuple[int, int]]:
+def columns_for(columns: object, panels: int) -> int:
+    """The number of panels side by side; None: all of up to four, otherwise as many as there are rows, or one more.
+
+    Raises:
+        SceneError: the value is not a number of panels.
+    """
+    if columns is None:
+        return panels if panels <= ROW else math.ceil(math.sqrt(panels))
+    return min(whole_number(columns, "columns", least=1), panels)
+
+
+def sizes(columns: int, rows: int = 1) -> list[tuple[int, int]]:
     """Candidate sizes, all of about equal area: 640 × 480 for one panel, at most 1280 wide for several."""
-    pixels = min(PIXELS, 2 * PIXELS / panels)
+    pixels = min(PIXELS, 2 * PIXELS / columns, 4 * PIXELS / (columns * rows))
     result = []
     for aspect in ASPECTS:
-        width = min(math.sqrt(pixels * aspect), WIDEST / panels)
-        result.append((_even(panels * width), _even(width / aspect)))
+        width = min(math.sqrt(pixels * aspect), WIDEST / columns)
+        result.append((_even(columns * width), _even(rows * width / aspect)))
     return result
 
 
-def best(panels: int, magnification: Callable[[tuple[int, int]], float], *, fixed: bool) -> tuple[int, int]:
+def best(columns: int, rows: int, magnification: Callable[[tuple[int, int]], float], *, fixed: bool) -> tuple[int, int]:
     """The size that shows the motion largest, or the default if no other is clearly better.
 
     Args:
-        panels: the number of panels.
+        columns: the number of panels side by side.
+        rows: the number of rows of panels.
         magnification: gives the pixels per meter in a picture of some size.
         fixed: whether the extent of the view was given, so that the default size is taken.
     """
-    usual, *others = sizes(panels)
+    usual, *others = sizes(columns, rows)
     if fixed:
         return usual
     scales = {size: magnification(size) for size in others}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.checks import count, flag, shown, span, word
+from physcore.checks import count, flag, number, shown, span, word
 from physcore.errors import SceneError
 from physcore.film.camera.corotating import Corotating
 from physcore.film.camera.framing import Extent, camera_track, extents
@@ -70,6 +70,7 @@ class Renderer(Composition):
         fps: how many pictures are going to be drawn per second of the simulation, or other unit of time of its scene.
             They may be drawn at any times; the lengths of trails in frames, and the digits of time, follow from it.
         duration: the expected duration [s], for the lengths of trails and the unit of time; None: 300 frames.
+        room: width of the view over that of the first state, at least 1; a camera that gives the view is not affected.
 
     Raises:
         SceneError: an argument is not valid.
@@ -99,8 +100,10 @@ class Renderer(Composition):
         quality: Quality = "fast",
         fps: float = FRAMES_PER_SECOND,
         duration: float | None = None,
+        room: float = 1.0,
     ) -> None:
         require_scene(scene)
+        self._room = number(room, "room", least=1.0)
         self._fps = span(fps, "fps")
         self._duration = FRAMES / self._fps if duration is None else span(duration, "duration")
         self._asked = check_format(format, check_size(size), video=False)
@@ -119,6 +122,7 @@ class Renderer(Composition):
             "credit": "" if credit is None else line_of(credit, "credit"),
             "samples": SAMPLES[word(quality, "quality", QUALITIES)],
         }
+        self._extent: Extent | None = None
         self._arrange(scene)
 
     def _arrange(self, scene: Scene) -> None:
@@ -128,14 +132,20 @@ class Renderer(Composition):
         super().__init__([self._present], **self._contents)  # type: ignore[arg-type]
         check_unit(self._time_unit, scene.units)
         self._first_date = check_start(self._start, scene.units)
-        self._extent: Extent | None = None
+        self._extent = None
         self._seen: FirstPass | None = None
+        self._views: list[View] = []
         self._last: tuple[SourceFrame, NDArray[np.uint8]] | None = None
 
     @property
     def scene(self) -> Scene:
         """The scene of the last state, or the one that was given."""
         return self._present.scene
+
+    @property
+    def view(self) -> View | None:
+        """The projection of the last picture; None before the first one."""
+        return self._views[0] if self._views else None
 
     def draw(self, state: State) -> NDArray[np.uint8]:
         """The picture of a state: a Simulation at its present time, or a Frame or Snapshot of a whole scene.
@@ -161,6 +171,18 @@ class Renderer(Composition):
             pixels = self._drawn(frame)
             self._last = frame, pixels
             return pixels.copy()
+
+    def look_as(self, other: Renderer) -> None:
+        """Take the view of another renderer of the same scene, which may have another size or theme.
+
+        Raises:
+            SceneError: the scenes have different dimensions.
+        """
+        if other.scene.dimension != self.scene.dimension:
+            raise SceneError(
+                f"look_as.other: must show a scene in {self.scene.dimension}D, got {other.scene.dimension}D"
+            )
+        self._extent = other._extent
 
     def reset(self) -> None:
         """Forget all states drawn so far, with their view: the next picture is framed as the first one was."""
@@ -211,8 +233,8 @@ class Renderer(Composition):
         if self._diagrammed:
             first = self._seen.energies[0].time
             self._add_diagrams([self._seen], max(self._duration, frame.time - first))
-        views = [self._view(panel, frame) for panel in self._panels]
-        return self._draw([frame], views, [len(self._seen.energies) - 1], frame.time).pixels()
+        self._views = [self._view(panel, frame) for panel in self._panels]
+        return self._draw([frame], self._views, [len(self._seen.energies) - 1], frame.time).pixels()
 
     def _look_at(self, frame: SourceFrame) -> None:
         """Find the view and the color scales from the first frame, and lay out the picture."""
@@ -222,7 +244,8 @@ class Renderer(Composition):
         source, painters = self._found[0], self._painters[0]
         self._seen = first_pass(source, [frame], len(moments), painters, track.axes, track.follow, lambda _: None, NEAR)
         if self._extent is None:
-            self._extent = extents(track, [self._seen], self._found)[0]
+            found = extents(track, [self._seen], self._found)[0]
+            self._extent = replace(found, shown=self._room * found.shown)
         self._moving = track.moving
         self._footer = self._make_footer(self._clock_at(frame.time), [frame.dt])
         self._compose(self._asked, [self._extent], [self._seen], still=not self._moving)

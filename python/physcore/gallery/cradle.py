@@ -14,6 +14,7 @@ import numpy as np
 import physcore as pc
 from physcore.film import Orbit
 from physcore.gallery.figure import Figure
+from physcore.gallery.means import arithmetic_geometric
 
 BALLS, RAISED = 5, 2
 """Number of balls, and of those that are raised at the start."""
@@ -66,15 +67,12 @@ def main(path: str | os.PathLike[str] = "cradle.gif", progress: bool | None = No
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The period, from one fall of the first ball through its lowest point to the last such fall.
 
-    The period of small oscillations is divided by M(1, cos θ/2), with the arithmetic-geometric mean M. Balls do
+    The period of small oscillations is divided by M(1, cos θ/2), with the arithmetic–geometric mean M. Balls do
     not turn with their rods, so that they swing as points.
     """
     recording = recordings["cradle"]
     x = recording["balls"].positions[:, 0, 0] + 0.5 * (BALLS - 1) * (2.0 * RADIUS + GAP)
     after = np.flatnonzero((x[:-1] < -0.1) & (x[1:] >= -0.1))
     times = (after + (-0.1 - x[after]) / (x[after + 1] - x[after])) / recording.fps
-    one, other = 1.0, math.cos(0.5 * ANGLE)
-    for _ in range(6):
-        one, other = 0.5 * (one + other), math.sqrt(one * other)
-    period = 2.0 * math.pi * math.sqrt(LENGTH / GRAVITY) / one
+    period = 2.0 * math.pi * math.sqrt(LENGTH / GRAVITY) / arithmetic_geometric(1.0, math.cos(0.5 * ANGLE))
     return Figure("period", float(np.diff(times).mean()), period, "by theory", 2e-2, "s")

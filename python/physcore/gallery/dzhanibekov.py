@@ -15,6 +15,7 @@ import numpy as np
 import physcore as pc
 from physcore.film import Orbit
 from physcore.gallery.figure import Figure
+from physcore.gallery.means import arithmetic_geometric
 from physcore.scene.solids import Capsule
 
 BAR, HANDLE, THICK = 0.5, 0.26, 0.04
@@ -55,10 +56,8 @@ def flips(spin: np.ndarray, moments: np.ndarray) -> float:
         least, most = most, least
     rate = (most - middle) * (turning - energy * least)
     modulus = (middle - least) * (energy * most - turning) / rate
-    one, other = 1.0, math.sqrt(1.0 - modulus)
-    for _ in range(8):
-        one, other = 0.5 * (one + other), math.sqrt(one * other)
-    return float(math.pi / one / math.sqrt(rate / (least * middle * most)))
+    mean = arithmetic_geometric(1.0, math.sqrt(1.0 - modulus))
+    return float(math.pi / mean / math.sqrt(rate / (least * middle * most)))
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:

@@ -18,11 +18,11 @@ from typing import cast
 import physcore
 from physcore.checks import count, file_path
 from physcore.errors import FileError
-from physcore.film.pictures import opened
 from physcore.gallery import COSTS, Cost, caption, costs, demo
 from physcore.gallery.figure import Figure
 from physcore.simulation.recording import Recording
 from physcore.storage.files import replacing, require_writable
+from physcore.storage.pictures import opened
 
 INDEX = "index.html"
 """Name of the page's file."""

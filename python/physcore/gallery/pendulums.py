@@ -14,6 +14,7 @@ import numpy as np
 import physcore as pc
 from physcore.film import Orbit
 from physcore.gallery.figure import Figure
+from physcore.gallery.means import arithmetic_geometric
 
 PENDULUMS, SWINGS = 15, 16
 """Number of pendulums, and number of swings of the longest one until they meet. Each shorter pendulum has one swing
@@ -29,12 +30,9 @@ DURATION = 20.0
 def stretch() -> float:
     """The ratio of the period at this amplitude to the period of small oscillations.
 
-    The ratio is 1/M(1, cos θ/2), with the arithmetic-geometric mean M; C. F. Gauss, 1799.
+    The ratio is 1/M(1, cos θ/2), with the arithmetic–geometric mean M.
     """
-    one, other = 1.0, math.cos(ANGLE / 2.0)
-    for _ in range(6):
-        one, other = (one + other) / 2.0, math.sqrt(one * other)
-    return 1.0 / one
+    return 1.0 / arithmetic_geometric(1.0, math.cos(ANGLE / 2.0))
 
 
 def scene() -> pc.Scene:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, TypedDict
 
@@ -26,7 +26,7 @@ from physcore.numerics.integrators import (
 from physcore.scene.contents import ItemKey
 from physcore.scene.records import kind_of
 from physcore.scene.scene import Scene
-from physcore.spelling import did_you_mean
+from physcore.spelling import KeywordError, did_you_mean
 
 DivergenceRule = Literal["raise", "ignore", "substep"]
 Precision = Literal["f32", "f64", "auto"]
@@ -140,6 +140,17 @@ class Options(TypedDict, total=False):
     on_divergence: DivergenceRule
     fluids: Fluids
     contacts: Contacts
+
+
+def require_options(given: Iterable[str], caller: str) -> None:
+    """Check the names of numerical choices.
+
+    Raises:
+        KeywordError: a name is unknown.
+    """
+    for name in given:
+        if name not in Options.__annotations__:
+            raise KeywordError(caller, name, Options.__annotations__)
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 from physcore._core import Canvas, missing_signs, text_width
 from physcore.checks import FloatArray, number, regular, require, shown
 from physcore.entrance import entrance
-from physcore.errors import SceneError
+from physcore.errors import FileError, SceneError
 from physcore.scene.outlines import area, outlines, simplified
 from physcore.scene.polytopes import Compound, Polygon
+from physcore.storage.pictures import opened
 
 TEXT = 160
 """Height of a line of text [pixels]."""
@@ -95,15 +96,13 @@ def _values(mask: ArrayLike | str | os.PathLike[str]) -> FloatArray:
 
 def _image(path: Path) -> FloatArray:
     """The opacity of an image, or its darkness if all of it is opaque."""
-    from PIL import Image, UnidentifiedImageError
-
+    if not path.exists():
+        raise SceneError(f"polygon_from_mask.mask: there is no file {str(path)!r}")
     try:
-        with Image.open(path) as image:
+        with opened(path) as image:
             pixels = np.asarray(image.convert("RGBA"), dtype=np.float64) / 255.0
-    except FileNotFoundError:
-        raise SceneError(f"polygon_from_mask.mask: there is no file {str(path)!r}") from None
-    except (UnidentifiedImageError, OSError) as error:
-        raise SceneError(f"polygon_from_mask.mask: {str(path)!r} is no image that can be read: {error}") from None
+    except FileError as error:
+        raise SceneError(f"polygon_from_mask.mask: {error}") from error
     opacity = pixels[..., 3]
     if (opacity < 1.0).any():
         return opacity

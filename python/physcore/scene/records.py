@@ -138,8 +138,14 @@ def kind_of(kind: type[Any]) -> str:
 
 
 def parameters(kind: type[Any]) -> Mapping[str, inspect.Parameter]:
-    """The parameters of a class."""
-    return inspect.signature(_declaring(kind)).parameters
+    """The parameters of a class, which are looked up once."""
+    if kind not in _PARAMETERS:
+        _PARAMETERS[kind] = inspect.signature(_declaring(kind)).parameters
+    return _PARAMETERS[kind]
+
+
+_PARAMETERS: dict[type[Any], Mapping[str, inspect.Parameter]] = {}
+"""Parameters of classes of items, because inspection takes longer than the description of an item."""
 
 
 def _declaring(kind: type[Any]) -> type[Any]:

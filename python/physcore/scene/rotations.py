@@ -1,11 +1,11 @@
-"""Unit quaternions, which are orientations of rigid bodies."""
+"""Rotations of rigid bodies: angles, unit quaternions, and their matrices."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.arithmetic import dots, lengths
+from physcore.arithmetic import cos, dots, lengths, sin
 from physcore.checks import FloatArray, broadcast
 from physcore.errors import SceneError
 
@@ -47,3 +47,20 @@ def quaternion_rates(quaternions: FloatArray, angular_velocities: FloatArray) ->
     w, axis = quaternions[:, :1], quaternions[:, 1:]
     turned = w * angular_velocities + np.cross(angular_velocities, axis)
     return 0.5 * np.column_stack([-dots(angular_velocities, axis), turned])
+
+
+def planar_rotations(angles: FloatArray) -> FloatArray:
+    """Rotation matrices (…, 2, 2) of angles (…) [rad]."""
+    cosine, sine = cos(angles), sin(angles)
+    return np.stack([np.stack([cosine, -sine], axis=-1), np.stack([sine, cosine], axis=-1)], axis=-2)
+
+
+def spatial_rotations(quaternions: FloatArray) -> FloatArray:
+    """Rotation matrices (…, 3, 3) of unit quaternions (w, x, y, z), shape (…, 4)."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

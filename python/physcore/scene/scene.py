@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, cast
 
 import numpy as np
 
-from physcore.checks import shown
+from physcore.checks import shown, text
 from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.contents import Contents
@@ -95,45 +95,52 @@ class Scene(Contents):
         self._check_sizes()
         warn_of_mistakes(self.bodies, self.forces, self.path)
 
-    def hash(self) -> str:
+    def hash(self, key: str | None = None) -> str:
         """Hash of all items of the scene: the same for equal scenes, in every process and on every machine.
 
         A version of physcore whose classes have additional arguments gives a different hash.
 
-        Raises:
-            FileError: the scene has a user function, such as that of a CustomForce, which is code.
-        """
-        return digest(self.packed())
+        Args:
+            key: a text that stands for the user functions of the scene, and is part of the hash. None: none.
 
-    def packed(self) -> Tree:
-        """The scene as a tree of plain values, for files and hashes.
+        Raises:
+            FileError: the scene has a user function, such as that of a CustomForce, which is code, and no key is given.
+            SceneError: the key is not a text.
+        """
+        if key is None:
+            return digest(self.packed())
+        return digest({"key": text(key, "hash.key"), "scene": self.packed(code=False)})
+
+    def packed(self, *, code: bool = True) -> Tree:
+        """The scene as a tree of plain values, for files and hashes. Without `code`, user functions are left out.
 
         Raises:
             FileError: the scene has a user function, such as that of a CustomForce, which is code.
         """
         return {
             "bodies": [pack(body) for body in self.bodies],
-            "forces": self._packed_items("forces", self.forces),
-            "boundaries": self._packed_items("boundaries", self.boundaries),
-            "constraints": self._packed_items("constraints", self.constraints),
-            "systems": self._packed_items("systems", self.systems),
-            "probes": self._packed_items("probes", self.probes),
+            "forces": self._packed_items("forces", self.forces, code),
+            "boundaries": self._packed_items("boundaries", self.boundaries, code),
+            "constraints": self._packed_items("constraints", self.constraints, code),
+            "systems": self._packed_items("systems", self.systems, code),
+            "probes": self._packed_items("probes", self.probes, code),
             "periodic": pack(self.periodic),
             **({} if self.units.is_si else {"units": asdict(self.units)}),
         }
 
-    def _packed_items(self, path: str, items: Sequence[SceneItem]) -> list[Tree]:
+    def _packed_items(self, path: str, items: Sequence[SceneItem], code: bool) -> list[Tree]:
         """Items in packed form; the bodies and systems that they name are indices, because each is saved once."""
         trees = []
         for position, item in enumerate(items):
             record = Record.of(item)
-            if record.code:
+            if record.code and code:
                 other = ", or express the force by the ones that physcore has" if path == "forces" else ""
                 raise FileError(
                     f"{path}[{position}]{record.code}: a {type(item).__name__} cannot be saved, because this function "
                     f"is code; save the arrays that you need with numpy.savez{other}"
                 )
-            trees.append(record.packed(indices(self, item)))
+            tree = record.packed(indices(self, item))
+            trees.append(_without_code(tree) if record.code else tree)
         return trees
 
     def __repr__(self) -> str:
@@ -311,6 +318,15 @@ def indices(scene: Scene, item: SceneItem) -> Named:
         field: None if others is None else [_place(scene, other) for other in others]
         for field, others in item.named().items()
     }
+
+
+def _without_code(tree: Tree) -> Tree:
+    """A tree with None in place of functions."""
+    if isinstance(tree, dict):
+        return {name: _without_code(each) for name, each in tree.items()}
+    if isinstance(tree, (list, tuple)):
+        return [_without_code(each) for each in tree]
+    return None if callable(tree) else tree
 
 
 def _place(scene: Scene, named: Body | Selection | SceneItem) -> int | list[Any]:

@@ -189,7 +189,11 @@ class Recording(Trajectory):
         Raises:
             FileError: the file cannot be written, or the scene has a CustomForce.
         """
-        content: dict[str, archive.Tree] = {
+        archive.write(path, "recording", {**self.content(), "scene": self.scene.packed()})
+
+    def content(self) -> dict[str, archive.Tree]:
+        """The recording as plain values without its scene, for a file."""
+        return {
             "times": self.times,
             **self.channels,
             "channels": list(self.channels),
@@ -198,21 +202,23 @@ class Recording(Trajectory):
             "momentum": self.momentum,
             "angular_momentum": self.angular_momentum,
             "fps": self.fps,
-            "scene": self.scene.packed(),
             "plan": _without_units(asdict(self.plan)),
             "provenance": self.provenance.content(),
             "events": [occurrences.content() for occurrences in self.events],
         }
-        archive.write(path, "recording", content)
 
     @classmethod
-    def from_content(cls, content: dict[str, archive.Tree]) -> Self:
+    def from_content(cls, content: dict[str, archive.Tree], scene: Scene | None = None) -> Self:
         """Rebuild a recording from the content of its file.
+
+        Args:
+            content: the content.
+            scene: the scene, if it is not in the file.
 
         Raises:
             FileError: an entry is missing or not valid; the message has its path.
         """
-        scene = unpack_scene(content.get("scene"))
+        scene = unpack_scene(content.get("scene")) if scene is None else scene
         sizes = Sizes(N=scene.particles, S=scene.count("springs"), D=scene.dimension, A=_turns(scene))
         if "provenance" not in content:
             raise FileError("provenance: is missing")
@@ -226,7 +232,7 @@ class Recording(Trajectory):
         amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
         budget = record(unit=text, total=over_time, times=over_time, **dict.fromkeys(PARTS, table(over_time)))
         shape = record(
-            scene=anything,
+            {"scene": anything},
             channels=anything,
             times=sizes.array("F", finite=True),
             fps=real(above=0.0),

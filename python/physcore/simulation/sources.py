@@ -11,7 +11,7 @@ import numpy as np
 from physcore import memory
 from physcore.checks import FloatArray, shown, span
 from physcore.errors import InternalError, SceneError
-from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
+from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, require_options
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Drift, Energy
@@ -19,7 +19,6 @@ from physcore.simulation.frames import frame_count
 from physcore.simulation.provenance_record import ProvenanceRecord, provenance_record, record_of
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
-from physcore.spelling import KeywordError
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,9 +220,7 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
         SceneError: a value is neither a recording nor a scene, an argument is out of range, or the rates differ.
         TypeError: a keyword is not a numerical option.
     """
-    for name in numerics:
-        if name not in Options.__annotations__:
-            raise KeywordError("film", name, Options.__annotations__)
+    require_options(numerics, "film")
     items = list(source) if isinstance(source, (list, tuple)) else [source]
     if not items:
         raise SceneError("recording: there must be at least one")

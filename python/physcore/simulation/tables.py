@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,19 @@ if TYPE_CHECKING:
 COLUMNS = {"positions": "{axis}", "velocities": "v{axis}"}
 """Column names of vectors; for other vectors they begin with the name of the field."""
 AXES = "xyz"
+
+
+def pandas_module() -> Any:
+    """The module pandas.
+
+    Raises:
+        PhyscoreError: it is not installed.
+    """
+    try:
+        import pandas
+    except ImportError:
+        raise PhyscoreError('data frames need pandas: pip install "physcore[pandas]"') from None
+    return pandas
 
 
 def data_frame(
@@ -33,10 +46,7 @@ def data_frame(
         PhyscoreError: pandas is not installed.
         SceneError: there are no particles, or the table would not fit into memory.
     """
-    try:
-        import pandas
-    except ImportError:
-        raise PhyscoreError('data frames need pandas: pip install "physcore[pandas]"') from None
+    pandas = pandas_module()
     number = next((values.shape[1] for values in channels.values() if values.ndim in (2, 3)), None)
     if number is None:
         raise SceneError("to_dataframe: nothing with particles was recorded; fields on grids are arrays")
@@ -57,4 +67,5 @@ def data_frame(
         axes = AXES if values.shape[2] <= len(AXES) else f"w{AXES}"  # quaternions are (w, x, y, z)
         for axis, component in zip(axes, np.moveaxis(values, 2, 0), strict=False):
             columns[COLUMNS.get(name, name + "_{axis}").format(axis=axis)] = component.ravel()
-    return pandas.DataFrame(columns)
+    table: DataFrame = pandas.DataFrame(columns)
+    return table

@@ -97,6 +97,18 @@ def digest(tree: Tree) -> str:
     return result.hexdigest()
 
 
+def plain(tree: Tree) -> Tree:
+    """A tree as it is read from a file: lists in place of tuples, and numbers of Python in place of those of NumPy."""
+    match tree:
+        case dict():
+            return {key: plain(entry) for key, entry in tree.items()}
+        case list() | tuple():
+            return [plain(entry) for entry in tree]
+        case np.generic():
+            return tree.item()
+    return tree
+
+
 def _trailer(digest: str) -> bytes:
     return b"%s %04d %s" % (_MAGIC, VERSION, digest.encode())
 

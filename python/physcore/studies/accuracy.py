@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Unpack
 
 from physcore.checks import flag, is_word, number, span
@@ -13,6 +15,7 @@ from physcore.errors import AccuracyError, SceneError
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, suited
 from physcore.numerics.integrators import RATTLE
 from physcore.scene.scene import Scene
+from physcore.simulation.cache import cached, check_key
 from physcore.simulation.event import Event, checked
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
@@ -41,6 +44,8 @@ def simulate(
     accuracy: float | None = None,
     energy_drift: float | None = None,
     events: Sequence[Event] = (),
+    cache: str | os.PathLike[str] | None = None,
+    key: str | None = None,
     **numerics: Unpack[Options],
 ) -> Recording:
     """Simulate a scene from its start, and record it.
@@ -55,6 +60,10 @@ def simulate(
     Otherwise, and whenever particles can hit something, only order one is assumed. The achieved accuracy is printed,
     and is a note of the recording's plan.
 
+    With `cache`, the recording is kept in a file. The next call with equal arguments reads it, with the same bits. The
+    name of the file is a hash of the scene, the numerics, all other arguments and the version of physcore. See
+    docs/sweeps.md.
+
     Args:
         scene: the scene.
         duration: the simulated duration [s].
@@ -63,23 +72,56 @@ def simulate(
             "wall_forces" and "probe_pressures"; fields of systems with their names, such as "pond.displacement". None:
             all except densities and pressures.
         progress: whether to show a progress bar; None: on a terminal, after one second.
-        accuracy: largest error of any particle's position at any frame [m]. Without particles, the largest error of the
+        accuracy: largest error of any particle's position at any frame [m]; of rigid bodies, also that of points at
+            their radii of gyration, which show rotations. Without bodies, the largest error of the
             first field of the first system, in its unit. The first fields of further systems are compared too: their
             errors, relative to their largest changes in a run with the default numerics, must not be larger.
         energy_drift: largest drift of the energy balance, as in `Recording.energy.drift`.
         events: events to look for, such as `pc.Event.crossing("ball", "y", 0.5)`, for `Recording.events`. A terminal
             one ends the run; the last frame is at or before it. With `accuracy` or `energy_drift`, the chosen run is
             repeated for them.
+        cache: a folder for recordings, which is created if necessary. Warnings of the first run are not repeated; the
+            notes of its plan are kept. Nothing is ever deleted.
+        key: a text that stands for the functions of the scene, such as that of a CustomForce, which have no hash. Give
+            another one whenever a function changes. Functions of `events` are recognized by their source, with
+            defaults and closures.
         numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, contacts, as in
             Simulation. dt must not be given with `accuracy` or `energy_drift`. If an integrator is given, or one for
             each item, no other is tried.
 
     Raises:
-        SceneError, SimulationDiverged: as for Simulation.
+        SceneError, SimulationDiverged: as for Simulation. With `cache`, a scene with functions needs a `key`.
         AccuracyError: no method reaches the accuracy or the drift; the error has the best values reached.
+        FileError: the folder of the cache cannot be written.
+
+    Warns:
+        FileWarning: a file of the cache is damaged, and the recording is computed anew.
     """
     if progress is not None:
         flag(progress, "progress")
+    name = check_key(key, used=cache is not None)
+    run = partial(_simulate, scene, duration, fps, channels, progress, accuracy, energy_drift, events, numerics)
+    if cache is None:
+        return run()
+    require_scene(scene)
+    arguments = {"accuracy": accuracy, "energy_drift": energy_drift}
+    numbers = {name: None if each is None else number(each, name, above=0.0) for name, each in arguments.items()}
+    lengths = {"duration": span(duration, "duration", empty=True), "fps": span(fps, "fps")}
+    return cached(cache, scene, numerics, {**numbers, **lengths}, channels, events, name, run)
+
+
+def _simulate(
+    scene: Scene,
+    duration: float,
+    fps: float,
+    channels: tuple[str, ...] | None,
+    progress: bool | None,
+    accuracy: float | None,
+    energy_drift: float | None,
+    events: Sequence[Event],
+    numerics: Options,
+) -> Recording:
+    """The recording of a run; arguments as for `simulate`."""
     if accuracy is None and energy_drift is None:
         return Simulation(scene, **numerics).record(duration, fps, channels, progress=progress, events=events)
     require_scene(scene)
@@ -134,9 +176,8 @@ def _search(
     )
 
     def record(choice: Choice) -> Trial:
-        return experiment.recorded(
-            choice, duration, fps, tuple(dict.fromkeys((*(each.channel for each in compared(scene)), *channels)))
-        )
+        needed = [channel for each in compared(scene) for channel in each.channels]
+        return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys((*needed, *channels))))
 
     some = [numerics.integrator]
     if is_word(given, "auto"):

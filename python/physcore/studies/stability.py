@@ -13,6 +13,7 @@ from physcore.entrance import entrance
 from physcore.errors import SimulationDiverged
 from physcore.markup import Printed
 from physcore.numerics.choices import Numerics, check
+from physcore.numerics.contacts import Contacts
 from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
@@ -79,19 +80,34 @@ class MeasuredLimit(Printed):
 
 @overload
 def stability_limit(
-    scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: Literal[False] = False
+    scene: Scene,
+    integrator: Integrator | str,
+    *,
+    fluids: Fluids = "auto",
+    contacts: Contacts = "auto",
+    measured: Literal[False] = False,
 ) -> float: ...
 
 
 @overload
 def stability_limit(
-    scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: Literal[True]
+    scene: Scene,
+    integrator: Integrator | str,
+    *,
+    fluids: Fluids = "auto",
+    contacts: Contacts = "auto",
+    measured: Literal[True],
 ) -> MeasuredLimit: ...
 
 
 @entrance
 def stability_limit(
-    scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: bool = False
+    scene: Scene,
+    integrator: Integrator | str,
+    *,
+    fluids: Fluids = "auto",
+    contacts: Contacts = "auto",
+    measured: bool = False,
 ) -> float | MeasuredLimit:
     """Find the largest stable time step of a scene [s], in its initial state.
 
@@ -112,15 +128,15 @@ def stability_limit(
         scene: the scene.
         integrator: the integrator or its name.
         fluids: the method of fluids, as in Simulation.
+        contacts: the solver of the contacts of rigid bodies, as in Simulation.
         measured: whether to measure the limit too, by bisection. Trial runs have 2000 steps from the scene's start,
-            with
-            every particle slightly perturbed. The result is a `MeasuredLimit` with both limits, to 0.1 %.
+            with all velocities slightly perturbed. The result is a `MeasuredLimit` with both limits, to 0.1 %.
 
     Raises:
         SceneError: an argument is not valid, or a particle starts outside a boundary.
     """
     require_scene(scene)
-    numerics = check({"integrator": integrator, "threads": 1, "fluids": fluids}, scene)
+    numerics = check({"integrator": integrator, "threads": 1, "fluids": fluids, "contacts": contacts}, scene)
     limit = engine.limit(engine.build(scene, numerics))
     if not flag(measured, "measured"):
         return limit.stability
@@ -157,7 +173,13 @@ def _stable(scene: Scene, numerics: Numerics, dt: float, theory: float) -> bool:
     """Whether a run of 2000 steps is stable."""
     with unwarned(), undivided():
         run = Simulation(
-            scene, numerics.integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH, fluids=numerics.fluids or "auto"
+            scene,
+            numerics.integrator,
+            dt,
+            "f64",
+            max_energy_growth=MAX_ENERGY_GROWTH,
+            fluids=numerics.fluids or "auto",
+            contacts=numerics.contacts or "auto",
         )
     # For particles the range of positions, for a field the range of its values.
     ranges = [np.ptp(each.values(run).reshape(-1, each.components), axis=0).max() for each in compared(scene)]

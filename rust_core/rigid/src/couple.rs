@@ -90,22 +90,26 @@ impl<'a> Couple<'a> {
         self.widest_of(owner, |_| true)
     }
 
-    /// Face with the widest gap of those that `accepts`.
+    /// Face with the widest gap of those that `accepts`, the first of equals.
     #[inline]
     fn widest_of(&self, owner: usize, accepts: impl Fn(&FaceGap) -> bool) -> Option<FaceGap> {
         let [reference, incident] = [self.parts[owner], self.parts[1 - owner]];
         let into = &self.other_in[owner];
-        let mut widest: Option<FaceGap> = None;
         let middle = into.point(incident.ball.0);
-        for (face, &normal) in reference.normals.iter().enumerate() {
-            // No gap is wider than that of the middle of the other core.
-            if widest.is_some_and(|widest| normal.dot(middle - reference.corner(face)) <= widest.gap) {
+        // No gap is wider than that of a ball within the other core.
+        let most = |face: usize| reference.normals[face].dot(middle) - reference.offsets[face] - incident.inner;
+        let gap = |face: usize| {
+            let normal = reference.normals[face];
+            let (vertex, along) = incident.support(-into.local_vector(normal));
+            FaceGap { gap: normal.dot(into.position - reference.corner(face)) - along, owner, face, vertex }
+        };
+        let mut widest: Option<FaceGap> = None;
+        for face in 0..reference.normals.len() {
+            if widest.is_some_and(|widest| most(face) <= widest.gap) {
                 continue;
             }
-            let (vertex, along) = incident.support(-into.local_vector(normal));
-            let gap = normal.dot(into.position - reference.corner(face)) - along;
-            let found = FaceGap { gap, owner, face, vertex };
-            if widest.is_none_or(|widest| gap > widest.gap) && accepts(&found) {
+            let found = gap(face);
+            if widest.is_none_or(|widest| found.gap > widest.gap) && accepts(&found) {
                 widest = Some(found);
             }
         }

@@ -10,9 +10,9 @@ import numpy as np
 
 from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.constraints.joint import located
-from physcore.film.shapes.parts import planar_rotations, spatial_rotations
 from physcore.film.shapes.spatial import core_of
 from physcore.scene.items import Constraint
+from physcore.scene.rotations import planar_rotations, spatial_rotations
 from physcore.scene.scene import Scene
 from physcore.scene.targets import whole
 from physcore.simulation.sources import SourceFrame

@@ -9,9 +9,9 @@ from physcore.checks import FloatArray, IntArray
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import varied
 from physcore.film.colors.themes import Theme
-from physcore.film.shapes.parts import planar_rotations
 from physcore.film.shapes.planar import Core, Face, cores_of, face_of, reach_of
 from physcore.film.styles.base import inks
+from physcore.scene.rotations import planar_rotations
 from physcore.scene.solids import Shape
 
 RIM = (0.14, 0.8, 2.0)

@@ -9,9 +9,9 @@ from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
-from physcore.film.shapes.parts import spatial_rotations
 from physcore.film.shapes.spatial import Mesh, core_of, mesh_of
 from physcore.film.styles.base import SHADING, inks
+from physcore.scene.rotations import spatial_rotations
 from physcore.scene.solids import Ball, Shape
 
 STEP = 1.25

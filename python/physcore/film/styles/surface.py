@@ -17,7 +17,6 @@ from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticl
 from physcore.film.colors.colormaps import ColormapName, diverging, look_up, sequential
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Color, Theme, color
-from physcore.film.pictures import opened
 from physcore.film.shapes.creases import around, corner_normals, face_normals
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight
 from physcore.film.styles.coloring import Coloring, checked
@@ -28,6 +27,7 @@ from physcore.film.styles.typical import Typical
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
+from physcore.storage.pictures import opened
 
 RIM = 0.75
 """Brightness of the rim of a surface, which faces sideways."""

@@ -15,10 +15,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.film.pictures import opened
 from physcore.film.writers.base import Film, FilmJob, Writer
 from physcore.film.writers.patches import Patch, patches
 from physcore.storage.files import replacing
+from physcore.storage.pictures import opened
 
 TICKS = 1000
 """Unit of delays: 1/1000 s."""

@@ -10,11 +10,13 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.errors import SimulationDiverged
+from physcore.numerics.contacts import Contacts
 from physcore.numerics.fluids import Fluids
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.step_warnings import unwarned
-from physcore.studies.state import Primary, compared
+from physcore.studies.primary import Primary
+from physcore.studies.state import compared
 
 LOOKS = 32
 """Number of states in which the changes of items are measured."""
@@ -97,7 +99,9 @@ class Comparison:
         return farthest
 
 
-def scales_of(scene: Scene, duration: float, threads: int | None, fluids: Fluids) -> tuple[float, ...]:
+def scales_of(
+    scene: Scene, duration: float, threads: int | None, fluids: Fluids, contacts: Contacts
+) -> tuple[float, ...]:
     """The largest change of each item since the start, in a run with the default numerics or until it diverges. Of a
     single item it is not needed.
     """
@@ -106,7 +110,7 @@ def scales_of(scene: Scene, duration: float, threads: int | None, fluids: Fluids
         return ()
     scales = [0.0] * len(items)
     with unwarned():
-        run = Simulation(scene, threads=threads, fluids=fluids)
+        run = Simulation(scene, threads=threads, fluids=fluids, contacts=contacts)
         starts = [each.values(run) for each in items]
         for _ in range(LOOKS):
             try:

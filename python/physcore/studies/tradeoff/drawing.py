@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from physcore.checks import shown
-from physcore.errors import PhyscoreError, SceneError
 from physcore.film import film as film_recordings
 from physcore.film.writers import WRITERS
 from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.simulation.simulation import Simulation
-from physcore.storage.files import replacing, require_writable
 from physcore.storage.formats import writable
+from physcore.studies.figures import axes_for, save
 from physcore.studies.tradeoff.labels import differences
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
@@ -30,38 +27,9 @@ PALEST = 0.75
 """Largest fraction of white in the shades of a color."""
 
 
-def require_plottable(path: str | os.PathLike[str] | None) -> None:
-    """Check that a figure can be written, before the work begins.
-
-    Raises:
-        SceneError: the value is not a path, or has no suffix of a format of Matplotlib.
-        FileError: the file cannot be written.
-        PhyscoreError: Matplotlib is not installed.
-    """
-    try:
-        from matplotlib.backend_bases import FigureCanvasBase
-    except ImportError:
-        raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
-    if path is None:
-        return
-    known, suffix = FigureCanvasBase.get_supported_filetypes(), _suffix(require_writable(path))
-    if suffix not in known:
-        raise SceneError(f"path: must end in {', '.join(f'.{each}' for each in known)}, got {shown(str(path))}")
-
-
-def _suffix(path: str | os.PathLike[str]) -> str:
-    """The format of a figure, from its suffix."""
-    return Path(path).suffix.lstrip(".").lower() or "png"
-
-
 def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | None) -> Axes:
     """Plot error against time; see `Tradeoff.plot`."""
-    if path is not None or axes is None:
-        require_plottable(path)
-    if axes is None:
-        from matplotlib.figure import Figure
-
-        axes = Figure(figsize=(7.2, 4.8), layout="constrained").subplots()
+    axes = axes_for(path, axes)
     front = [row for row in trade.front if row.total_error > 0.0]
     axes.plot(
         [row.seconds for row in front],
@@ -100,26 +68,21 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
     axes.tick_params(which="minor", labelsize="xx-small")
     axes.grid(alpha=0.25)
     _explain(trade, axes, colors)
-    if path is not None:
-        with replacing(path) as file:
-            figure = axes.get_figure(root=True)
-            assert figure is not None
-            figure.savefig(file, format=_suffix(path), dpi=144)
+    save(axes, path)
     return axes
 
 
-Variant = tuple[str, float | None, FluidMethod | ContactSolver | None]
-"""Key of a color: the label of an integrator, a resolution, and a method of fluids or a solver of contacts."""
+Variant = tuple[str, float | None, tuple[FluidMethod | ContactSolver, ...]]
+"""Key of a color: the label of an integrator, a resolution, and the compared methods of fluids and of contacts."""
 
 
 def _variant(row: Row) -> Variant:
-    return row.label, row.resolution, row.method
+    return row.label, row.resolution, tuple(row.methods.values())
 
 
 def _name(variant: Variant) -> str:
-    label, resolution, method = variant
-    parts = [label, "" if resolution is None else f"{resolution:g}", "" if method is None else differences(method)]
-    return ", ".join(filter(None, parts))
+    label, resolution, compared = variant
+    return ", ".join([label, *([] if resolution is None else [f"{resolution:g}"]), *map(differences, compared)])
 
 
 def _colors(trade: Measurements) -> dict[Variant, tuple[float, float, float]]:
@@ -167,9 +130,7 @@ def _series(trade: Measurements) -> dict[tuple[Variant, str], list[Row]]:
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
     """Film a row beside the reference; see `Tradeoff.film`."""
     writable(path, WRITERS)
-    position = list(dict.fromkeys((each.method, each.resolution) for each in trade.rows)).index(
-        (row.method, row.resolution)
-    )
+    position = list(dict.fromkeys(_variant(each)[1:] for each in trade.rows)).index(_variant(row)[1:])
     experiment, reference = trade.experiments[position], trade.references[position]
     chosen = Simulation(experiment.scene, **row.numerics).record(trade.duration, fps)
     truth = Simulation(

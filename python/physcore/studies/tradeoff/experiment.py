@@ -112,7 +112,7 @@ class Experiment:
 
     def __post_init__(self) -> None:
         if self.observer is None and not self.scales:
-            scales = scales_of(self.scene, self.duration, self.threads, self.fluids)
+            scales = scales_of(self.scene, self.duration, self.threads, self.fluids, self.contacts)
             object.__setattr__(self, "scales", scales)
 
     @property
@@ -229,7 +229,7 @@ class Experiment:
         taken = simulation.steps * recording.plan.evaluations
         drift = _largest_drift(recording.energy)
         comparison = self.comparison
-        samples = comparison.joined([recording.channels[each.channel] for each in comparison.items], 1)
+        samples = comparison.joined([each.recorded(recording) for each in comparison.items], 1)
         return Trial(choice, samples, seconds, taken, drift, None, recording)
 
 

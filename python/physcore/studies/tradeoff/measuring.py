@@ -85,8 +85,9 @@ def tradeoff(
             of the same solver. With short steps all of them have the same limit.
         observe: function of the simulation that returns the compared values, an array of numbers. None: the positions
             of all particles [m], or with `resolutions` the centers of the bodies; without particles, the first field of
-            the first system. The first fields of further systems are compared too, scaled so that their largest
-            changes in a run with the default numerics are as large.
+            the first system. Of rigid bodies, the centers and points at their radii of gyration are compared, which
+            show rotations. The first fields of further systems are compared too, scaled so that their largest changes
+            in a run with the default numerics are as large; so are rigid bodies beside particles.
         budget: approximate total time [s]. The first three rows of each integrator may take as long again, and the very
             first ones are always run.
         threads: as in Simulation.

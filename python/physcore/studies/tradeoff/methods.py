@@ -61,7 +61,10 @@ def methods(
             continue
         limit = plan.dt_limit
         if plan.limit_kind == "accuracy":
-            limit = min(stability_limit(experiment.scene, integrator, fluids=experiment.fluids), BEYOND * limit)
+            stable = stability_limit(
+                experiment.scene, integrator, fluids=experiment.fluids, contacts=experiment.contacts
+            )
+            limit = min(stable, BEYOND * limit)
         found.append(Method(integrator, plan.order, limit, plan.dt_limit, plan.evaluations))
     if not found:
         raise refusal

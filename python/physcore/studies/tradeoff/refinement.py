@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from physcore.arithmetic import power
 from physcore.checks import FloatArray
+from physcore.studies.state import can_touch
 from physcore.studies.tradeoff.convergence import Convergence, convergence, errors_of, order_between, stagnant
 from physcore.studies.tradeoff.experiment import Experiment, Trial
 
@@ -76,11 +77,11 @@ class Refinement:
 
     @property
     def certain(self) -> int | None:
-        """The guaranteed order: 1 if particles can hit something, 2 with forces that have a kink or a jump at their
+        """The guaranteed order: 1 if bodies can hit something, 2 with forces that have a kink or a jump at their
         range, which is reached at any time within a step. None for smooth motion.
         """
         scene = self.experiment.scene
-        if scene.boundaries:
+        if scene.boundaries or can_touch(scene):
             return 1
         kinked = scene.fluids or any(force.has_kink for force in scene.forces)
         return 2 if kinked and self.order > 2 else None

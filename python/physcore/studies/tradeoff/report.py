@@ -10,6 +10,7 @@ from dataclasses import asdict
 from html import escape
 from typing import Any
 
+from physcore.markup import text_table
 from physcore.numerics.integrators import Integrator
 from physcore.studies.tradeoff.labels import differences, labels, parameters
 from physcore.studies.tradeoff.reference import Reference
@@ -17,7 +18,7 @@ from physcore.studies.tradeoff.restarts import Windows
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
 KINDS = {
-    "trajectory": "the largest distance of any particle from the reference over the whole run",
+    "trajectory": "the largest distance of any point from the reference over the whole run",
     "restart": "the largest distance at the end of short windows that start on the reference: trajectories are chaotic",
     "until the horizon": "the largest distance from the reference until its trajectories are lost to chaos",
 }
@@ -68,28 +69,9 @@ def table(trade: Measurements, rows: Sequence[Row] | None = None) -> str:
     ? noisy time.
     """
     front = set(map(id, trade.front))
-    resolved = trade.rows and trade.rows[0].resolution is not None
-    compared = "fluids" if trade.rows and trade.rows[0].fluids is not None else "contacts"
-    units = trade.scene.units
-    header = [
-        "",
-        "integrator",
-        units.label("dt", "s"),
-        "",
-        *([compared] if trade.rows and trade.rows[0].method is not None else []),
-        *(["resolution"] if resolved else []),
-    ]
-    header += ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
-    lines = [header, *(_cells(row, id(row) in front) for row in (trade.rows if rows is None else rows))]
-    widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
-    left = {0, 1, 3, len(header) - 1}
-    text = [
-        "  ".join(
-            cell.ljust(width) if column in left else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in lines
-    ]
+    units, lines = trade.scene.units, [_header(trade, "")]
+    lines += [*(_cells(row, id(row) in front) for row in (trade.rows if rows is None else rows))]
+    text = text_table(lines, {0, 1, 3, len(lines[0]) - 1})
     return "\n".join(
         [
             f"Error: {KINDS[trade.measure]}; {trade.duration:g}{units.suffix('s')} simulated",
@@ -112,14 +94,20 @@ def html(trade: Measurements) -> str:
     """The table as HTML, for notebooks."""
     front = set(map(id, trade.front))
     lines = [_cells(row, id(row) in front) for row in trade.rows]
-    resolved = ["resolution"] if trade.rows and trade.rows[0].resolution is not None else []
     units = trade.scene.units
-    heads = ["", "integrator", units.label("dt", "s"), "precision", *resolved]
-    heads += ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
-    top = "".join(f"<th>{escape(head)}</th>" for head in heads)
+    top = "".join(f"<th>{escape(head)}</th>" for head in _header(trade, "precision"))
     body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in line)}</tr>" for line in lines)
     caption = f"Error: {KINDS[trade.measure]}; {trade.duration:g}{units.suffix('s')} simulated. * on the Pareto front"
     return f"<table><caption>{escape(caption)}</caption><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _header(trade: Measurements, precision: str) -> list[str]:
+    """The headings of the columns of `_cells`."""
+    first, units = trade.rows[:1], trade.scene.units
+    compared = [name for row in first for name in row.methods]
+    compared += ["resolution" for row in first if row.resolution is not None]
+    last = ["seconds", "evaluations", units.label("error", "m"), "energy drift", "status"]
+    return ["", "integrator", units.label("dt", "s"), precision, *compared, *last]
 
 
 def _cells(row: Row, on_front: bool) -> list[str]:
@@ -129,7 +117,7 @@ def _cells(row: Row, on_front: bool) -> list[str]:
         row.label,
         f"{row.dt:.4g}",
         row.precision,
-        *([differences(row.method)] if row.method is not None else []),
+        *map(differences, row.methods.values()),
         *([f"{row.resolution:g}"] if row.resolution is not None else []),
         f"{row.seconds:.3g}{'?' if row.noisy else ' '}",
         str(row.evaluations),

@@ -11,7 +11,8 @@ from physcore.arithmetic import log
 from physcore.checks import FloatArray
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.simulation.simulation import Simulation
-from physcore.studies.state import Primary, State, compared, nudge, restore, state
+from physcore.studies.primary import Primary
+from physcore.studies.state import State, compared, nudge, restore, state
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment

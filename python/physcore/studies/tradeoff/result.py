@@ -98,9 +98,10 @@ class Row(Printed):
         return chosen
 
     @property
-    def method(self) -> FluidMethod | ContactSolver | None:
-        """The method of fluids or the solver of contacts, if these are compared."""
-        return self.fluids if self.contacts is None else self.contacts
+    def methods(self) -> dict[str, FluidMethod | ContactSolver]:
+        """The method of fluids and the solver of contacts, as far as these are compared, by the names of arguments."""
+        given = {"fluids": self.fluids, "contacts": self.contacts}
+        return {name: method for name, method in given.items() if method is not None}
 
     @property
     def total_error(self) -> float:
@@ -124,7 +125,7 @@ class Row(Printed):
 
     def __str__(self) -> str:
         at = "" if self.resolution is None else f", resolution {self.resolution:g}"
-        at = at if self.method is None else f"{at}, {self.method}"
+        at = ", ".join([at, *map(str, self.methods.values())])
         error = f"{self.total_error:.2g}" if self.status != "diverged" else "—"
         return (
             f"{self.label}, dt = {self.dt:.4g}{self.units.suffix('s')}, {self.precision}{at}: "

@@ -15,6 +15,7 @@ from physcore.numerics.contacts import ContactSolver
 from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.studies import clock
+from physcore.studies.state import is_whole
 from physcore.studies.tradeoff import reference, restarts
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos, twin
@@ -192,7 +193,7 @@ class WorkPrecisionDiagram:
         choice, self.chaos = self._twin(Choice(best.integrator, "f64", steps))
         if not self.chaos.chaotic:
             self.truth = reference.find(self.experiment, self._methods, budget)
-        elif self.experiment.scene.fluids or self.experiment.observer is not None:
+        elif not is_whole(self.experiment.scene) or self.experiment.observer is not None:
             # Restarts need the whole state, which for fluids and observers is more than positions and velocities.
             self.measure = "until the horizon"
             self.truth = reference.find(self.experiment, self._methods, budget, self.until())

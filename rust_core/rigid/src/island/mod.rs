@@ -20,11 +20,12 @@ use crate::sweeps::GroupSweep;
 
 pub use contacts::{ContactKey, GroupContact};
 pub(crate) use joints::{HeldJoint, LIMIT_BOUNDS, LIMITS};
-pub use pieces::{FirstHalf, lost};
+pub use pieces::{FirstHalf, lost, pushed};
 
-/// Gap at which a contact has closed, and at which it counts as closed, over the size of the bodies.
+/// Gap at which a contact counts as closed, and overlap at which bodies are pushed apart, over the size of the bodies.
+pub const CLOSED: f64 = 1e-6;
+/// Gap at which a contact has closed, over the size of the bodies.
 pub(crate) const HIT: f64 = 1e-9;
-pub(crate) const CLOSED: f64 = 1e-6;
 
 /// Numerical parameters of contacts and joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +68,8 @@ pub struct Meters {
     pub retaken: u32,
     /// Number of steps in which bodies waited because of too many impacts.
     pub waits: u32,
+    /// Gained by pushing overlapping bodies apart: an error of the method, neither work nor dissipation.
+    pub pushed: f64,
 }
 
 /// Group of bodies during a step.

@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-use super::{HIT, Island};
+use super::{CLOSED, HIT, Island};
 use crate::mover::Mover;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, MOST_ROWS, Rows};
 
@@ -28,6 +28,8 @@ pub struct FirstHalf {
     drifted: BodyVelocities,
     starts: Vec<Slip>,
     middles: Vec<Slip>,
+    /// Whether each contact is that of overlapping bodies, which do not strike.
+    pushing: Vec<bool>,
     /// Half the work of the impulses on the changes of velocities by the kick [J].
     kicked: f64,
     /// Energies dissipated by contacts, and supplied [J].
@@ -76,6 +78,7 @@ impl Island {
             row.impulse.tangential = row.impulse.tangential.reject_from_normalized(row.normal);
             first.starts.push(row.slip_of(&start));
             anchors.push(contact.anchors(&poses));
+            first.pushing.push(!contact.bounces && contact.touch.gap < -CLOSED * self.pairs[contact.pair].size);
             first.rows.contacts.push(row);
             first.contacts.push(index);
         }
@@ -193,8 +196,11 @@ impl Island {
         rows.apply(&mut self.movers);
         let stopped = rows.stopped(&first.drifted, &v);
         let mut losses = first.lost + stopped;
-        for ((row, &index), &before) in rows.contacts.iter().zip(&first.contacts).zip(&first.middles) {
+        for (((row, &index), pushing), &before) in
+            rows.contacts.iter().zip(&first.contacts).zip(&first.pushing).zip(&first.middles)
+        {
             losses += lost(row, self.contacts[index].bounces, before, row.slip_of(&v));
+            self.meters.pushed += if *pushing { pushed(row, before.0) } else { 0.0 };
         }
         let ends = rows.contacts.iter().map(|row| row.velocity(&v)).zip(&first.contacts).zip(&first.starts);
         if stopped != 0.0 || ends.zip(&rows.contacts).any(|(((end, &index), start), row)| self.changes(index, row, [start.0, end])) {
@@ -246,4 +252,9 @@ fn work_on_kick(kicked: &[Mover], ended: &[Mover], length: f64) -> f64 {
 pub fn lost(row: &ContactRow, strikes: bool, before: Slip, after: Slip) -> f64 {
     let normal = 0.5 * row.impulse.normal * row.normal.dot(before.0 + after.0);
     -row.work(before, after) + if strikes { 0.0 } else { normal }
+}
+
+/// Work of the normal impulses of a piece at the velocity of its drift [J]: the energy gained as the gap grows under load.
+pub fn pushed(row: &ContactRow, drift: DVec3) -> f64 {
+    (row.before.normal + row.impulse.normal) * row.normal.dot(drift)
 }

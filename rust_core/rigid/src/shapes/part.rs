@@ -14,12 +14,16 @@ pub(crate) struct Part {
     pub vertices: Vec<DVec3>,
     /// Outward unit normals of the faces of the core. Face i of a polygon is the edge from vertex i to the next.
     pub normals: Vec<DVec3>,
+    /// Distances of the planes of the faces from the origin along their normals [m].
+    pub offsets: Vec<f64>,
     /// Loops and edges of a polyhedron; empty in 2D.
     pub net: Net,
     /// Rounding radius [m].
     pub radius: f64,
     /// Mean of the vertices [m], and the radius of a ball around it that contains the part [m].
     pub ball: (DVec3, f64),
+    /// Radius of a ball around this mean that the core contains [m].
+    pub inner: f64,
     /// Surface that the part belongs to; None if all of its own surface is one.
     pub skin: Option<Box<Skin>>,
     /// Number of the first feature of the part among those of its shape: vertices, then edges, then faces.
@@ -181,16 +185,29 @@ impl Part {
     }
 
     fn new(vertices: Vec<DVec3>, normals: Vec<DVec3>, net: Net, radius: f64) -> Self {
-        let mut part = Self { vertices, normals, net, radius, ball: (DVec3::ZERO, 0.0), skin: None, first: 0 };
+        let mut part = Self {
+            vertices,
+            normals,
+            offsets: Vec::new(),
+            net,
+            radius,
+            ball: (DVec3::ZERO, 0.0),
+            inner: 0.0,
+            skin: None,
+            first: 0,
+        };
         part.surround();
         part
     }
 
-    /// Finds the ball around the part.
+    /// Finds the planes of the faces, and the balls around the part and within it.
     fn surround(&mut self) {
         let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len() as f64;
         let reach = self.vertices.iter().map(|vertex| vertex.distance(center)).fold(0.0, f64::max);
         self.ball = (center, reach + self.radius);
+        self.offsets = (0..self.normals.len()).map(|face| self.normals[face].dot(self.corner(face))).collect();
+        let depths = self.normals.iter().zip(&self.offsets).map(|(normal, offset)| offset - normal.dot(center));
+        self.inner = depths.reduce(f64::min).unwrap_or(0.0).max(0.0);
     }
 
     /// Turns the part and moves it.

@@ -8,6 +8,9 @@ use crate::shapes::Part;
 /// Smallest sine of the angle of two edges whose cross product is a direction.
 const PARALLEL: f64 = 1e-6;
 
+/// Product of two sines that may be zero but for rounding.
+const ROUNDING: f64 = 1e-15;
+
 /// Sine of the angle of two edges from which on they are far from parallel.
 pub(super) const SKEW: f64 = 0.05;
 
@@ -52,24 +55,36 @@ impl Ridge {
     }
 }
 
-/// Edges of a part that may separate it from a ball around `center` more than `least`.
-fn ridges(part: &Part, center: DVec3, least: f64) -> impl Iterator<Item = (usize, DVec3, DVec3, [DVec3; 2])> + '_ {
+/// Edges of a part that may separate it by more than `least` from a core that contains a ball.
+fn ridges(
+    part: &Part,
+    (center, radius): (DVec3, f64),
+    least: f64,
+) -> impl Iterator<Item = (usize, DVec3, DVec3, [DVec3; 2])> + '_ {
     let edges = part.net.edges.iter().enumerate();
     edges.filter_map(move |(index, edge)| {
         let [start, end] = edge.ends.map(|vertex| part.vertices[vertex as usize]);
         let normals = edge.faces.map(|face| part.normals.get(face as usize).copied().unwrap_or(DVec3::ZERO));
-        (highest(start, end - start, normals, center) >= least).then_some((index, start, end - start, normals))
+        (highest(start, end - start, normals, center, least + radius) >= least + radius).then_some((
+            index,
+            start,
+            end - start,
+            normals,
+        ))
     })
 }
 
-/// Upper bound of n·(x − edge) over the unit normals n of an edge.
-fn highest(start: DVec3, way: DVec3, [left, right]: [DVec3; 2], x: DVec3) -> f64 {
+/// Upper bound of n·(x − edge) over the unit normals n of an edge, if it may be at least `least`.
+#[inline]
+fn highest(start: DVec3, way: DVec3, [left, right]: [DVec3; 2], x: DVec3, least: f64) -> f64 {
     let up = x - start;
-    // A segment without faces has all normals.
-    let up = up - way * (up.dot(way) / way.length_squared());
-    let [a, b] = [left.dot(up), right.dot(up)];
+    let of_faces = left.dot(up).max(right.dot(up));
+    // Below both faces, x is nearest to one of these. A segment without faces has all normals.
+    if of_faces < 0.0 || of_faces >= least {
+        return of_faces;
+    }
     let is_between = left.cross(up).dot(way) >= 0.0 && up.cross(right).dot(way) >= 0.0;
-    if is_between || left == DVec3::ZERO { up.length() } else { a.max(b) }
+    if is_between || left == DVec3::ZERO { up.reject_from(way).length() } else { of_faces }
 }
 
 /// Pair of edges along whose normal the cores are farthest apart, by more than `least`.
@@ -79,8 +94,7 @@ pub(super) fn widest(couple: &Couple, least: f64) -> Option<EdgeGap> {
         return None;
     }
     let into = &couple.other_in[0];
-    // The center of a core is no nearer to a separating plane than the plane to the core.
-    let others: Vec<Ridge> = ridges(other, couple.other_in[1].point(one.ball.0), least)
+    let others: Vec<Ridge> = ridges(other, (couple.other_in[1].point(one.ball.0), one.inner), least)
         .map(|(edge, start, way, normals)| Ridge {
             edge,
             start: into.point(start),
@@ -88,11 +102,14 @@ pub(super) fn widest(couple: &Couple, least: f64) -> Option<EdgeGap> {
             normals: normals.map(|normal| into.rotation * normal),
         })
         .collect();
+    if others.is_empty() {
+        return None;
+    }
     let mut best: Option<EdgeGap> = None;
     let mut limit = least;
-    for (edge, start, way, normals) in ridges(one, into.point(other.ball.0), least) {
+    for (edge, start, way, normals) in ridges(one, (into.point(other.ball.0), other.inner), least) {
         let here = Ridge { edge, start, way, normals };
-        for there in &others {
+        for there in others.iter().filter(|there| may_cross(&here, there) && may_cross(there, &here)) {
             if let Some(found) = between(&here, there, limit) {
                 limit = found.gap;
                 best = Some(found);
@@ -131,6 +148,13 @@ fn between(one: &Ridge, other: &Ridge, least: f64) -> Option<EdgeGap> {
     let is_skew = area > SKEW * SKEW * sizes;
     let is_exact = along.iter().all(|part| (0.0..=1.0).contains(part));
     Some(EdgeGap { gap, edges: [one.edge, other.edge], normal, is_skew, is_exact })
+}
+
+/// Whether a normal of `other` between those of its faces may be normal to the way of an edge.
+#[inline]
+fn may_cross(ridge: &Ridge, other: &Ridge) -> bool {
+    let [left, right] = other.normals.map(|normal| normal.dot(ridge.way));
+    left * right <= ROUNDING * ridge.way.length_squared()
 }
 
 /// Whether a normal of an edge is between those of its faces.

@@ -75,8 +75,18 @@ fn axis(couple: &Couple) -> Option<SeparatingAxis> {
     if face.gap > couple.limit() {
         return Some(SeparatingAxis::Face(face));
     }
+    // A face has the widest gap of all directions if it is the distance of the cores.
+    if face.gap > couple.closed() && is_distance(couple, &face) {
+        return Some(SeparatingAxis::Face(face));
+    }
     let size = couple.parts[0].ball.1 + couple.parts[1].ball.1;
     Some(edges::widest(couple, face.gap + EDGE * size).map_or(SeparatingAxis::Face(face), SeparatingAxis::Edges))
+}
+
+/// Whether the nearest vertex is over the face, so that a gap is the distance of the cores.
+fn is_distance(couple: &Couple, &FaceGap { owner, face, vertex, .. }: &FaceGap) -> bool {
+    let point = couple.other_in[owner].point(couple.parts[1 - owner].vertices[vertex]);
+    clip::is_over(couple.parts[owner], face, point)
 }
 
 impl SeparatingAxis {
@@ -113,10 +123,7 @@ impl SeparatingAxis {
     /// Distance of two cores and their normal, or minus their depth.
     fn distance(&self, couple: &Couple) -> (f64, DVec3) {
         let is_exact = match *self {
-            Self::Face(FaceGap { owner, face, vertex, .. }) => {
-                let point = couple.other_in[owner].point(couple.parts[1 - owner].vertices[vertex]);
-                clip::is_over(couple.parts[owner], face, point)
-            }
+            Self::Face(face) => is_distance(couple, &face),
             Self::Edges(edges) => edges.is_exact,
         };
         let pair = (!is_exact).then(|| self.nearest(couple)).flatten();

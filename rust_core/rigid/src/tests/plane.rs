@@ -149,8 +149,8 @@ fn random(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Thirty discs fall into a box, with impacts at their times or in sweeps. Sweeps
-/// miss the times of impacts, so that each errs by the way of a piece.
+/// Thirty discs fall into a box, with impacts at their times or in sweeps. Sweeps miss the times of impacts: each errs by the
+/// potential of the way in a piece, m g v H/4 ≤ 1e-4 of the energy for v = 10 m/s, and 30 discs by less than 5e-3.
 #[test]
 fn a_pile_settles() {
     for sequential in [1000, 0] {
@@ -170,7 +170,11 @@ fn a_pile_settles() {
             lab.step(H, 1);
             let (now, error) = (lab.energy(), lab.balance() - before);
             assert!(error.abs() < (if sequential > 0 { 1e-3 } else { 5e-2 }) * before, "{sequential} {}", error / before);
-            assert!(now < energy + 1e-3 * before, "{sequential} {}", (now - energy) / before);
+            assert!(
+                now < energy + (if sequential > 0 { 1e-3 } else { 5e-3 }) * before,
+                "{sequential} {}",
+                (now - energy) / before
+            );
             energy = energy.min(now);
         }
         assert!(lab.meters.dissipated > 0.5 * before);

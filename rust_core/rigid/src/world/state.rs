@@ -54,6 +54,8 @@ pub struct RigidState {
     pub retaken: u64,
     /// Number of steps of groups in which bodies waited because of too many impacts, since then.
     pub waits: u64,
+    /// Energy gained so far by pushing overlapping bodies apart [J].
+    pub pushed: f64,
 }
 
 /// Numbers of a joint in a file.

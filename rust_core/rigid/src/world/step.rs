@@ -117,6 +117,7 @@ impl RigidWorld {
             self.meters.work += island.meters.work;
             self.state.retaken += u64::from(island.meters.retaken);
             self.state.waits += u64::from(island.meters.waits);
+            self.state.pushed += island.meters.pushed;
             let pressed = island.contacts.iter().filter(|contact| contact.load.normal > 0.0);
             self.state.loads.extend(pressed.map(|contact| (contact.key, contact.load)));
             for held in &island.joints {

@@ -17,6 +17,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use activity::Activity;
 use constraints::{ConstrainedStep, Constraint, Constraints, ForcedState};
+pub use constraints::{RigidPose, overlaps};
 use dynamics::Dynamics;
 use methods::coupled::Workspace;
 use methods::explicit::Explicit;

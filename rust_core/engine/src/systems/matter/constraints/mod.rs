@@ -28,6 +28,7 @@ use crate::stability::SpectralBound;
 use crate::systems::FieldInfo;
 
 use rigid::RigidBodies;
+pub use rigid::{RigidPose, overlaps};
 use rods::Rods;
 use self_contact::SelfContacts;
 use tearing::Tearing;

@@ -105,7 +105,7 @@ fn solver(item: &Item) -> Result<ContactSolver> {
 }
 
 /// Adds the rigid bodies of an item.
-fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()> {
+pub(super) fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()> {
     let body = &scene.bodies[index];
     let (item, count) = (&body.item, body.positions.len());
     let (shape, MassProperties { size, inertia, .. }) = SolidShape::declared(item.record("shape")?, scene.dimension)?;
@@ -155,7 +155,7 @@ fn quaternions(item: &Item, count: usize) -> Result<Vec<DQuat>> {
 }
 
 /// Adds the boundaries of a scene as fixed shapes.
-fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
+pub(super) fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
     let rigid: Vec<usize> = (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == RIGID_BODIES).collect();
     let boundaries = scene.boundaries.iter().enumerate();
     for (index, item) in boundaries.filter(|(_, item)| rigid.iter().any(|&body| item.acts_on(body))) {
@@ -194,7 +194,7 @@ fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properti
 }
 
 /// Adds the joints of a scene; returns whether a joint holds each point.
-fn add_joints(
+pub(super) fn add_joints(
     world: &mut RigidWorld,
     scene: &Scene,
     places: &[Option<usize>],

@@ -4,12 +4,15 @@
 //! constraint turns the bodies, and holds contacts and joints (crate `physcore-rigid`). Particles may meet the bodies.
 
 mod declaration;
+mod overlaps;
 
 use glam::DVec3;
 use physcore_rigid::mover::Mover;
 use physcore_rigid::pose::Pose;
 use physcore_rigid::rotation::Orientation;
 use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
+
+pub use overlaps::{RigidPose, overlaps};
 
 use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::error::{Error, Result};
@@ -119,6 +122,7 @@ impl History for RigidBodies {
         archive.write("loads", self.world.state.packed_loads());
         archive.write("joints", self.world.state.packed_joints());
         archive.write("torn", [self.world.state.torn]);
+        archive.write("pushed", [self.world.state.pushed]);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
@@ -131,6 +135,7 @@ impl History for RigidBodies {
         let loads = archive.read("loads")?.to_vec();
         let joints = archive.read("joints")?.to_vec();
         self.world.state.torn = archive.read_number("torn")?;
+        self.world.state.pushed = archive.read_number("pushed")?;
         if self.world.state.unpack(&loads, &joints) {
             Ok(())
         } else {
@@ -179,7 +184,12 @@ impl<V: Space> Constraint<V> for RigidBodies {
         if let Some(overlap) = self.overlap.filter(|&overlap| overlap > 0.0) {
             notes.push(format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"));
         }
-        let (retaken, waits) = (self.world.state.retaken, self.world.state.waits);
+        let RigidState { pushed, retaken, waits, .. } = self.world.state;
+        if pushed != 0.0 {
+            notes.push(format!(
+                "rigid bodies: pushing those apart that overlapped has added {pushed:.2e} J so far, which shows as drift"
+            ));
+        }
         if retaken > 0 {
             notes.push(format!(
                 "rigid bodies: {retaken} steps of small groups were taken as those of large ones, because the impulses found would \

@@ -1,0 +1,130 @@
+"""Requests of a page: the effect of each on the parts of a panel. Each returns at once; errors become reports."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from physcore.checks import number, word
+from physcore.errors import PhyscoreError
+from physcore.panel.artist import Artist
+from physcore.panel.pointer import moved, picked
+from physcore.panel.runner import Runner
+from physcore.panel.session import Session
+
+SPEEDS = 1024.0
+"""Largest factor by which a page changes the speed."""
+
+
+class Desk:
+    """Desk at which requests of pages come in.
+
+    Args:
+        runner: the thread of physics.
+        artist: the thread of pictures.
+        speed: the speed of which pages choose factors [s/s].
+    """
+
+    def __init__(self, runner: Runner, artist: Artist, speed: float) -> None:
+        self.runner, self.artist, self.speed = runner, artist, speed
+        self.waiting: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
+        """Values of controls that pages have set, until physics knows them."""
+
+    def receive(self, message: object) -> None:
+        """Do as a page asks. Other messages are ignored: they come from no page of this package."""
+        if not isinstance(message, dict) or not isinstance(message.get("do"), str):
+            return
+        request = REQUESTS.get(message["do"])
+        if request is not None:
+            try:
+                request(self, message)
+            except (PhyscoreError, KeyError):
+                return
+
+
+def _set(desk: Desk, message: Mapping[str, Any]) -> None:
+    values = message["values"]
+    if isinstance(values, dict):
+        desk.waiting.put(values)
+        desk.runner.urge("set", lambda session: _set_now(desk, session))
+
+
+def _set_now(desk: Desk, session: Session) -> None:
+    """Set all values that have come in since the last time."""
+    values: dict[str, Any] = {}
+    while not desk.waiting.empty():
+        values |= desk.waiting.get()
+    if values:
+        session.set(values)
+
+
+def _speed(desk: Desk, message: Mapping[str, Any]) -> None:
+    factor = number(message["factor"], "speed.factor", least=1.0 / SPEEDS, most=SPEEDS)
+    desk.runner.post(lambda session: desk.runner.set_speed(factor * desk.speed))
+
+
+def _grab(desk: Desk, message: Mapping[str, Any]) -> None:
+    x, y = _pixel(message)
+    key = picked(desk.artist.picture, x, y)
+    if key is not None:
+        desk.runner.post(lambda session: session.grab(key, None))
+
+
+def _drag(desk: Desk, message: Mapping[str, Any]) -> None:
+    x, y = _pixel(message)
+
+    def drag(session: Session) -> None:
+        if session.hand is not None:
+            session.drag(moved(desk.artist.picture.view, session.hand.pointer, x, y))
+
+    desk.runner.urge("drag", drag)
+
+
+def _release(desk: Desk, message: Mapping[str, Any]) -> None:
+    desk.runner.post(lambda session: session.release())
+
+
+def _play(desk: Desk, message: Mapping[str, Any]) -> None:
+    desk.runner.post(lambda session: desk.runner.play(on=True))
+
+
+def _pause(desk: Desk, message: Mapping[str, Any]) -> None:
+    desk.runner.post(lambda session: desk.runner.play(on=False))
+
+
+def _step(desk: Desk, message: Mapping[str, Any]) -> None:
+    desk.runner.post(lambda session: desk.runner.step(1))
+
+
+def _reset(desk: Desk, message: Mapping[str, Any]) -> None:
+    desk.runner.post(lambda session: desk.runner.reset())
+
+
+def _frame(desk: Desk, message: Mapping[str, Any]) -> None:
+    desk.artist.frame_anew()
+
+
+def _look(desk: Desk, message: Mapping[str, Any]) -> None:
+    width = number(message["width"], "width", least=1.0, most=1e5)
+    desk.artist.suit(word(message["theme"], "theme", ("dark", "light")), width)
+
+
+def _pixel(message: Mapping[str, Any]) -> tuple[float, float]:
+    return number(message["x"], "x"), number(message["y"], "y")
+
+
+REQUESTS: dict[str, Callable[[Desk, Mapping[str, Any]], None]] = {
+    "play": _play,
+    "pause": _pause,
+    "step": _step,
+    "reset": _reset,
+    "set": _set,
+    "speed": _speed,
+    "grab": _grab,
+    "drag": _drag,
+    "release": _release,
+    "frame": _frame,
+    "look": _look,
+}
+"""Requests by name. "seen" and "save" are answered by what carries the messages."""

@@ -1,0 +1,180 @@
+"""The page of a panel in headless Chromium."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from panel.chromium import Browser, executable, until
+
+pytest.importorskip("websockets", reason="the extra physcore[live] is not installed")
+pytestmark = pytest.mark.skipif(executable() is None, reason="there is no Chromium: apt-get install chromium")
+
+
+def build(stiffness, gravity, shape):
+    columns = {"wide": 12, "narrow": 6}[shape]
+    net = pc.cloth((columns, 8), 0.05, stiffness=stiffness, damping=0.02, mass=2e-3, pinned="top corners", name="net")
+    return pc.Scene(net, *([pc.Gravity()] if gravity else []))
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    opened = Browser(tmp_path_factory.mktemp("profile"))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def panel():
+    controls = {
+        "stiffness": pc.Slider(20.0, 2000.0, 200.0, logarithmic=True),
+        "gravity": pc.Switch(True),
+        "shape": pc.Choice(("wide", "narrow")),
+    }
+    with pc.live(build, show=False, size=(320, 240), **controls) as opened:
+        yield opened
+
+
+@pytest.fixture
+def page(browser, panel):
+    opened = browser.page(panel.url)
+    opened.until("document.querySelectorAll('.control').length == 4 && Number(panel.dataset.pictures) > 0")
+    yield opened
+    opened.close()
+
+
+def test_the_buttons_play_pause_step_and_reset(panel, page):
+    page.click(".play")
+    until(lambda: panel.simulation.time > 0.1, "physics")
+    page.until("document.querySelector('.play').textContent == 'Pause' && Number(panel.dataset.pictures) > 3")
+    page.click(".play")
+    page.until("panel.dataset.playing == 'false'")
+    steps = panel.simulation.steps
+    page.click(".step")
+    until(lambda: panel.simulation.steps == steps + 1, "the step")
+    page.click(".reset")
+    until(lambda: panel.simulation.steps == 0, "the reset")
+    page.until("panel.dataset.steps == '0'")
+
+
+def test_controls_move_the_physics(panel, page):
+    panel.play()
+    page.evaluate("(input => { input.value = input.max; input.dispatchEvent(new Event('input')); })"
+                  "(document.querySelector('[data-name=stiffness] input'))")  # fmt: skip
+    until(lambda: panel.values["stiffness"] == 2000.0, "the slider")
+    page.until("document.querySelector('.said').textContent == 'goes on from the present state'")
+    assert panel.simulation.time > 0.0
+    assert panel.simulation.energy().work > 0.0  # the springs became stiffer while they were stretched
+    page.click("[data-name=gravity] input")
+    until(lambda: panel.values["gravity"] is False, "the switch")
+    assert panel.simulation.scene.forces == ()
+    page.click("[data-name=shape] button:last-of-type")
+    until(lambda: panel.values["shape"] == "narrow", "the choice")
+    page.until("document.querySelector('.said').textContent.startsWith('started anew')")
+    assert len(panel.simulation.positions) == 48
+
+
+def test_a_drag_closes_the_budget(panel, page):
+    """The mouse takes the lower corner of the net and draws it aside; what it did is work."""
+    start = panel.simulation.energy().balance
+    corner = panel.simulation["net"].positions[0]
+    pixels, _, _ = panel.artist.picture.view.project(corner[np.newaxis])
+    box = page.evaluate("(box => [box.x, box.y, box.width / 320])"
+                        "(document.querySelector('.film canvas').getBoundingClientRect())")  # fmt: skip
+    x, y = box[0] + box[2] * float(pixels[0, 0]), box[1] + box[2] * float(pixels[0, 1])
+    page.mouse("mousePressed", x, y)
+    until(lambda: "central" in panel.simulation.energy().by_term, "the grasp")
+    for share in range(1, 11):
+        page.mouse("mouseMoved", x - 8.0 * share, y + 4.0 * share)
+    panel.play()
+    until(lambda: np.linalg.norm(panel.simulation["net"].positions[0] - corner) > 0.05, "the drag")
+    page.mouse("mouseReleased", x - 80.0, y + 40.0)
+    until(lambda: "central" not in panel.simulation.energy().by_term, "the release")
+    panel.pause()
+    energy = panel.simulation.energy()
+    assert energy.work != 0.0
+    assert abs(energy.balance - start) < 0.02 * (energy.kinetic + abs(energy.work) + energy.dissipated)
+
+
+def test_the_pointer_is_where_the_mouse_is(panel, page):
+    """What is held comes to rest near the mouse: the picture's pixels are turned back into meters."""
+    panel.set(gravity=False)
+    corner = panel.simulation["net"].positions[0]
+    view = panel.artist.picture.view
+    target = corner + np.array([-0.05, -0.05])
+    box = page.evaluate("(box => [box.x, box.y, box.width / 320])"
+                        "(document.querySelector('.film canvas').getBoundingClientRect())")  # fmt: skip
+    pixels, _, magnification = view.project(np.array([corner, target]))
+    places = np.array(box[:2]) + box[2] * pixels
+    page.mouse("mousePressed", *places[0].tolist())
+    until(lambda: panel.runner.moment.hand, "the grasp")
+    page.mouse("mouseMoved", *places[1].tolist())
+    pixel = 1.0 / float(magnification[0]) / box[2]
+    until(lambda: np.abs(np.array(panel.runner.moment.hand[1]) - target).max() < 2.0 * pixel, "the pointer")
+    page.mouse("mouseReleased", *places[1].tolist())
+
+
+def test_the_film_of_the_last_seconds_is_saved(panel, page):
+    panel.play()
+    page.until("Number(panel.dataset.pictures) > 20")
+    page.click(".save")
+    page.until("Number(panel.dataset.saved) > 1000")
+
+
+def test_a_step_above_the_limit_is_shown(browser):
+    def stiff(stiffness):
+        return build(stiffness, True, "wide")
+
+    with pc.live(stiff, stiffness=pc.Slider(20.0, 4000.0, 20.0), dt=4e-3, show=False, size=(160, 120)) as panel:
+        page = browser.page(panel.url)
+        page.until("document.querySelector('.share') && document.querySelector('.share').textContent.includes('%')")
+        assert page.evaluate("document.querySelector('.plan').classList.contains('over')") is False
+        panel.set(stiffness=4000.0)
+        page.until("document.querySelector('.plan').classList.contains('over')")
+        page.until("document.querySelector('.term').textContent.includes('above the stability limit')")
+        page.close()
+
+
+def test_a_closed_page_ends_the_simulation_and_a_reload_does_not(browser, panel):
+    page = browser.page(panel.url)
+    page.until("Number(panel.dataset.pictures) > 0")
+    page.call("Page.reload")
+    page.until("window.panel && Number(panel.dataset.pictures) > 0")
+    panel.play()
+    until(lambda: panel.simulation.time > 0.05, "physics")
+    page.close()
+    until(lambda: panel.closed, "the end")
+    with pytest.raises(pc.PhyscoreError, match="closed"):
+        panel.play()
+
+
+def test_a_page_tells_when_its_panel_is_closed(browser, panel):
+    page = browser.page(panel.url)
+    page.until("Number(panel.dataset.pictures) > 0")
+    panel.close()
+    page.until("panel.dataset.ended == 'true'")
+    page.close()
+
+
+def test_a_foreign_page_gets_nothing(browser, panel, page):
+    """A page of another origin, which even knows the address, can neither read it nor open its socket."""
+    foreign = browser.page("data:text/html,<p>foreign</p>")
+    foreign.until("document.readyState == 'complete'")
+    url = json.dumps(panel.url)
+    fetched = f"fetch({url}).then(answer => answer.text()).then(text => 'read', error => 'refused')"
+    assert foreign.evaluate(fetched) == "refused"
+    socket = json.dumps(panel.url.replace("http:", "ws:").replace("/?", "/socket?"))
+    opened = (
+        f"new Promise(done => {{ const socket = new WebSocket({socket}); "
+        "socket.onopen = () => done('open'); socket.onerror = () => done('refused'); })"
+    )
+    assert foreign.evaluate(opened) == "refused"
+    assert page.evaluate(opened) == "open"
+    foreign.close()
+    wrong = browser.page(panel.url + "x")
+    wrong.until("document.readyState == 'complete' && !!document.body")
+    assert wrong.evaluate("document.body.textContent").strip() == "Forbidden"
+    wrong.close()
