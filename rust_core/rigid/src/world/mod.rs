@@ -72,6 +72,16 @@ impl CenterMotion {
     pub fn free(position: DVec3, velocity: DVec3) -> Self {
         Self { position, velocity, drift: velocity, torque: DVec3::ZERO }
     }
+
+    /// Bound on the way in a step of `h` seconds [m].
+    pub fn way(&self, h: f64) -> f64 {
+        h * self.velocity.length() + h * (self.drift - self.velocity).length()
+    }
+
+    /// Mean acceleration in a step of `h` seconds [m/s²].
+    pub(crate) fn acceleration(&self, h: f64) -> DVec3 {
+        (self.drift - self.velocity) * (2.0 / h)
+    }
 }
 
 /// Numerics of contacts.
@@ -194,8 +204,7 @@ impl RigidWorld {
     pub fn extent(&self, motions: &[CenterMotion], h: f64) -> (DVec3, DVec3) {
         let mut extent = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for (body, motion) in motions.iter().enumerate() {
-            let way = h * motion.velocity.length() + h * (motion.drift - motion.velocity).length();
-            let reach = DVec3::splat(self.size(body) + way);
+            let reach = DVec3::splat(self.size(body) + motion.way(h));
             extent = (extent.0.min(motion.position - reach), extent.1.max(motion.position + reach));
         }
         extent
@@ -219,7 +228,7 @@ impl RigidWorld {
             velocity: motion.velocity,
             orientation: turn.orientation,
             spin: turn.spin,
-            acceleration: (motion.drift - motion.velocity) * (2.0 / h),
+            acceleration: motion.acceleration(h),
             torque: motion.torque,
             inverse_mass: solid.inverse_mass,
             inertia: solid.inertia,

@@ -28,7 +28,7 @@ impl RigidWorld {
             movers.push(Mover {
                 position: motion.position,
                 velocity: motion.velocity,
-                acceleration: (motion.drift - motion.velocity) * (2.0 / h),
+                acceleration: motion.acceleration(h),
                 inverse_mass: point.inverse_mass,
                 ..Mover::wall(&Pose::WORLD)
             });
@@ -120,6 +120,8 @@ impl RigidWorld {
             }
             self.meters.dissipated += island.meters.dissipated;
             self.meters.work += island.meters.work;
+            self.state.retaken += u64::from(island.meters.retaken);
+            self.state.waits += u64::from(island.meters.waits);
             self.state.pushed += island.meters.pushed;
             let pressed = island.contacts.iter().filter(|contact| contact.load.normal > 0.0);
             self.state.loads.extend(pressed.map(|contact| (contact.key, contact.load)));

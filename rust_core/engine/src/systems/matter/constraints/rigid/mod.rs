@@ -70,8 +70,7 @@ impl RigidBodies {
         }
         let (lower, upper) = self.world.extent(&self.motions, h);
         for (index, motion) in self.others.iter().enumerate() {
-            let way = h * motion.velocity.length() + h * (motion.drift - motion.velocity).length();
-            let reach = DVec3::splat(way + self.world.reach(&self.points[index].1));
+            let reach = DVec3::splat(motion.way(h) + self.world.reach(&self.points[index].1));
             let inside = (motion.position + reach).cmpge(lower).all() && (motion.position - reach).cmple(upper).all();
             if inside || self.joined[index] {
                 self.near.push(index);
@@ -162,15 +161,29 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn notes(&self) -> Vec<String> {
-        let overlap = self.overlap.filter(|&overlap| overlap > 0.0);
-        let start = |overlap| {
-            format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart")
-        };
-        let pushed = Some(self.world.state.pushed).filter(|&pushed| pushed != 0.0);
-        let push = |pushed| {
-            format!("rigid bodies: pushing those apart that overlapped has added {pushed:.2e} J so far, which shows as drift")
-        };
-        overlap.map(start).into_iter().chain(pushed.map(push)).collect()
+        let mut notes = Vec::new();
+        if let Some(overlap) = self.overlap.filter(|&overlap| overlap > 0.0) {
+            notes.push(format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"));
+        }
+        let RigidState { pushed, retaken, waits, .. } = self.world.state;
+        if pushed != 0.0 {
+            notes.push(format!(
+                "rigid bodies: pushing those apart that overlapped has added {pushed:.2e} J so far, which shows as drift"
+            ));
+        }
+        if retaken > 0 {
+            notes.push(format!(
+                "rigid bodies: {retaken} steps of small groups were taken as those of large ones, because the impulses found would \
+                 have added energy; a smaller dt helps"
+            ));
+        }
+        if waits > 0 {
+            notes.push(format!(
+                "rigid bodies: in {waits} steps of small groups bodies met too often, and stayed where they were for a part of the \
+                 step; a smaller dt helps"
+            ));
+        }
+        notes
     }
 
     /// Places tied particles, and refuses bodies that overlap at the start.
