@@ -224,6 +224,7 @@ def cages(draw: st.DrawFn) -> tuple[pc.Scene, list[tuple[pc.RigidBody, np.ndarra
     return pc.Scene(*(body for body, _, _ in bodies), *walls, pc.Gravity(-9.81 * np.eye(dimension)[-1])), bodies
 
 
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @given(cages())
 def test_nothing_passes_through_thin_walls(cage):
     """At 10 km/s a body crosses the cage forty times in a step, and may turn as often."""

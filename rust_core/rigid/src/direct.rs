@@ -152,9 +152,8 @@ impl Rows {
         let Some(order) = factorize(&mut matrix, count) else { return false };
         let mut sums = vec![0.0; count];
         for _ in 0..REFINEMENTS {
-            let lack = |(each, sum): (&HeldEquation, &f64)| {
-                each.row.target - each.row.velocity(each.bodies, v) - each.yields * sum
-            };
+            let lack =
+                |(each, sum): (&HeldEquation, &f64)| each.row.target - each.row.velocity(each.bodies, v) - each.yields * sum;
             let lacks: Vec<f64> = equations.iter().zip(&sums).map(lack).collect();
             let changes = solution(&matrix, &order, &lacks);
             for ((equation, change), sum) in equations.iter().zip(changes).zip(&mut sums) {
@@ -241,4 +240,3 @@ fn coupling(equation: &HeldEquation, other: &HeldEquation, v: &BodyVelocities) -
     }
     sum
 }
-

@@ -11,6 +11,8 @@ use crate::shapes::SolidShape;
 
 /// Largest number of steps towards a time of impact.
 const MOST_ADVANCES: usize = 100;
+/// Gap at the time of an impact of round bodies, over the size of the smaller one. Other points need [`HIT`] for a normal.
+const ROUND_HIT: f64 = 1e-12;
 /// Distance of bodies that are near each other, over the size of the smaller, and their largest turn with the same contacts.
 const NEAR: f64 = 1e-2;
 const LARGEST_TURN: f64 = 0.5;
@@ -67,7 +69,7 @@ impl Island {
                 let turning: f64 = pair.bodies.iter().map(|&body| paths[body].turning()).sum();
                 let known = until.min(LARGEST_TURN * pair.size / turning);
                 let open = contacts.iter().filter(|contact| !contact.held);
-                let falls = open.filter_map(|each| closes(|at| each.gap(&paths, at), (0.0, known), HIT * pair.size));
+                let falls = open.filter_map(|each| closes(|at| each.gap(&paths, at), (0.0, known), (&each.point, pair.size)));
                 falls.reduce(f64::min).or((known < until).then_some(known))
             } else {
                 self.approach(pair, &paths, shapes, until)
@@ -103,7 +105,7 @@ impl Island {
                 collision::contacts((first, &one.at(time)), (second, &other.at(time)), reach, dimension, &mut points);
                 let normal = (other.at(time).position - one.at(time).position).try_normalize().unwrap_or(DVec3::X);
                 let gap = |point: &ContactPoint, at: f64| point.at([&one.at(at), &other.at(at)], normal).gap;
-                let falls = points.iter().filter_map(|point| closes(|at| gap(point, at), (time, next), HIT * pair.size));
+                let falls = points.iter().filter_map(|point| closes(|at| gap(point, at), (time, next), (point, pair.size)));
                 if let Some(closed) = falls.reduce(f64::min) {
                     return Some(closed);
                 }
@@ -144,8 +146,9 @@ impl GroupContact {
     }
 }
 
-/// Time between two times at which the gap of an open contact falls to `least`, if it is below at the end.
-fn closes(gap: impl Fn(f64) -> f64, (from, until): (f64, f64), least: f64) -> Option<f64> {
+/// Time between two times at which the gap of an open contact of bodies of a size closes, if it is closed at the end.
+fn closes(gap: impl Fn(f64) -> f64, (from, until): (f64, f64), (point, size): (&ContactPoint, f64)) -> Option<f64> {
+    let least = size * if point.radii == [0.0; 2] { HIT } else { ROUND_HIT };
     let end = gap(until) - least;
     if end >= 0.0 {
         return None;

@@ -203,7 +203,9 @@ impl Island {
             self.meters.pushed += if *pushing { pushed(row, before.0) } else { 0.0 };
         }
         let ends = rows.contacts.iter().map(|row| row.velocity(&v)).zip(&first.contacts).zip(&first.starts);
-        if stopped != 0.0 || ends.zip(&rows.contacts).any(|(((end, &index), start), row)| self.changes(index, row, [start.0, end])) {
+        if stopped != 0.0
+            || ends.zip(&rows.contacts).any(|(((end, &index), start), row)| self.changes(index, row, [start.0, end]))
+        {
             losses += first.kicked - work_on_kick(&kicked, &self.movers, length);
         }
         // A sum below 0 is an error of the piece, which is left to the drift.

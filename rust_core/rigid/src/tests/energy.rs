@@ -36,7 +36,9 @@ fn add_peg(lab: &mut Laboratory, radius: f64, position: DVec3) {
     lab.world.wall_names.push("peg".to_owned());
 }
 
-/// A free fall and its impacts are exact, bounces that end within a step too: what is left is the rounding of 1000 steps.
+/// A free fall and its impacts are exact, bounces that end within a step too: what is left is the rounding of 1000 steps. A
+/// ball without restitution slides over pegs, as a pendulum of ω² = g/R: steps of order 2 err by (ωH)²/24 of m g R, for
+/// R = 0.031 m by 6e-6 of the energy.
 #[test]
 fn impacts_of_a_ball_are_booked_to_rounding() {
     for restitution in [0.0, 0.5, 1.0] {
@@ -50,7 +52,7 @@ fn impacts_of_a_ball_are_booked_to_rounding() {
         }
         lab.add(&round("Disc", 0.016), (1.0, 0.0, restitution), at(0.004, 1.2, 0.0), REST);
         let drift = drift(&mut lab, 1.0 / 240.0, 1000);
-        assert!(drift < 1e-12, "{restitution} {drift}");
+        assert!(drift < if restitution > 0.0 { 1e-12 } else { 1e-5 }, "{restitution} {drift}");
     }
 }
 

@@ -73,7 +73,11 @@ fn galton(n: usize, e: f64) -> Laboratory {
             let x = 0.1 * (k as f64 - 3.5 + 0.5 * (row % 2) as f64);
             let (shape, _) = crate::shapes::SolidShape::declared(&round("Disc", 0.015), 2).unwrap();
             lab.world.shapes.push(shape);
-            let surface = crate::surface::Surface { shape: lab.world.shapes.len() - 1, friction: Some(Default::default()), restitution: 0.0 };
+            let surface = crate::surface::Surface {
+                shape: lab.world.shapes.len() - 1,
+                friction: Some(Default::default()),
+                restitution: 0.0,
+            };
             let pose = crate::pose::Pose { position: DVec3::new(x, 0.3 + 0.09 * row as f64, 0.0), ..crate::pose::Pose::WORLD };
             lab.world.walls.push(crate::world::FixedSolid { surface, mover: crate::mover::Mover::wall(&pose) });
             lab.world.wall_names.push("peg".to_owned());

@@ -163,7 +163,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some(overlap) = self.overlap.filter(|&overlap| overlap > 0.0) {
-            notes.push(format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"));
+            notes.push(format!(
+                "rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"
+            ));
         }
         let RigidState { pushed, retaken, waits, .. } = self.world.state;
         if pushed != 0.0 {
