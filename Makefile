@@ -18,7 +18,7 @@ CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo tes
 TESTED := --locked --workspace --exclude physcore-benches
 
 .DEFAULT_GOAL := help
-.PHONY: help check install dev demo test test-rust test-python test-portable test-long fuzz edges asan validate tradeoff lint format bench clean
+.PHONY: help check install dev wheels demo test test-rust test-python test-portable test-long fuzz edges asan validate tradeoff lint format bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -36,6 +36,14 @@ install: $(VENV)/package.stamp ## build the release wheel and install it into .v
 dev: $(VENV)/maturin.stamp ## build for editing, in seconds after the first time: the same behaviour, but slow
 	@rm -f $(VENV)/package.stamp
 	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --profile editing --locked
+
+# Zig links against the symbols of an old C library. It is found as a module of the first `python3`.
+wheels: $(VENV)/maturin.stamp ## build the wheel for all Linux systems since 2014 with this processor, and the sdist, into dist/wheels
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'ziglang>=0.13,<1'
+	rm -rf dist/wheels
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/maturin build --release --locked --zig --compatibility manylinux2014 \
+		--target $(shell uname -m)-unknown-linux-gnu --interpreter $(BIN)/python --out dist/wheels
+	$(BIN)/maturin sdist --out dist/wheels
 
 test: test-rust test-python ## run every test, Rust and Python, in a quarter of an hour on two cores
 

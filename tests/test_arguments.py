@@ -169,6 +169,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Rod": (pc.Rod, {"one": (DISCS, 0), "other": (DISCS, 1)}),
     "SpringJoint": (pc.SpringJoint, {"one": (DISCS, 0), "other": (DISCS, 1), "anchors": None, "stiffness": 1.0}),
     "Motor": (pc.Motor, {"joint": pc.Hinge((DISCS, 0), None, (0.0, 0.0)), "speed": 1.0, "torque": 1.0}),
+    "Anchor": (pc.Anchor, {"network": ONE, "indices": [0], "body": (DISCS, 0)}),
     "SoftSpheres": (pc.SoftSpheres, {"stiffness": 1.0}),
     "Gravitation": (pc.Gravitation, {"constant": 1.0}),
     "Coulomb": (pc.Coulomb, {"constant": 1.0}),

@@ -47,6 +47,9 @@ def test_a_demo_writes_its_gif_shows_progress_and_prints_the_audit(capsys, tmp_p
     for word in ("kinetic", "dissipated", "work", "drift", "momentum", "Checked: ", "off by"):
         assert word in output.out
     assert "100 %" in output.err
+    (video,) = (entry for entry in tmp_path.iterdir() if entry != path)
+    assert re.search(rf"{path.name} \(\d\.\d MB\)", output.out)
+    assert re.search(rf"{video.name} \(\d\.\d MB\)\. Use MP4 or WebP for the web", output.out)
 
 
 @pytest.mark.parametrize("kind", WRITERS)

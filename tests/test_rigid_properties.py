@@ -149,6 +149,96 @@ def test_bodies_in_a_box_stay_there_and_gain_no_energy(scene):
         assert surface.max() + radius <= SIDE * CELL + DEEPEST * size
 
 
+THIN = 1e-3
+"""Thickness of the walls of a cage [m]."""
+
+
+@st.composite
+def jagged(draw: st.DrawFn, dimension: int) -> tuple[Any, np.ndarray]:
+    """A shape that is not convex, with its corners (K, D) about the center of mass."""
+    a, b = (0.5 * REACH * draw(sizes) for _ in range(2))
+    kind = draw(st.sampled_from(["outline", "parts"]))
+    if dimension == 2:
+        if kind == "outline":  # a star, or an arrow
+            count = draw(st.integers(2, 5))
+            turns = math.pi / count * np.arange(2 * count)
+            radii = np.where(np.arange(2 * count) % 2, 0.4, 1.0) * (a, b)[count % 2]
+            star = pc.Polygon(np.column_stack([radii * np.cos(turns), radii * np.sin(turns)]))
+            return star, star.vertices - star.center
+        bar, across = pc.Rectangle(2.0 * a, 0.2 * a), pc.Rectangle(0.2 * b, 2.0 * b)
+        angle = pc.Compound([(bar, (0.0, -b), 0.0), (across, (-a, 0.0), 0.0)])
+        corners = np.concatenate([core(bar, 2)[0] + (0.0, -b), core(across, 2)[0] + (-a, 0.0)])
+        return angle, corners - angle.center
+    signs = np.array(list(np.ndindex(2, 2, 2))) - 0.5
+    if kind == "parts":
+        bar, across = pc.Cuboid(2.0 * a, 0.2 * a, 0.3 * a), pc.Cuboid(0.2 * b, 2.0 * b, 0.1 * b)
+        cross = pc.Compound([(bar, (0.0, -b, 0.0), (1, 0, 0, 0)), (across, (-a, 0.0, 0.0), (1, 0, 0, 0))])
+        corners = np.concatenate([core(bar, 3)[0] + (0.0, -b, 0.0), core(across, 3)[0] + (-a, 0.0, 0.0)])
+        return cross, corners - cross.center
+    # A cube with a pit: the corner at (1, 1, 1) is pushed in.
+    points = 1.5 * a * signs
+    points[-1] *= -0.2
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]]
+    mesh = pc.MeshShape(points, [*faces, [1, 5, 7], [1, 7, 3]])
+    return mesh, points - mesh.center
+
+
+@st.composite
+def cages(draw: st.DrawFn) -> tuple[pc.Scene, list[tuple[pc.RigidBody, np.ndarray, float]]]:
+    """Bodies that fly and spin at any speed up to 10 km/s in a cage of thin walls, with their corners and radii."""
+    dimension = draw(st.sampled_from([2, 3]))
+    cells = draw(st.permutations(list(np.ndindex(*[SIDE] * dimension))))[: draw(st.integers(1, 3))]
+    bodies = []
+    for cell in cells:
+        if draw(st.booleans()):
+            shape, corners = draw(jagged(dimension))
+            radius = 0.0
+        else:
+            shape = draw(shapes(dimension))
+            corners, radius = core(shape, dimension)
+        fast, quick = (10.0 ** draw(st.floats(0.0, 4.0)) for _ in range(2))
+        spin = quick * np.array(draw(vectors(2 * dimension - 3)))
+        turn: dict[str, Any] = {"angle": draw(angles)}
+        if dimension == 3:
+            turn = {"orientation": (1.5, *draw(vectors(3)))}
+        body = pc.RigidBody(
+            shape,
+            CELL * (np.array(cell) + 0.5),
+            velocity=fast * np.array(draw(vectors(dimension))),
+            angular_velocity=float(spin[0]) if dimension == 2 else spin,
+            mass=draw(sizes),
+            friction=draw(st.floats(0.0, 1.0)),
+            restitution=draw(st.floats(0.0, 1.0)),
+            **turn,
+        )
+        bodies.append((body, corners, radius))
+    side, walls = SIDE * CELL, []
+    for axis in range(dimension):
+        for sign in (-1.0, 1.0):
+            size = np.full(dimension, 1.2 * side)
+            size[axis] = THIN
+            place = np.full(dimension, 0.5 * side)
+            place[axis] += 0.5 * sign * (side + THIN)
+            shape = pc.Rectangle(*size) if dimension == 2 else pc.Cuboid(*size)
+            walls.append(pc.RigidBody(shape, place, fixed=True, friction=draw(st.floats(0.0, 1.0))))
+    return pc.Scene(*(body for body, _, _ in bodies), *walls, pc.Gravity(-9.81 * np.eye(dimension)[-1])), bodies
+
+
+@given(cages())
+def test_nothing_passes_through_thin_walls(cage):
+    """At 10 km/s a body crosses the cage forty times in a step, and may turn as often."""
+    scene, bodies = cage
+    recording = pc.simulate(scene, 10 * DT, fps=1 / DT, dt=DT)
+    energy = recording.energy.total
+    assert (energy <= energy[0] * (1.0 + MOST_GAIN) + 1.0).all()  # gravity gives less than 1 J
+    for body, corners, radius in bodies:
+        part = recording[body]
+        surface = part.positions + np.einsum("fij,kj->fki", rotations(part), corners)
+        size = np.linalg.norm(corners, axis=1).max() + radius
+        assert surface.min() - radius >= -DEEPEST * size
+        assert surface.max() + radius <= SIDE * CELL + DEEPEST * size
+
+
 JOINTS = ("Hinge", "BallJoint", "Weld", "Prismatic", "Rod")
 
 

@@ -16,16 +16,13 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def wheel() -> Path:
-    """The wheel of this system: in the folder PHYSCORE_WHEEL, or that of `make wheels`, or of `make install`."""
-    folders = (
-        [Path(os.environ["PHYSCORE_WHEEL"])]
-        if "PHYSCORE_WHEEL" in os.environ
-        else [ROOT / "dist/wheels", ROOT / "dist"]
-    )
-    found = [path for folder in folders for path in sorted(folder.glob("physcore-*.whl"))]
+    """The wheel in the folder PHYSCORE_WHEEL; or the last one of `make wheels` and `make install`."""
+    given = os.environ.get("PHYSCORE_WHEEL")
+    folders = [ROOT / "dist/wheels", ROOT / "dist"] if given is None else [Path(given)]
+    found = [path for folder in folders for path in folder.glob("physcore-*.whl")]
     if not found:
         pytest.skip("there is no wheel: make wheels, or make install")
-    return found[0].resolve()
+    return max(found, key=lambda path: path.stat().st_mtime).resolve()
 
 
 def python(environment: Path) -> Path:

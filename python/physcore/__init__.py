@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from physcore import units
 from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, HeightField, Plane, Sphere
-from physcore.constraints import BallJoint, Hinge, Motor, Prismatic, Rod, SelfContact, SpringJoint, Weld, Wire
+from physcore.constraints import Anchor, BallJoint, Hinge, Motor, Prismatic, Rod, SelfContact, SpringJoint, Weld, Wire
 from physcore.entrance import entrances
 from physcore.errors import (
     AccuracyError,
@@ -153,6 +153,7 @@ __all__ = [
     "Aizawa",
     "Amount",
     "AmountSeries",
+    "Anchor",
     "AutoStep",
     "BackwardEuler",
     "Ball",

@@ -118,6 +118,7 @@ def _list(options: argparse.Namespace) -> int:
 
 def _demo(options: argparse.Namespace) -> int:
     from physcore.film.writers import WRITERS
+    from physcore.film.writers.beside import videos_beside
     from physcore.gallery import DEMOS, caption, demo
     from physcore.storage.formats import writable
     from physcore.studies.audit import audit
@@ -143,11 +144,17 @@ def _demo(options: argparse.Namespace) -> int:
     except PhyscoreError as error:
         print(f"physcore: {error}", file=sys.stderr)
         return 2
-    recordings = chosen.main(path, progress=True, **numbers)
+    with videos_beside() as films:
+        recordings = chosen.main(path, progress=True, **numbers)
     for title, recording in recordings.items():
         print(f"\n{title}: {audit(recording)}")
     print(f"\nChecked: {chosen.figure(recordings)}.")
     print(f"\nThe film is {_written(path)} ({path.stat().st_size / 1e6:.1f} MB).")
+    for video in films[1:]:
+        print(
+            f"As a video it is {_written(video.path)} ({video.bytes / 1e6:.1f} MB). "
+            "Use MP4 or WebP for the web, and GIF where a GIF is needed."
+        )
     return 0
 
 

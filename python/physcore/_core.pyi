@@ -23,7 +23,9 @@ __all__ = [
     "log",
     "missing_signs",
     "norms",
+    "points_inside",
     "power",
+    "rigid_overlaps",
     "shape_properties",
     "sin",
     "spline_points",
@@ -72,9 +74,19 @@ def sin(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def cos(x: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def arctan2(y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def power(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def points_inside(
+    record: dict[str, object],
+    dimension: int,
+    points: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    orientations: NDArray[np.float64],
+) -> NDArray[np.bool_]: ...
 def shape_properties(
     record: dict[str, object], dimension: int
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]: ...
+def rigid_overlaps(
+    scene: dict[str, object], bodies: int, positions: NDArray[np.float64], turns: NDArray[np.float64]
+) -> list[list[tuple[float, float, str, str]]]: ...
 def available_memory() -> int | None: ...
 def advances(kind: str, method: dict[str, object]) -> bool: ...
 

@@ -45,3 +45,12 @@ def inline_image(content: bytes, kind: str, words: str) -> str:
     """An HTML image of the given type, such as "gif", embedded in the page, with an alternative text."""
     data = base64.b64encode(content).decode()
     return f'<img alt="{escape(words)}" src="data:image/{kind};base64,{data}">'
+
+
+def inline_video(content: bytes, words: str) -> str:
+    """An HTML video in MP4, embedded in the page, which plays in a loop; with an alternative text."""
+    data = base64.b64encode(content).decode()
+    return (
+        f'<video aria-label="{escape(words)}" autoplay loop muted playsinline controls '
+        f'src="data:video/mp4;base64,{data}"></video>'
+    )

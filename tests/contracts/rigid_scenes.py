@@ -152,6 +152,106 @@ def heap(count: int = 12) -> pc.Scene:
     return pc.Scene(body, pc.Floor(restitution=0.2, friction=0.4), DOWN)
 
 
+def sails() -> pc.Scene:
+    """A box, a ball and a shard that tumble in the wind."""
+    box = pc.RigidBody(
+        pc.Cuboid(0.4, 0.3, 0.1),
+        (0.0, 0.0, 0.0),
+        orientation=(0.9, 0.1, 0.3, -0.2),
+        mass=0.4,
+        angular_velocity=(1.0, 2.0, -1.0),
+    )
+    ball = pc.RigidBody(pc.Ball(0.2), (1.0, 0.0, 0.0), mass=0.2, angular_velocity=(0.0, 5.0, 1.0))
+    shard = pc.RigidBody(pc.Hull(SHARD), (0.0, 1.0, 0.0), mass=0.1, velocity=(0.5, 0.0, -1.0))
+    air = pc.Wind((5.0, 2.0, -1.0), tangential=0.1)
+    return pc.Scene(box, ball, shard, air, pc.Gravity((0.0, 1.0, -G)))
+
+
+def weathervane() -> pc.Scene:
+    """A vane and a disc in a wind in the plane."""
+    vane = pc.RigidBody(
+        pc.Polygon([(-0.1, -0.02), (0.5, -0.02), (0.5, 0.2), (0.3, 0.02), (-0.1, 0.02)]),
+        (0.2, 0.05),
+        angle=0.7,
+        mass=0.5,
+    )
+    disc = pc.RigidBody(pc.Disc(0.2), (1.0, 0.0), mass=0.3, angular_velocity=-6.0)
+    air = pc.Wind((4.0, 1.0), tangential=0.2)
+    return pc.Scene(vane, disc, air, pc.Gravity((0.0, -0.1 * G)))
+
+
+def hammock(side: int = 5) -> pc.Scene:
+    """A cloth that is tied to two boxes in flight, and a box on a joint that bears a particle."""
+    cloth = pc.cloth(
+        (side, side),
+        0.1,
+        20.0,
+        damping=0.02,
+        mass=0.01,
+        origin=(0.0, 0.0, 0.0),
+        axes=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    )
+    width = 0.1 * (side - 1)
+    boxes = pc.RigidBodies(
+        pc.Cuboid(0.1, 0.4, 0.2),
+        [(-0.06, 0.5 * width, 0.03), (width + 0.06, 0.5 * width, 0.0)],
+        velocities=[(-0.5, 0.2, 0.0), (0.3, 0.0, 0.4)],
+        angular_velocities=[(0.5, 1.0, -1.0), (0.0, -2.0, 0.3)],
+        mass=(0.3, 0.2),
+    )
+    beam = pc.RigidBody(pc.Cuboid(0.6, 0.1, 0.1), (0.3, 2.0, 0.0), mass=0.5)
+    weight = pc.Particles([[0.6, 2.0, 0.2]], mass=0.1)
+    columns = np.arange(side * side) % side
+    ties = [
+        pc.Anchor(cloth, columns == 0, (boxes, 0)),
+        pc.Anchor(cloth, columns == side - 1, (boxes, 1)),
+        pc.Anchor(weight, 0, beam),
+    ]
+    return pc.Scene(
+        cloth, boxes, beam, weight, *ties, pc.BallJoint(beam, None, (0.0, 2.0, 0.0)), pc.Gravity((0.0, 1.0, -G))
+    )
+
+
+def flagpole() -> pc.Scene:
+    """A flag on a pole that turns as prescribed, in the wind."""
+    flag = pc.cloth(
+        (6, 4),
+        0.1,
+        40.0,
+        damping=0.05,
+        mass=0.01,
+        origin=(0.05, 0.0, 0.0),
+        axes=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    )
+    pole = pc.RigidBody(pc.Cuboid(0.05, 0.05, 1.0), (0.0, 0.0, 0.0), fixed=True, angular_velocity=(0.0, 0.0, 3.0))
+    tie = pc.Anchor(flag, np.arange(24) % 6 == 0, pole)
+    return pc.Scene(flag, pole, tie, pc.Wind((3.0, 1.0, 0.0)), pc.Gravity((0.0, 0.0, -G)))
+
+
 def pile(**options: Any) -> dict[str, Any]:
     """Numerics of a large group of a few bodies."""
     return {"contacts": pc.ContactSolver(**{"sequential": 4, **options})}
+
+
+def floating(spacing: float = 0.1) -> pc.Scene:
+    """A box that falls into water, and a paddle in the water that turns as prescribed."""
+    box = pc.RigidBody(
+        pc.Rectangle(0.4, 0.3), (0.5, 0.95), angle=0.2, velocity=(0.2, -1.0), angular_velocity=0.5, density=600.0
+    )
+    paddle = pc.RigidBody(pc.Capsule(0.3, 0.12), (1.2, 0.4), angle=0.3, fixed=True, angular_velocity=2.0)
+    points = pc.block((0.0, 0.0), (1.6, 0.7), spacing)
+    water = pc.Fluid(points[~paddle.contains(points)], spacing, viscosity=1.0)
+    return pc.Scene(box, paddle, water, pc.Box((0.0, 0.0), (1.6, 1.4), restitution=0.2, friction=0.4), DOWN)
+
+
+def splashes(spacing: float = 0.15) -> pc.Scene:
+    """A shard that is hit by a drop."""
+    shard = pc.RigidBody(
+        pc.Hull([tuple(2.0 * each for each in corner) for corner in SHARD]),
+        (0.0, 0.0, 0.0),
+        orientation=(0.8, 0.0, 0.6, 0.0),
+        angular_velocity=(1.0, -0.5, 2.0),
+        density=800.0,
+    )
+    drop = pc.Fluid(pc.block((0.55, -0.45, -0.45), (1.45, 0.45, 0.45), spacing), spacing, velocities=(-2.0, 0.0, 0.0))
+    return pc.Scene(shard, drop)

@@ -649,7 +649,18 @@ RIGID: dict[str, Case] = {
     "machine": Case(rigid_scenes.machine, 0.005),
     "struck": Case(rigid_scenes.struck, 0.005),
     "paddle": Case(rigid_scenes.paddle, 0.005),
+    "sails": Case(rigid_scenes.sails, 0.01),
+    "weathervane": Case(rigid_scenes.weathervane, 0.01),
+    "hammock": Case(rigid_scenes.hammock, 0.004, large=lambda: rigid_scenes.hammock(70)),
+    "flagpole": Case(rigid_scenes.flagpole, 0.004),
     "heap": Case(rigid_scenes.heap, 0.001, rigid_scenes.pile()),
+    "floating box": Case(
+        rigid_scenes.floating,
+        2.5e-4,
+        {"fluids": pc.WeaklyCompressible(sound_speed=40.0)},
+        large=lambda: rigid_scenes.floating(0.0125),
+    ),
+    "drop on a shard": Case(rigid_scenes.splashes, 5e-4, {"fluids": pc.WeaklyCompressible(sound_speed=20.0)}),
 }
 """Scenes with rigid bodies."""
 

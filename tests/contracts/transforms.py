@@ -109,7 +109,7 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.SelfContact: {"thickness": scalar(1)},
     pc.Wire: {"points": Transform.points},
     pc.Dihedral: {"stiffness": scalar(2, -2, 1), "damping": scalar(2, -1, 1)},
-    pc.Wind: {"velocity": wind, "density": scalar(-3, 0, 1)},
+    pc.Wind: {"velocity": wind, "density": per_volume()},
     pc.SoftSpheres: {"damping": RESISTANCE, "tangential_damping": RESISTANCE},
     pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
     pc.Gravitation: {"constant": scalar(3, -2, -1), "softening": scalar(1)},
@@ -194,6 +194,8 @@ def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body], orders: dict
         shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
         return pc.Plane(tuple(t.points(item.height * up)), tuple(t.directions(up)), **shared)
     values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.init and entry.name not in named}
+    if isinstance(item, pc.Anchor):
+        values["indices"] = item.tied.mask[orders[item.tied.body]]
     return type(item)(**rigid.joint(item, _changed(item, values, t), t), **named)
 
 

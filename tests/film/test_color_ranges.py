@@ -14,6 +14,7 @@ import physcore as pc
 from physcore.film import DARK
 from physcore.film.film_renderer import FilmRenderer
 from physcore.film.styles.typical import RARE, TYPICAL, Typical
+from physcore.simulation.sources import sources
 
 ENOUGH = 1000
 """Particles, or frames, of which a share of less than a percent is some."""
@@ -40,8 +41,6 @@ def moving(speeds: np.ndarray) -> Any:
 
 def top(recording: Any, style: Any) -> float:
     """The end of the scale of a style in a film."""
-    from physcore.simulation.sources import sources
-
     found = sources(recording, None, None, {})
     with FilmRenderer(found, (160, 120), style, None, DARK, None, False) as made:
         return made._painters[0][0].top
@@ -107,3 +106,24 @@ def test_what_is_not_a_number_counts_for_nothing() -> None:
     assert end(frames) == end(np.tile(SPEEDS, (5, 1)))
     assert end(np.full((3, 4), np.inf)) == 0.0
     assert end(np.empty((3, 0))) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ends"),
+    [(0.2, 0.9, (0.2, 0.9)), (-3.0, -1.0, (-3.0, -1.0)), (-0.5, 2.0, (-2.0, 2.0)), (4.0, 4.0, (4.0, 8.0))],
+)
+def test_a_reaction_of_ones_own_is_drawn_from_its_smallest_to_its_largest_value(
+    low: float, high: float, ends: tuple[float, float]
+) -> None:
+    """About zero if it has both signs. The values, a ramp, stay as they are; a constant has a scale of some length."""
+    grid = pc.Grid((60, 40), 0.1)
+    reaction = pc.Reaction(("n",), lambda n: (0.0 * n,))
+    values = low + (high - low) * np.linspace(0.0, 1.0, 60)[:, np.newaxis] + np.zeros((60, 40))
+    scene = pc.Scene(pc.ReactionDiffusion(grid, reaction, {"n": 0.0}, {"n": values}))
+    recording = pc.simulate(scene, 0.1, 20.0, dt=0.05, progress=False)
+    found = sources(recording, None, None, {})
+    with FilmRenderer(found, (160, 120), None, None, DARK, None, False) as made:
+        scale = made._painters[0][0].scale
+    assert scale is not None
+    # The ends are 99.5th percentiles, which are within one of the 60 columns.
+    assert scale.ends == pytest.approx(ends, abs=(high - low) / 59 + 1e-12)

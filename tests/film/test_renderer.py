@@ -24,7 +24,7 @@ from PIL import Image
 import physcore as pc
 from physcore._core import text_width
 from physcore.film import DARK, LIGHT, Follow, Orbit, Window, frame_cache, gif_bytes
-from physcore.film.colors.colormaps import COLORMAPS, sequential
+from physcore.film.colors.colormaps import COLORMAPS, LUMA, ramp, sequential
 from physcore.film.colors.themes import LEGIBLE, contrast, legible
 from physcore.film.film_renderer import FilmRenderer
 from physcore.film.frame_cache import FrameCache
@@ -492,6 +492,16 @@ def test_text_stands_out_from_any_background(theme: Any, background: str, tmp_pa
     ground = tuple(int(value) for value in picture[0, 0])
     assert max(contrast(ground, tuple(map(int, color))) for color in picture[-20:, :80].reshape(-1, 3)) >= LEGIBLE
     assert contrast((0, 0, 0), (255, 255, 255)) == pytest.approx(21.0)
+
+
+def test_maps_by_name_are_whole_and_defaults_suit_the_theme() -> None:
+    """Magma begins black (S. van der Walt, N. Smith, 2015). A theme cuts its own defaults alone."""
+    whole = sequential("magma", (0.0, 1.0), "c")
+    np.testing.assert_array_equal(ramp("magma", "plasma", DARK.part, "c"), whole)
+    assert whole[0].max() <= 4.0
+    default = ramp(None, "magma", DARK.part, "c")
+    np.testing.assert_array_equal(default, sequential("magma", DARK.part, "c"))
+    assert default[0] @ LUMA > whole[0] @ LUMA + 30.0
 
 
 def test_matplotlib_lends_its_color_maps(monkeypatch: pytest.MonkeyPatch) -> None:

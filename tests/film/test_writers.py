@@ -22,6 +22,7 @@ from PIL import Image
 import physcore as pc
 from physcore.film import frame_cache, gif_bytes, provenance
 from physcore.film.writers import WRITERS, delays
+from physcore.film.writers.beside import videos_beside
 from physcore.simulation.energy import Drift
 from physcore.simulation.serial import unpack_numerics
 
@@ -484,3 +485,18 @@ def test_a_film_says_what_was_written(tmp_path: Path) -> None:
     assert repr(film).startswith(f"{tmp_path / 'film.gif'}: 64×48, 41 frames, 40 per second, 255 colors, 0.")
     still = pc.film(busy(), tmp_path / "still.png", size=(64, 48))
     assert repr(still) == f"{tmp_path / 'still.png'}: 64×48, {still.bytes / 1e6:.2f} MB"
+
+
+def test_a_gif_beside_its_video_has_the_same_frames(tmp_path: Path) -> None:
+    """Within the context each GIF is followed by a video of the whole size; without it there is none."""
+    recording = busy()
+    with videos_beside() as films:
+        pc.film(recording, tmp_path / "film.gif", size=(320, 240), max_bytes=30_000)
+    gif, video = films
+    assert gif.path == tmp_path / "film.gif"
+    assert gif.size < (320, 240) == video.size
+    assert (video.frames, video.bytes) == (41, video.path.stat().st_size)
+    assert video.path.suffix in (".mp4", ".webp")
+    assert "<video" in video._repr_html_() or video.path.suffix == ".webp"
+    pc.film(recording, tmp_path / "other.gif", size=(64, 48))
+    assert not (tmp_path / f"other{video.path.suffix}").exists()

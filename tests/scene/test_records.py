@@ -67,6 +67,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Rod": (WHEEL, (BOXES, 0)),
     "SpringJoint": (WHEEL, None, ((0.0, 1.0), (0.0, 2.0)), 3.0),
     "Motor": (HINGE, 3.0, 1.0),
+    "Anchor": (NET, [2, 0], (BOXES, 1)),
     "Disc": (0.1,),
     "Rectangle": (0.2, 0.1),
     "Polygon": ([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],),

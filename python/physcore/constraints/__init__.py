@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from physcore.constraints.anchor import Anchor
 from physcore.constraints.joints import BallJoint, Hinge, Prismatic, Weld
 from physcore.constraints.links import Rod, SpringJoint
 from physcore.constraints.motor import Motor
@@ -19,11 +20,13 @@ CONSTRAINTS: tuple[type[Constraint], ...] = (
     Rod,
     SpringJoint,
     Motor,
+    Anchor,
 )
 """All constraint classes. Those registered here can be saved and are tested."""
 
 __all__ = [
     "CONSTRAINTS",
+    "Anchor",
     "BallJoint",
     "Constraint",
     "Hinge",

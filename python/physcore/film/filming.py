@@ -87,9 +87,10 @@ def film(
     unchanged. The film contains its provenance, which `physcore.provenance` reads. The provenance has a hash of the
     scene, the numerics, the steps taken, the drift of the energy, and the hash of the last state.
 
-    All formats keep real time and show every frame. A .gif has 255 colors and at most 50 frames per second, and every
-    program shows it. A .webp has all colors in fewer bytes, and an .apng is lossless. Both are for browsers, at up to
-    90 frames per second. An .mp4 (H.264) has up to 240 frames per second and needs `pip install 'physcore[video]'`.
+    All formats keep real time and show every frame. For the web, take an .mp4 (H.264) or a .webp: they have all colors
+    in a fraction of a GIF's bytes. An .mp4 has up to 240 frames per second and needs `pip install 'physcore[video]'`; a
+    .webp needs nothing. A .gif is for where a GIF is needed: every program shows it, with 255 colors in a frame and at
+    most 50 frames per second. An .apng is lossless. Browsers show .webp and .apng at up to 90 frames per second.
 
     Args:
         recording: the recording or scene; several are shown with one camera and one color scale.
@@ -169,6 +170,7 @@ def film(
     from physcore.film.metadata import metadata, sidecar_of, write_sidecar
     from physcore.film.quality import SAMPLES
     from physcore.film.writers import WRITERS, FilmJob, check_loop
+    from physcore.film.writers.beside import write_film
     from physcore.simulation.sources import sources
     from physcore.storage.files import require_writable
     from physcore.storage.formats import writable
@@ -197,7 +199,7 @@ def film(
             columns=columns, in_turn=in_turn,
         ) as renderer:  # fmt: skip
             job = FilmJob(renderer, rate, quality, max_bytes, lambda: metadata(found), shown, repeat)
-            written = writer.write(job, target)
+            written = write_film(writer, job, target)
     except FileError:
         raise
     except OSError as error:

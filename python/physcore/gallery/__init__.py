@@ -83,6 +83,8 @@ DEMOS = (
     "galton",
     "bridge",
     "letters",
+    "floating_box",
+    "water_wheel",
 )
 """All demos; the first one is the default."""
 

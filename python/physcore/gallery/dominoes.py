@@ -61,7 +61,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "dominoes.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), DURATION, fps=30, dt=1 / 960, progress=progress)
-    style = [pc.styles.Solids("index", colormap="plasma", on="dominoes"), pc.styles.Solids("#f4f4f0", on="marble")]
+    style = [pc.styles.Solids("index", on="dominoes"), pc.styles.Solids("#f4f4f0", on="marble")]
     pc.film(
         recording,
         path,

@@ -52,7 +52,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "galaxy.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw it with a rising camera."""
     recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
-    style = pc.styles.Points(colormap="magma", size=2.2, glow=0.4)
+    style = pc.styles.Points(size=2.2, glow=0.4)
     camera = Keyframes({0.0: Orbit(-60.0, 25.0), DURATION: Orbit(-90.0, 60.0)})
     pc.film(recording, path, size=(432, 334), style=style, camera=camera, progress=progress)
     return {"stars": recording}

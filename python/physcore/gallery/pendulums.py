@@ -57,7 +57,7 @@ def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None =
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=8, progress=progress)
     # Colors from the longest to the shortest pendulum, for wires and bobs alike.
-    style = pc.styles.Strain(color=np.tile(np.arange(PENDULUMS), 2), colormap="plasma", width=1.6)
+    style = pc.styles.Strain(color=np.tile(np.arange(PENDULUMS), 2), width=1.6)
     camera = Orbit(-28.0, 14.0)
     pc.film(
         recording,

@@ -40,7 +40,7 @@ def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | 
     recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
     light, heavy = recording.scene.bodies
     styles = [
-        pc.styles.Fluid(on=light, colormap="water", top=1.2, surface=True),
+        pc.styles.Fluid(on=light, top=1.2, surface=True),
         pc.styles.Fluid(on=heavy, colormap="ember", top=1.2, surface=True),
     ]
     pc.film(recording, path, size=(360, 720), style=styles, progress=progress)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 from types import NoneType
 from typing import TypeAlias
@@ -36,26 +35,14 @@ from physcore.checks import (
 from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
+from physcore.scene.lattices import LatticeSprings, lattice, lattice_faces, lattice_points, lattice_shares
 from physcore.scene.materials import Material
 from physcore.spelling import did_you_mean
 
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
-Offset: TypeAlias = tuple[int, ...]
 
 ROPE_BYTES, CLOTH_BYTES, SOFT_BODY_BYTES = 225, 900, 1130
 """Peak memory per particle with its springs while a network is built [bytes]."""
-
-
-@dataclass(frozen=True)
-class _Kind:
-    """Kind of springs in a lattice: connects every particle with those at the given offsets."""
-
-    offsets: tuple[Offset, ...]
-    rest_length: float
-    stiffness: float
-    damping: float
-    halved: bool = False
-    """Whether springs along a border of a sheet carry half the width of the others, and have half their stiffness."""
 
 
 @entrance
@@ -103,8 +90,8 @@ def rope(
     origin, (axis,) = _frame(start, None if direction is None else [direction], 1, "rope.start", "rope.direction")
     along = whole * np.arange(nodes) / (nodes - 1)
     edges = {"start": np.array([0]), "end": np.array([nodes - 1]), "both": np.array([0, nodes - 1])}
-    kind = _Kind(((1,),), spacing, *_strength(stiffness, damping, "rope."))
-    return _lattice(
+    kind = LatticeSprings(((1,),), spacing, *_strength(stiffness, damping, "rope."))
+    return lattice(
         (nodes,),
         origin + along[:, None] * axis,
         [kind],
@@ -199,19 +186,21 @@ def cloth(
     shear = _strength(shear_stiffness, shear_damping, "cloth.shear_", structural)
     bend = _strength(bend_stiffness, bend_damping, "cloth.bend_", structural)
     if material is None or stiffness is not None:
-        along = [_Kind(((1, 0), (0, 1)), step, *structural)]
+        along = [LatticeSprings(((1, 0), (0, 1)), step, *structural)]
     else:
         along = [
-            _Kind((offset,), step, _along_threads(whole, shear[0], thread), structural[1], halved=True)
+            LatticeSprings((offset,), step, _along_threads(whole, shear[0], thread), structural[1], halved=True)
             for offset, whole, thread in (((1, 0), material.warp, "warp"), ((0, 1), material.weft, "weft"))
         ]
     kinds = [
         *along,
-        _Kind(((1, 1), (-1, 1)), step * math.sqrt(2.0), *shear),
-        _Kind(((2, 0), (0, 2)), 2.0 * step, *bend),
+        LatticeSprings(((1, 1), (-1, 1)), step * math.sqrt(2.0), *shear),
+        LatticeSprings(((2, 0), (0, 2)), 2.0 * step, *bend),
     ]
     if mass is None:
-        mass = 1.0 if material is None else material.areal_density * step * step * _shares((columns, rows), (0, 0))
+        mass = (
+            1.0 if material is None else material.areal_density * step * step * lattice_shares((columns, rows), (0, 0))
+        )
     grid = np.arange(columns * rows).reshape(rows, columns)
     edges = {
         "bottom": grid[0],
@@ -222,11 +211,11 @@ def cloth(
         "top corners": grid[-1, [0, -1]],
         "bottom corners": grid[0, [0, -1]],
     }
-    return _lattice(
+    return lattice(
         (columns, rows),
-        corner + combined(_grid((columns, rows), step), directions),
+        corner + combined(lattice_points((columns, rows), step), directions),
         kinds,
-        faces=_faces(grid),
+        faces=lattice_faces(grid),
         mass=mass,
         fixed=_pins(pinned, edges, columns * rows, "cloth.pinned") | _pins(fixed, edges, columns * rows, "cloth.fixed"),
         velocities=velocities,
@@ -297,21 +286,21 @@ def soft_body(
         if next((component for component in offset if component), -1) > 0
     ]
     kinds = [
-        _Kind(tuple(o for o in offsets if np.abs(o).sum() == 1), step, *axial),
-        _Kind(tuple(o for o in offsets if np.abs(o).sum() == 2), step * math.sqrt(2.0), *shear),
+        LatticeSprings(tuple(o for o in offsets if np.abs(o).sum() == 1), step, *axial),
+        LatticeSprings(tuple(o for o in offsets if np.abs(o).sum() == 2), step * math.sqrt(2.0), *shear),
     ]
     grid = np.arange(math.prod(nodes)).reshape(nodes[::-1])
     edges = {"left": grid[..., 0], "right": grid[..., -1], "bottom": grid[0], "top": grid[-1]}
     if dimension == 2:
-        faces = _faces(grid)
+        faces = lattice_faces(grid)
     else:
         edges |= {"front": grid[:, 0], "back": grid[:, -1]}
         # The cross product of columns and rows points outward on three sides; the opposite sides are transposed.
         outward = ("right", "front", "top")
-        faces = np.concatenate([_faces(side if name in outward else side.T) for name, side in edges.items()])
-    return _lattice(
+        faces = np.concatenate([lattice_faces(side if name in outward else side.T) for name, side in edges.items()])
+    return lattice(
         nodes,
-        corner + combined(_grid(nodes, step), directions),
+        corner + combined(lattice_points(nodes, step), directions),
         kinds,
         faces=faces,
         mass=mass,
@@ -322,86 +311,6 @@ def soft_body(
         breaking_strain=breaking_strain,
         strain_limit=strain_limit,
     )
-
-
-def _lattice(
-    shape: tuple[int, ...],
-    positions: FloatArray,
-    kinds: Sequence[_Kind],
-    *,
-    faces: IntArray | None = None,
-    mass: ArrayLike,
-    fixed: BoolArray,
-    velocities: ArrayLike,
-    radius: ArrayLike,
-    name: str | None,
-    breaking_strain: float,
-    strain_limit: float,
-) -> SpringNetwork:
-    """A network of the particles of a lattice, with every kind of spring that has stiffness or damping."""
-    present = [kind for kind in kinds if kind.stiffness > 0 or kind.damping > 0]
-    links = [np.concatenate([_links(shape, offset) for offset in kind.offsets]) for kind in present]
-    sizes = [len(pairs) for pairs in links]
-    stiffness = np.repeat([kind.stiffness for kind in present], sizes)
-    for kind, part in zip(present, np.split(stiffness, np.cumsum(sizes)[:-1]), strict=False):
-        if kind.halved:
-            part *= _shares(shape, kind.offsets[0])
-    return SpringNetwork(
-        positions,
-        np.concatenate([np.empty((0, 2), dtype=np.int64), *links]),
-        stiffness=stiffness,
-        damping=np.repeat([kind.damping for kind in present], sizes),
-        rest_length=np.repeat([kind.rest_length for kind in present], sizes),
-        mass=mass,
-        fixed=fixed,
-        velocities=velocities,
-        radius=radius,
-        name=name,
-        faces=faces,
-        breaking_strain=breaking_strain,
-        strain_limit=strain_limit,
-    )
-
-
-def _faces(grid: IntArray) -> IntArray:
-    """Two counterclockwise triangles (T, 3) for each cell of a grid of particles (rows, columns).
-
-    The diagonals of neighboring cells alternate, so that the surface bends alike along both diagonals.
-    """
-    first, second, third, fourth = (
-        part.ravel() for part in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
-    )
-    even = (np.indices((len(grid) - 1, len(grid[0]) - 1)).sum(axis=0) % 2 == 0).ravel()
-    one = np.where(even[:, None], np.stack([first, second, third], axis=1), np.stack([first, second, fourth], axis=1))
-    other = np.where(even[:, None], np.stack([first, third, fourth], axis=1), np.stack([second, third, fourth], axis=1))
-    return np.concatenate([one, other])
-
-
-def _links(shape: tuple[int, ...], offset: Offset) -> IntArray:
-    """Index pairs (M, 2) of all lattice particles with a neighbor at `offset`, row by row."""
-    grid = np.arange(math.prod(shape), dtype=np.int64).reshape(shape[::-1])
-    first = tuple(slice(max(0, -o), size - max(0, o)) for o, size in zip(offset, shape, strict=True))
-    second = tuple(slice(max(0, o), size + min(0, o)) for o, size in zip(offset, shape, strict=True))
-    return np.stack([grid[first[::-1]].ravel(), grid[second[::-1]].ravel()], axis=1)
-
-
-def _shares(shape: tuple[int, ...], offset: Offset) -> FloatArray:
-    """The width that every spring of `_links` carries, in spacings: ½ along a border. Without an offset, the area of
-    every particle.
-    """
-    shares = np.ones((1,))
-    for size, step in zip(shape[::-1], offset[::-1], strict=True):
-        along = np.ones(size - abs(step))
-        if step == 0:
-            along[[0, -1]] = 0.5
-        shares = np.outer(shares, along).ravel()
-    return shares
-
-
-def _grid(shape: tuple[int, ...], spacing: float) -> FloatArray:
-    """Lattice coordinates (N, len(shape)) [m], the first axis fastest."""
-    indices = np.indices(shape[::-1], dtype=np.float64).reshape(len(shape), -1)[::-1].T
-    return np.ascontiguousarray(indices * spacing)
 
 
 def _frame(

@@ -119,7 +119,7 @@ class Contents:
             return len(self.boundaries) + len(self.bodies)
         if element == "fluid particles":
             return self.particles  # a row each
-        if element in ("beads", "joints"):
+        if element in ("beads", "joints", "ties"):
             return self._held(self.constraints, element)
         items: tuple[Body | System | Probe, ...] = (*self.bodies, *self.systems, *self.probes)
         return sum(item.elements.get(element, 0) for item in items)
@@ -145,7 +145,7 @@ class Contents:
                 return bool(self.fluids)
             case "walls":
                 return self._presses
-            case "probes" | "beads" | "joints":
+            case "probes" | "beads" | "joints" | "ties":
                 return self.count(field.element) > 0
             case _:
                 return any(field.name in body.quantities for body in self.bodies)

@@ -180,8 +180,8 @@ class Force(ActingItem):
         pc.Gravity(on=(cloth, slice(0, 40)))
         pc.Drag(0.1, on=[ball, ("cloth", cloth.positions[:, 1] > 0.5)])
 
-    A force between particles acts between those that are named. On rigid bodies forces act at their centers of mass;
-    those of short range between particles, and those on faces, do not act on them.
+    A force between particles acts between those that are named. On rigid bodies forces act at their centers of mass,
+    and a Wind on their surfaces; those of short range between particles do not act on them.
     """
 
     section: ClassVar[str] = "forces"
@@ -244,8 +244,8 @@ class Constraint(ActingItem):
 
     section: ClassVar[str] = "constraints"
     element: ClassVar[Element | None] = None
-    """Kind of the elements that have values: beads, one for each particle that it acts on, or joints, one for each
-    constraint; None: there are none.
+    """Kind of the elements that have values: beads or ties, one for each particle that it acts on, or joints, one for
+    each constraint; None: there are none.
     """
 
     @property

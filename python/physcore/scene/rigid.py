@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import FloatArray, array, broadcast, flag, number, require, shown, vector
+from physcore import _core
+from physcore.arithmetic import cos, sin
+from physcore.checks import BoolArray, FloatArray, array, broadcast, flag, number, require, shown, vector
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.fields import Element
+from physcore.scene.records import Record
 from physcore.scene.rotations import unit_quaternions
 from physcore.scene.solids import Shape
 from physcore.units.systems import Default
@@ -34,8 +37,8 @@ class RigidBodies(Body):
         recording[boxes].positions  # (F, 2, 2)
         recording[boxes].angles  # (F, 2)
 
-    Rigid bodies meet each other, boundaries and particles. The coefficient of friction of a contact is √(μ₁ μ₂), its
-    restitution is max(e₁, e₂). A particle takes both from the body that it meets.
+    Rigid bodies meet each other, boundaries, particles and fluids. The coefficient of friction of a contact is
+    √(μ₁ μ₂), its restitution is max(e₁, e₂). A particle takes both from the body that it meets.
 
     A position is that of the center of mass. In 2D a body has an angle, and all quantities are per meter of depth. In
     3D a body has an orientation, a unit quaternion (w, x, y, z) that turns the axes of the shape into those of the
@@ -131,6 +134,32 @@ class RigidBodies(Body):
     def elements(self) -> dict[Element, int]:
         """The number of rigid bodies, which are one wall in a fluid."""
         return {"rigid bodies": len(self), "walls": 1}
+
+    def contains(self, points: ArrayLike) -> BoolArray:
+        """Whether each point is in one of the bodies at the start.
+
+            box = pc.RigidBody(pc.Rectangle(0.2, 0.2), (0.5, 0.5), density=500.0)
+            points = pc.block((0.0, 0.0), (1.0, 0.5), spacing=0.02)
+            water = pc.Fluid(points[~box.contains(points)], spacing=0.02)
+
+        Args:
+            points: positions [m], shape (N, D).
+
+        Returns:
+            A mask of shape (N,).
+
+        Raises:
+            SceneError: the shape does not fit, or a value is not finite.
+        """
+        given = array(points, "contains.points")
+        if given.ndim != 2 or given.shape[1] != self.dimension:
+            raise SceneError(f"contains.points: must have the shape (N, {self.dimension}), got {given.shape}")
+        places, centers = (np.pad(rows, ((0, 0), (0, 3 - self.dimension))) for rows in (given, self.positions))
+        turns = self.orientations
+        if turns is None:
+            half = 0.5 * cast("FloatArray", self.angles)
+            turns = np.column_stack([cos(half), *np.zeros((2, len(self))), sin(half)])
+        return _core.points_inside(Record.of(self.shape).described(), self.dimension, places, centers, turns)
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""

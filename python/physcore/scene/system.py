@@ -73,6 +73,11 @@ class System(SceneItem):
         return True
 
     @property
+    def ranged(self) -> bool:
+        """Whether nothing is known of the values of fields: their color scales go from the smallest to the largest."""
+        return False
+
+    @property
     def solid(self) -> BoolArray | None:
         """Mask of the solid cells that are excluded from the fields; None if there are none."""
         return None

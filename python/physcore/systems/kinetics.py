@@ -44,6 +44,8 @@ class Kinetics(ByValue):
 
     signed: ClassVar[bool] = False
     """Whether values have both signs."""
+    ranged: ClassVar[bool] = False
+    """Whether nothing is known of the values: films show them from the smallest to the largest."""
     shown: ClassVar[str] = "u"
     """Default species of films, which is also compared between runs."""
     least: ClassVar[float] = -math.inf
@@ -234,6 +236,7 @@ class Reaction(Kinetics):
     species: tuple[str, ...]
     function: Callable[..., Sequence[Any]]
     signed: ClassVar[bool] = True
+    ranged: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         names = tuple(text(name, "Reaction.species") for name in items(self.species, "Reaction.species", "names"))

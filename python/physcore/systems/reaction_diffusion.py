@@ -126,6 +126,11 @@ class ReactionDiffusion(GridSystem):
         """Whether values have both signs."""
         return self.reaction.signed
 
+    @property
+    def ranged(self) -> bool:
+        """Whether nothing is known of the values."""
+        return self.reaction.ranged
+
     def unresolved(self, integrator: str) -> list[str]:
         """Notes on spikes of the initial fields that diffuse too slowly, and on fronts that the grid makes too fast."""
         del integrator

@@ -107,6 +107,8 @@ pub enum Location {
     Bodies,
     /// Joints.
     Joints,
+    /// Particles that are tied to rigid bodies, anchor by anchor.
+    Ties,
     /// The system as a whole.
     Whole,
 }
@@ -123,6 +125,7 @@ impl Location {
             Self::Probes => "probes",
             Self::Bodies => "bodies",
             Self::Joints => "joints",
+            Self::Ties => "ties",
             Self::Whole => "whole",
         }
     }

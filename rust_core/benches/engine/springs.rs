@@ -68,6 +68,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
         velocity: velocity.view(),
         residual: View::default(),
         properties: &properties,
+        solids: &[],
         time: 0.0,
         executor: &SERIAL,
     };

@@ -50,7 +50,7 @@ mod _core {
     #[pymodule_export]
     use super::methods::advances;
     #[pymodule_export]
-    use super::shape::shape_properties;
+    use super::shape::{points_inside, rigid_overlaps, shape_properties};
     #[pymodule_export]
     use super::view::{PyProjection, norms, tint};
     #[pymodule_export]

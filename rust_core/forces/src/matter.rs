@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 pub use crate::columns::{Columns, Span, View};
 use crate::error::Result;
@@ -83,6 +83,19 @@ impl<V: Vector> Properties<V> {
     }
 }
 
+/// Rotation of a rigid body, whose center of mass is a particle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolidMotion {
+    /// Index of the particle in the engine's order.
+    pub particle: u32,
+    /// Rotation from the body's frame to the world's.
+    pub orientation: DQuat,
+    /// Orientation at the start of the last drift.
+    pub before: DQuat,
+    /// Angular velocity in the world's axes [rad/s].
+    pub angular_velocity: DVec3,
+}
+
 /// The state of all particles.
 #[derive(Debug, Clone)]
 pub struct Matter<V: Vector> {
@@ -95,6 +108,8 @@ pub struct Matter<V: Vector> {
     /// Low-order part of the positions [m]: exact = position + residual. For forces that need separations beyond the
     /// precision of the state; else empty.
     pub residual: Columns<V>,
+    /// Rotations of the rigid bodies, in the caller's order, as forces see them. The constraint of rigid bodies holds the state.
+    pub solids: Vec<SolidMotion>,
     /// Energy dissipated and supplied, one tally per block.
     pub tallies: Vec<EnergyTally>,
     /// The number of particles in a block.
@@ -121,6 +136,7 @@ impl<V: Vector> Matter<V> {
             velocity: Columns::zeros(count),
             registers: vec![Columns::zeros(count); registers],
             residual: Columns::zeros(0),
+            solids: Vec::new(),
             tallies: vec![EnergyTally::ZERO; count.div_ceil(block)],
             block,
         }
@@ -141,6 +157,7 @@ impl<V: Vector> Matter<V> {
             mine.copy_from(theirs);
         }
         self.residual.copy_from(&other.residual);
+        self.solids.clone_from(&other.solids);
         self.tallies.copy_from_slice(&other.tallies);
     }
 
@@ -209,6 +226,7 @@ impl<V: Vector> Matter<V> {
             + self.velocity.bytes()
             + registers
             + self.residual.bytes()
+            + size_of_val(self.solids.as_slice())
             + std::mem::size_of_val(self.tallies.as_slice())
     }
 

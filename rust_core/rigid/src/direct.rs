@@ -1,21 +1,28 @@
-//! Newton steps for the rows of small groups: all that hold at present are solved together.
+//! Impulses of small groups, by projected Gauss–Seidel iteration with Newton steps: all rows that hold are solved together.
 //!
-//! Iterations over rows choose which contacts bear and which of them slide. For these the equations are linear in the
-//! impulses; a contact that slides has a normal impulse that takes its friction along. The matrix A = J M⁻¹ C, dense, is
-//! solved as A + ε with iterative refinement, so that redundant rows share their load by least change. Source:
-//! P. Alart, A. Curnier, Comput. Meth. Appl. Mech. Eng. 92, 353 (1991).
+//! Iterations over rows choose which contacts bear and which of them slide. For these the equations are linearized; a
+//! contact that slides has a normal impulse that takes its friction along, and in space an impulse that turns the direction of
+//! friction. The matrix A = J M⁻¹ C, dense, is solved as A + ε with iterative refinement, so that redundant rows share
+//! their load by least change. Source: P. Alart, A. Curnier, Comput. Meth. Appl. Mech. Eng. 92, 353 (1991).
 
 use glam::DVec3;
 
+use crate::lu::{factorize, solution};
 use crate::mover::perpendicular;
-use crate::rows::{BodyVelocities, Row, Rows};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, Row, Rows};
 
 /// Largest numbers of rows, and of rows of contacts.
 pub const MOST: usize = 240;
 pub const MOST_OF_CONTACTS: usize = 96;
+/// Iterations between Newton steps, and largest numbers of Newton steps and of those that do not pay.
+const SWEEPS: usize = 4;
+const MOST_STEPS: usize = 8;
+const MOST_FAILURES: usize = 3;
 /// Shift ε over the largest diagonal entry, and number of refinements.
 const SHIFT: f64 = 1e-9;
 const REFINEMENTS: usize = 3;
+/// Energy that impulses may add, over the work of their parts.
+const GAINED: f64 = 1e-6;
 
 /// Unknown impulse.
 #[derive(Debug, Clone, Copy)]
@@ -26,19 +33,110 @@ enum Unknown {
     Tangent(usize, DVec3),
 }
 
-/// Equation of an unknown, the direction of its impulse, and its residual.
+/// Equation of an unknown, the direction of its impulse, and the velocity that it yields to a unit of it.
 #[derive(Debug, Clone, Copy)]
 struct HeldEquation {
     unknown: Unknown,
     bodies: [usize; 2],
     row: Row,
     column: Row,
+    yields: f64,
 }
 
 impl Rows {
+    /// Solves for all impulses by iterations in alternating order, until no relative velocity changes by more than `tolerance`
+    /// [m/s]; begins with the present impulses. Takes the velocities without impulses, and returns those with them, and whether
+    /// the iterations converged. Where they did not and the impulses would add energy, plain iterations begin without impulses:
+    /// each of their steps removes energy.
+    pub fn solve(&mut self, free: &BodyVelocities, tolerance: f64, most: usize) -> (BodyVelocities, bool) {
+        let mut v = free.clone();
+        self.start(&mut v);
+        if self.iterate(&mut v, tolerance, most) {
+            return (v, true);
+        }
+        if !self.adds_energy(free, &v) {
+            return (v, false);
+        }
+        let zeros = vec![0.0; self.impulses().len()];
+        self.set_impulses(&zeros);
+        v.clone_from(free);
+        let converged = (0..most).any(|iteration| self.relax_all(iteration, &mut v) <= tolerance);
+        (v, converged)
+    }
+
+    /// Iterates; a Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
+    fn iterate(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) -> bool {
+        let mut before: Option<(f64, Vec<f64>, BodyVelocities)> = None;
+        // Iterations from one Newton step to the next, and to the next decision.
+        let (mut wait, mut next) = (SWEEPS, SWEEPS);
+        let [mut steps, mut failures] = [0; 2];
+        for iteration in 0..most {
+            let change = self.relax_all(iteration, v);
+            if change <= tolerance {
+                return true;
+            }
+            if iteration + 1 < next {
+                continue;
+            }
+            if let Some((change_before, impulses, velocities)) = before.take()
+                && !change.le(&change_before)
+            {
+                self.set_impulses(&impulses);
+                *v = velocities;
+                failures += 1;
+                wait *= 2;
+                next += wait;
+                continue;
+            }
+            next += SWEEPS;
+            if next <= most && steps < MOST_STEPS && failures < MOST_FAILURES {
+                let saved = (change, self.impulses(), v.clone());
+                before = self.solve_held(v).then_some(saved);
+                steps += 1;
+            }
+        }
+        false
+    }
+
+    /// Whether impulses of contacts add energy, beyond that of gaps which they open.
+    fn adds_energy(&self, free: &BodyVelocities, v: &BodyVelocities) -> bool {
+        let (mut sum, mut size) = (0.0, 0.0);
+        for row in &self.contacts {
+            let work = row.work(row.slip_of(free), row.slip_of(v));
+            sum += work - row.impulse.normal * row.least.max(0.0);
+            size += work.abs();
+        }
+        sum > GAINED * size
+    }
+
+    /// All impulses, row by row.
+    fn impulses(&self) -> Vec<f64> {
+        let joints = self.joints.iter().flat_map(|joint| joint.rows.iter().map(|row| row.impulse));
+        let bounds = self.bounds.iter().map(|bounded| bounded.row.impulse);
+        let of = |contact: &ContactRow| {
+            let ContactImpulse { normal, tangential, turning } = contact.impulse;
+            [normal, tangential.x, tangential.y, tangential.z, turning.x, turning.y, turning.z]
+        };
+        joints.chain(bounds).chain(self.contacts.iter().flat_map(of)).collect()
+    }
+
+    /// Sets all impulses.
+    fn set_impulses(&mut self, values: &[f64]) {
+        let mut values = values.iter().copied();
+        let joints = self.joints.iter_mut().flat_map(|joint| joint.rows.iter_mut().map(|row| &mut row.impulse));
+        let bounds = self.bounds.iter_mut().map(|bounded| &mut bounded.row.impulse);
+        joints.chain(bounds).zip(&mut values).for_each(|(impulse, value)| *impulse = value);
+        for contact in &mut self.contacts {
+            let mut next = || values.next().unwrap_or(0.0);
+            let normal = next();
+            let tangential = DVec3::new(next(), next(), next());
+            contact.impulse = ContactImpulse { normal, tangential, turning: DVec3::new(next(), next(), next()) };
+        }
+    }
+
     /// Takes a Newton step with the rows that hold at present, if they are few; returns whether it did.
-    pub fn solve_held(&mut self, v: &mut BodyVelocities) -> bool {
-        let equations = self.held();
+    fn solve_held(&mut self, v: &mut BodyVelocities) -> bool {
+        let equations = self.held(v);
         let count = equations.len();
         if count == 0 || count > MOST {
             return false;
@@ -50,12 +148,17 @@ impl Rows {
             }
         }
         let largest = (0..count).map(|i| matrix[i * count + i]).fold(0.0, f64::max);
-        (0..count).for_each(|i| matrix[i * count + i] += SHIFT * largest);
+        (0..count).for_each(|i| matrix[i * count + i] += SHIFT * largest + equations[i].yields);
         let Some(order) = factorize(&mut matrix, count) else { return false };
+        let mut sums = vec![0.0; count];
         for _ in 0..REFINEMENTS {
-            let lacks: Vec<f64> = equations.iter().map(|each| each.row.target - each.row.velocity(each.bodies, v)).collect();
+            let lack = |(each, sum): (&HeldEquation, &f64)| {
+                each.row.target - each.row.velocity(each.bodies, v) - each.yields * sum
+            };
+            let lacks: Vec<f64> = equations.iter().zip(&sums).map(lack).collect();
             let changes = solution(&matrix, &order, &lacks);
-            for (equation, change) in equations.iter().zip(changes) {
+            for ((equation, change), sum) in equations.iter().zip(changes).zip(&mut sums) {
+                *sum += change;
                 equation.column.push(change, equation.bodies, v);
                 self.add(equation.unknown, change);
             }
@@ -64,17 +167,19 @@ impl Rows {
     }
 
     /// Equations of the rows that hold.
-    fn held(&self) -> Vec<HeldEquation> {
+    fn held(&self, v: &BodyVelocities) -> Vec<HeldEquation> {
         let mut equations = Vec::new();
-        let mut add = |unknown, bodies, row, column| equations.push(HeldEquation { unknown, bodies, row, column });
+        let mut add = |unknown, bodies, row, column, yields| {
+            equations.push(HeldEquation { unknown, bodies, row, column, yields });
+        };
         for (index, joint) in self.joints.iter().enumerate() {
             for (place, row) in joint.rows.iter().enumerate() {
-                add(Unknown::Joint(index, place), joint.bodies, *row, *row);
+                add(Unknown::Joint(index, place), joint.bodies, *row, *row, 0.0);
             }
         }
         for (index, bounded) in self.bounds.iter().enumerate() {
             if bounded.bounds[0] < bounded.row.impulse && bounded.row.impulse < bounded.bounds[1] {
-                add(Unknown::Bound(index), bounded.bodies, bounded.row, bounded.row);
+                add(Unknown::Bound(index), bounded.bodies, bounded.row, bounded.row, 0.0);
             }
         }
         for (index, contact) in self.contacts.iter().enumerate() {
@@ -92,12 +197,18 @@ impl Rows {
             let normal = along(contact.normal, contact.least);
             let drag = if slides && most > 0.0 { friction / load } else { DVec3::ZERO };
             let column = if slides { along(contact.normal + drag, 0.0) } else { normal };
-            add(Unknown::Normal(index, drag), contact.bodies, normal, column);
+            add(Unknown::Normal(index, drag), contact.bodies, normal, column, 0.0);
             if !slides {
                 for &tangent in &perpendicular(contact.normal)[..if self.planar { 1 } else { 2 }] {
                     let row = along(tangent, contact.slip.dot(tangent));
-                    add(Unknown::Tangent(index, tangent), contact.bodies, row, row);
+                    add(Unknown::Tangent(index, tangent), contact.bodies, row, row, 0.0);
                 }
+            } else if most > 0.0 && !self.planar {
+                // Friction μλ turns against the slip s where s changes across it: δs + |s| δt/μλ = −s across.
+                let across = contact.normal.cross(friction / friction.length());
+                let row = along(across, contact.slip.dot(across));
+                let slip = (contact.velocity(v) - contact.slip).reject_from_normalized(contact.normal);
+                add(Unknown::Tangent(index, across), contact.bodies, row, row, slip.length() / most);
             }
         }
         equations
@@ -131,61 +242,3 @@ fn coupling(equation: &HeldEquation, other: &HeldEquation, v: &BodyVelocities) -
     sum
 }
 
-/// LU factorization with row pivoting, in place; returns the order of the rows, or None for a matrix that is not finite.
-fn factorize(matrix: &mut [f64], count: usize) -> Option<Vec<usize>> {
-    let mut order: Vec<usize> = (0..count).collect();
-    for pivot in 0..count {
-        let size = |row: &usize| matrix[row * count + pivot].abs();
-        let best = (pivot..count).max_by(|&one, &other| size(&order[one]).total_cmp(&size(&order[other])))?;
-        order.swap(pivot, best);
-        let row = order[pivot];
-        let value = matrix[row * count + pivot];
-        if value == 0.0 || !value.is_finite() {
-            return None;
-        }
-        for &other in &order[pivot + 1..] {
-            let factor = matrix[other * count + pivot] / value;
-            if factor != 0.0 {
-                matrix[other * count + pivot] = factor;
-                for column in pivot + 1..count {
-                    matrix[other * count + column] -= factor * matrix[row * count + column];
-                }
-            }
-        }
-    }
-    Some(order)
-}
-
-/// Solution of the factorized system.
-fn solution(matrix: &[f64], order: &[usize], right: &[f64]) -> Vec<f64> {
-    let count = order.len();
-    let mut values: Vec<f64> = order.iter().map(|&row| right[row]).collect();
-    for i in 0..count {
-        let row = &matrix[order[i] * count..][..count];
-        let sum: f64 = (0..i).map(|j| row[j] * values[j]).sum();
-        values[i] -= sum;
-    }
-    for i in (0..count).rev() {
-        let row = &matrix[order[i] * count..][..count];
-        let sum: f64 = (i + 1..count).map(|j| row[j] * values[j]).sum();
-        values[i] = (values[i] - sum) / row[i];
-    }
-    values
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_system_that_needs_pivots() {
-        let matrix = [0.0, 2.0, 1.0, 1.0, 0.0, 3.0, 4.0, 1.0, 0.0];
-        let mut factors = matrix;
-        let order = factorize(&mut factors, 3).unwrap();
-        let x = solution(&factors, &order, &[7.0, 10.0, 6.0]);
-        for (row, right) in matrix.chunks_exact(3).zip([7.0, 10.0, 6.0]) {
-            let sum: f64 = row.iter().zip(&x).map(|(entry, x)| entry * x).sum();
-            assert!((sum - right).abs() < 1e-14);
-        }
-    }
-}

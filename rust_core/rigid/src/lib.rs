@@ -21,6 +21,7 @@ mod island;
 mod joint_system;
 pub mod joints;
 mod limits;
+mod lu;
 pub mod mover;
 mod planar;
 pub mod pose;

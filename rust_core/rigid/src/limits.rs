@@ -1,7 +1,7 @@
 //! Limits of the joints of a group, as contacts without restitution.
 
-use crate::impacts::{BodyPath, CLOSED, HIT, first_zero};
-use crate::island::{HeldJoint, Island, LIMIT_BOUNDS, LIMITS};
+use crate::impacts::{BodyPath, first_zero};
+use crate::island::{CLOSED, HIT, HeldJoint, Island, LIMIT_BOUNDS, LIMITS};
 use crate::mover::Mover;
 use crate::rows::{BodyVelocities, BoundedRow};
 

@@ -9,6 +9,8 @@
 //! reference axis is the one for which the product of both c is least in size. Source: F. Fassò, J. Comput. Phys. 189, 527 (2003).
 
 use glam::{DMat3, DQuat, DVec3};
+use physcore_base::error::Result;
+use physcore_base::scene::{Item, Value};
 
 /// Orientation of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,11 +32,34 @@ impl Orientation {
         Self { quaternion, angle: 0.0 }
     }
 
+    /// Orientations of the `count` bodies of an item: by its `angles` in 2D, and by its `orientations` (w, x, y, z) in 3D.
+    ///
+    /// # Errors
+    /// If they are not that many numbers or quaternions.
+    pub fn declared(item: &Item, count: usize, dimension: usize) -> Result<Vec<Self>> {
+        if dimension == 2 {
+            return Ok(item.numbers("angles", count)?.iter().map(|&angle| Self::planar(angle)).collect());
+        }
+        match item.values.get("orientations") {
+            Some(Value::Numbers(array)) if array.shape == [count, 4] => {
+                let rows = array.entries.as_chunks::<4>().0.iter();
+                Ok(rows.map(|&[w, x, y, z]| Self::spatial(DQuat::from_xyzw(x, y, z, w).normalize())).collect())
+            }
+            other => Err(item.wrong("orientations", &format!("{count} quaternions"), other)),
+        }
+    }
+
     /// Orientation after a turn by the vector `angle` [rad] in the world.
     #[must_use]
     pub fn turned(&self, angle: DVec3) -> Self {
         let quaternion = (rotation_by(angle) * self.quaternion).normalize();
         Self { quaternion, angle: self.angle + angle.z }
+    }
+
+    /// Components of the quaternion (w, x, y, z).
+    pub fn components(&self) -> [f64; 4] {
+        let [x, y, z, w] = self.quaternion.to_array();
+        [w, x, y, z]
     }
 
     /// Rotation matrix.
@@ -91,6 +116,20 @@ impl Inertia {
         let reference = (0..3).fold(0, |best, axis| if spread(axis) < spread(best) { axis } else { best });
         let order = [reference, (reference + 1) % 3, (reference + 2) % 3];
         Self { moments, inverse, axes, order, planar: false }
+    }
+
+    /// Moments with point masses [kg] at places about the same center [m], in the frame of the body.
+    #[must_use]
+    pub fn with(&self, masses: &[(f64, DVec3)]) -> Self {
+        let across = |place: DVec3| DMat3::from_cols(place * place.x, place * place.y, place * place.z);
+        let of =
+            |&(mass, place): &(f64, DVec3)| mass * (DMat3::from_diagonal(DVec3::splat(place.length_squared())) - across(place));
+        let added = masses.iter().map(of).fold(DMat3::ZERO, |sum, one| sum + one);
+        if self.planar {
+            return Self::planar(self.moments.z + added.z_axis.z);
+        }
+        let axes = DMat3::from_quat(self.axes);
+        Self::spatial(axes * DMat3::from_diagonal(self.moments) * axes.transpose() + added)
     }
 
     /// Largest inverse moment [1/(kg·m²)]; 0 for a body that does not turn.
@@ -186,6 +225,19 @@ mod tests {
         let axes = DMat3::from_quat(axes);
         let again = axes * DMat3::from_diagonal(moments) * axes.transpose();
         assert!((again - tensor()).to_cols_array().iter().all(|entry| entry.abs() < 1e-14));
+    }
+
+    /// A dumbbell of two point masses and a body between them has the sum of their moments.
+    #[test]
+    fn point_masses_add_their_moments() {
+        let place = DVec3::new(0.3, -0.4, 1.2);
+        let inertia = Inertia::spatial(tensor()).with(&[(2.0, place), (2.0, -place)]);
+        let turning = DVec3::new(0.5, 1.0, -2.0);
+        let still = Orientation::spatial(DQuat::IDENTITY);
+        let expected = tensor() * turning + 4.0 * place.cross(turning.cross(place));
+        assert!((inertia.spin(&still, turning) - expected).length() < 1e-13);
+        let planar = Inertia::planar(0.7).with(&[(2.0, DVec3::new(0.3, 0.4, 0.0))]);
+        assert!((planar.moments.z - 1.2).abs() < 1e-15);
     }
 
     /// The error of an orientation after one second falls by 4 for half the step, and the energy does not drift.

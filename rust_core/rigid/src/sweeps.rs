@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use crate::island::{Accuracy, FirstHalf, Island, lost};
+use crate::island::{Accuracy, CLOSED, FirstHalf, Island, lost, pushed};
 use crate::rotation::Inertia;
 use crate::rows::{BodyVelocities, ContactImpulse, Rows};
 use crate::shapes::SolidShape;
@@ -60,8 +60,9 @@ struct Touching {
     restitution: f64,
     /// Least normal velocity at the end of the piece [m/s].
     rebound: f64,
-    /// Whether the normal impulse dissipates energy.
+    /// Whether the normal impulse dissipates energy, and whether it pushes overlapping bodies apart.
     strikes: bool,
+    pushes: bool,
     /// Mean force of the last piece.
     load: ContactImpulse,
 }
@@ -115,6 +116,7 @@ impl Island {
                 restitution: contact.restitution,
                 rebound: 0.0,
                 strikes: false,
+                pushes: false,
                 load: contact.load,
             });
             sweep.half.rows.contacts.push(row);
@@ -139,6 +141,7 @@ impl Island {
             // Bounces of less than a piece are contacts at rest.
             let least = 0.5 * length * contact.pressing;
             contact.strikes = approach > least;
+            contact.pushes = !contact.strikes && contact.gap < -CLOSED * contact.size;
             let rebound = contact.restitution * approach;
             contact.rebound = if rebound > least { rebound } else { 0.0 };
             // Overlaps are left no faster than a fall through the size of the bodies is.
@@ -200,6 +203,7 @@ impl Island {
         }
         for (row, contact) in rows.contacts.iter().zip(touching.iter_mut()) {
             contact.load = row.before.plus(&row.impulse).scaled(1.0 / length);
+            self.meters.pushed += if contact.pushes { pushed(row, contact.slip.0) } else { 0.0 };
         }
         if joined {
             self.keep_joint_loads(half, &rows, length);

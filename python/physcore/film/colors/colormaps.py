@@ -70,8 +70,19 @@ LUMA = np.array([0.2126, 0.7152, 0.0722])
 """Weights of red, green and blue in the luma (Rec. 709)."""
 DARKEST = 0.26
 """Least lightness in Oklab of a part of a map. Darker colors would not be visible on a dark background."""
+WHOLE = (0.0, 1.0)
+"""The part that is a whole map."""
 STRAY = 0.5
 """Tolerance of the test for monotonic lightness: change of luma between neighbors among 256 colors, out of 255."""
+
+
+def ramp(name: object, default: str, part: tuple[float, float], path: str) -> FloatArray:
+    """256 colors (256, 3) of a whole map, as Matplotlib shows it; without a name, of a part of the default map.
+
+    Raises:
+        SceneError: as `sequential`.
+    """
+    return sequential(default, part, path) if name is None else sequential(name, WHOLE, path)
 
 
 def sequential(name: object, part: tuple[float, float], path: str) -> FloatArray:

@@ -16,7 +16,7 @@ from physcore._core import Canvas
 from physcore.checks import BoolArray, FloatArray, IntArray, number, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
-from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.colormaps import WHOLE, ColormapName, sequential
 from physcore.film.colors.themes import Color, Theme
 from physcore.scene.bodies import Body
 from physcore.scene.periodic import Periodic
@@ -363,7 +363,7 @@ def only(colors: FloatArray) -> Color | None:
 
 def table(colormap: ColormapName | None, theme: Theme, path: str) -> FloatArray:
     """The colors (K, 3) of a map that contrast with the background; without a map, the color of text."""
-    return np.array([theme.text], dtype=float) if colormap is None else sequential(colormap, theme.part, path)
+    return np.array([theme.text], dtype=float) if colormap is None else sequential(colormap, WHOLE, path)
 
 
 def inks(colors: FloatArray, theme: Theme, farness: PixelArray | None) -> InkArray:

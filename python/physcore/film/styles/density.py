@@ -12,7 +12,7 @@ from physcore._core import Canvas
 from physcore.checks import FloatArray, number
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
-from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.colormaps import WHOLE, ColormapName, ramp
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BRIGHT, Painter, SystemPart, SystemStyle
 from physcore.film.styles.typical import MANY
@@ -42,7 +42,7 @@ class Density(SystemStyle):
     visible together. Light from behind is not absorbed.
 
     Args:
-        colormap: "inferno", "magma", "plasma", "viridis", "cividis", "water" or "ember".
+        colormap: "inferno", "magma", "plasma", "viridis", "cividis", "water" or "ember"; None: "inferno".
         exposure: factor of the brightness, above zero; 1 is the automatic exposure.
         spread: the standard deviation of a tracer's light [pixels]; None: a value that suits the number of tracers.
         on: the tracers drawn in this style; None: all systems of more than 200 points.
@@ -53,13 +53,13 @@ class Density(SystemStyle):
     Source: K. Narkowicz, "ACES filmic tone mapping curve", 2016, for the tone curve.
     """
 
-    colormap: ColormapName = "inferno"
+    colormap: ColormapName | None = None
     exposure: float = 1.0
     spread: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        sequential(self.colormap, (0.0, 1.0), "Density.colormap")
+        ramp(self.colormap, "inferno", WHOLE, "Density.colormap")
         self._set(exposure=number(self.exposure, "Density.exposure", above=0.0, most=1e6))
         if self.spread is not None:
             self._set(spread=number(self.spread, "Density.spread", above=0.0, most=WIDEST))
@@ -105,7 +105,7 @@ class DensityPainter(PointsPainter):
         super().__init__(style, source, part)
         self._exposure, self._spread = style.exposure, style.spread
         ends = (1.0, 0.0) if sum(theme.background) > BRIGHT else (0.0, 1.0)
-        table = sequential(style.colormap, (0.0, 1.0), "Density.colormap")
+        table = ramp(style.colormap, "inferno", WHOLE, "Density.colormap")
         self._table = np.ascontiguousarray(np.round(table if ends[0] < ends[1] else table[::-1]).astype(np.uint8))
 
     def inset(self, pixels: float) -> float:

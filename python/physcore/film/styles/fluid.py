@@ -12,7 +12,7 @@ from physcore.checks import FloatArray, flag, number
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
-from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.colormaps import WHOLE, ColormapName, ramp
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.styles.base import FOG, SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places
 from physcore.film.styles.coloring import Coloring, checked
@@ -57,7 +57,7 @@ class Fluid(BodyStyle):
             density in the middle of the scale. A recording needs the channel "velocities", "pressures" or "densities".
             Or chosen colors, as in Points: one such as "white", one for each body or particle, or values or a function
             for the color scale.
-        colormap: "water", "ember", "viridis", "inferno", "plasma" or "magma".
+        colormap: as in Points; None: the part of "water" that contrasts with the background.
         top: the value at the end of the color scale, above zero, in the unit of the quantity; for the density, relative
             to the rest density. None: a typical value of the film.
         surface: whether to draw a common surface. If False, each particle is a disc as wide as its spacing, and in 3D a
@@ -72,7 +72,7 @@ class Fluid(BodyStyle):
     """
 
     color: ColorBy | ColorChoice | PerBody | PerParticle = "speed"
-    colormap: ColormapName = "water"
+    colormap: ColormapName | None = None
     top: float | None = None
     surface: bool = True
     opacity: float | None = None
@@ -86,7 +86,7 @@ class Fluid(BodyStyle):
         )
         if self.opacity is not None:
             self._set(opacity=number(self.opacity, "Fluid.opacity", least=0.0, most=1.0))
-        sequential(self.colormap, (0.0, 1.0), "Fluid.colormap")
+        ramp(self.colormap, "water", WHOLE, "Fluid.colormap")
         self._set(surface=flag(self.surface, "Fluid.surface"))
         self._set_positive("top")
 
@@ -114,7 +114,7 @@ class FluidPainter(Painter):
     def __init__(self, style: Fluid, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme = style, style, theme
         self._where = places(parts)
-        self._table = sequential(style.colormap, theme.part, "Fluid.colormap")
+        self._table = ramp(style.colormap, "water", theme.part, "Fluid.colormap")
         self._sky = mixed(theme.background, SKY, 0.5)
         bodies = [cast("fluid.Fluid", part.body) for part in parts]
         sizes = [len(body) for body in bodies]

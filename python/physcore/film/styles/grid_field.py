@@ -13,12 +13,12 @@ from physcore._core import Canvas, Texture, coverage, heatmap
 from physcore.checks import FloatArray, number, shown, text
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
-from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, sequential, spread, two_sided
+from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, ramp, sequential, spread, two_sided
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners, lines
 from physcore.film.looks.box import draw_edges
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
-from physcore.film.styles.typical import TYPICAL, Typical
+from physcore.film.styles.typical import TYPICAL, Range, Typical
 from physcore.scene.grid import GridSystem
 from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
@@ -148,24 +148,42 @@ class FieldPainter(GridPainter):
         super().__init__(style, style.quantity, source, part, theme, "Field")
         self._style = style
         given = style.range
+        self._range = Range() if self._system.ranged and given is None else None
         self._given = ((-given if self.signed else 0.0), given) if isinstance(given, float) else given
         self.top = self._given[1] if self._given is not None else NEVER
-        if style.colormap is None and self.signed:
-            table = two_sided(theme.background)
-        else:
-            whole = (0.0, 1.0) if self.signed else theme.part
-            table = sequential(style.colormap or "magma", whole, "Field.colormap")
-        self._table = spread(table, SOFT if self._given is None else 1.0, middle=self.signed)
-        self._colors = np.ascontiguousarray(np.round(self._table).astype(np.uint8))
+        self._two_sided = self.signed
+        self._table, self._colors = self._tables()
         solid = self._system.solid
         self._walls = None if solid is None else np.ascontiguousarray(solid, dtype=np.float64)
 
         self._covered: tuple[object, NDArray[np.uint8]] | None = None
         """The share of each pixel covered by walls, cached for the view of the last frame."""
 
+    def _tables(self) -> tuple[FloatArray, NDArray[np.uint8]]:
+        """The colors of the scale, exact and rounded."""
+        if self._style.colormap is None and self.signed:
+            table = two_sided(self._theme.background)
+        else:
+            table = ramp(self._style.colormap, "magma", self._theme.part, "Field.colormap")
+        linear = self._given is not None or (self._range is not None and not self.signed)
+        table = spread(table, 1.0 if linear else SOFT, middle=self.signed)
+        return table, np.ascontiguousarray(np.round(table).astype(np.uint8))
+
+    @property
+    def signed(self) -> bool:
+        """Whether the scale has zero within."""
+        if self._range is not None:
+            return self._range.signed
+        if self._system.ranged and isinstance(self._style.range, tuple):
+            low, high = self._style.range
+            return low < 0.0 < high
+        return super().signed
+
     @property
     def ends(self) -> tuple[float, float]:
         """The values at both ends of the color scale."""
+        if self._range is not None:
+            return self._range.ends
         return self._given or ((-self.top if self.signed else 0.0), self.top)
 
     @property
@@ -185,7 +203,13 @@ class FieldPainter(GridPainter):
 
     def observe(self, frame: SourceFrame) -> None:
         """Update the ends of the scale by a frame."""
-        if self._given is None:
+        if self._range is not None:
+            self._range.add(self.values(frame).ravel())
+            self.top = self._range.ends[1]
+            if self.signed != self._two_sided:
+                self._two_sided = self.signed
+                self._table, self._colors = self._tables()
+        elif self._given is None:
             self.observe_range(frame)
 
     def inset(self, pixels: float) -> float:

@@ -14,7 +14,7 @@ from physcore.checks import FloatArray, array, flag, is_word, number, regular, s
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
-from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.colormaps import WHOLE, ColormapName, ramp
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
     BRIGHT,
@@ -69,7 +69,8 @@ class Points(BodyStyle):
             from bodies or their names to such colors (other bodies keep their default colors); a list of colors or an
             array (N, 3) for the drawn particles; values (N,) for the color scale; or a function of the time [s], the
             positions and the velocities (N, D) of these particles that gives such values or colors in each frame.
-        colormap: the map of the color scale: "plasma", "viridis", "inferno", "magma", "water" or "ember".
+        colormap: the map of the color scale: "plasma", "viridis", "inferno", "magma", "water", "ember" or one of
+            Matplotlib, from end to end. None: the part of "plasma" that contrasts with the background.
         size: diameter [pixels], one or for each particle (N,). "mass": areas, in 3D volumes, are proportional to the
             masses. "radius": the radius of the particle, which must have one. None: the radius of the particle if it
                 has
@@ -89,7 +90,7 @@ class Points(BodyStyle):
     """
 
     color: ColorBy | ColorChoice | PerBody | PerParticle | None = None
-    colormap: ColormapName = "plasma"
+    colormap: ColormapName | None = None
     size: float | Literal["mass", "radius"] | ArrayLike | PerParticle | None = None
     trail: float | None = None
     glow: float = 0.0
@@ -101,7 +102,7 @@ class Points(BodyStyle):
         super().__post_init__()
         if self.color is not None:
             self._set(color=checked(self.color, "Points.color", COLOR_BY))
-        sequential(self.colormap, (0.0, 1.0), "Points.colormap")
+        ramp(self.colormap, "plasma", WHOLE, "Points.colormap")
         self._set(
             trail=None if self.trail is None else number(self.trail, "Points.trail", least=0.0),
             glow=number(self.glow, "Points.glow", least=0.0, most=1.0),
@@ -134,7 +135,7 @@ class PointsPainter(Painter):
         self._radius = np.concatenate([part.body.radius for part in parts])
         self._sized = bool((self._radius > 0.0).any()) and style.size in (None, "radius")
         self._own = self._diameters(source.scene.dimension)
-        self._table = sequential(style.colormap, theme.part, "Points.colormap")
+        self._table = ramp(style.colormap, "plasma", theme.part, "Points.colormap")
         self._fps = source.fps
         self._coloring = (
             None if color in MEASURED else Coloring(color, self._table, "Points.color", source, parts, theme)

@@ -12,7 +12,7 @@ from physcore._core import Canvas
 from physcore.checks import BoolArray, FloatArray, IntArray, number
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
-from physcore.film.colors.colormaps import STEPS, ColormapName, look_up, sequential
+from physcore.film.colors.colormaps import STEPS, WHOLE, ColormapName, look_up, sequential
 from physcore.film.colors.light import LAMP
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners
@@ -104,7 +104,7 @@ class ReliefPainter(GridPainter):
             shares = np.linspace(0.0, 1.0, STEPS)[:, np.newaxis]
             self._table: FloatArray = (1.0 - shares) * np.array(deep, float) + shares * np.array(shallow, float)
         else:
-            self._table = sequential(style.colormap, theme.part, "Relief.colormap")
+            self._table = sequential(style.colormap, WHOLE, "Relief.colormap")
         self._solid = np.array(mixed(theme.solid, theme.background, 0.2), dtype=float)
 
     def typical(self) -> Typical:

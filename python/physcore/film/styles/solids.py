@@ -14,7 +14,7 @@ from physcore.checks import BoolArray, FloatArray, IntArray, flag, is_word
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
-from physcore.film.colors.colormaps import ColormapName, look_up, sequential, varied
+from physcore.film.colors.colormaps import WHOLE, ColormapName, look_up, ramp, varied
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale
 from physcore.film.styles.coloring import Coloring, checked
@@ -45,7 +45,7 @@ class Solids(BodyStyle):
     Args:
         color: "body": a color for each item; "speed": the speed of the centers of mass [m/s], on a scale that begins at
             zero; "index": the index among the bodies that are drawn. Or chosen colors, as in Points.
-        colormap: the map of the color scale, as in Points.
+        colormap: the map of the color scale, as in Points; None: a part of "viridis".
         marks: whether a pattern is painted on the bodies, by which their rotation is seen.
         joints: whether joints are drawn: pins for a Hinge and a BallJoint, a bar for a Rod, a zigzag for a SpringJoint,
             a rail for a Prismatic joint. Joints that are broken vanish.
@@ -61,7 +61,7 @@ class Solids(BodyStyle):
     rigid: ClassVar[bool] = True
 
     color: Literal["body", "speed", "index"] | ColorChoice | PerBody | PerParticle = "body"
-    colormap: ColormapName = "viridis"
+    colormap: ColormapName | None = None
     marks: bool = True
     joints: bool = True
     forces: bool | float = False
@@ -73,7 +73,7 @@ class Solids(BodyStyle):
         self._set(joints=flag(self.joints, "Solids.joints"))
         if not isinstance(self.forces, (bool, np.bool_)):
             self._set_positive("forces")
-        sequential(self.colormap, (0.0, 1.0), "Solids.colormap")
+        ramp(self.colormap, "viridis", WHOLE, "Solids.colormap")
         self._set_positive("top")
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
@@ -107,7 +107,7 @@ class SolidsPainter(Painter):
         self._rows = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
         self._moving = np.concatenate([_moving(body) for body in bodies])
         self._groups, self._own = self._grouped(bodies)
-        self._table = sequential(style.colormap, theme.part, "Solids.colormap")
+        self._table = ramp(style.colormap, "viridis", theme.part, "Solids.colormap")
         self._coloring: Coloring | None = None
         self._plain = np.zeros(len(self._rows), dtype=np.bool_)
         if is_word(style.color, "index"):

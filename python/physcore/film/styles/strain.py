@@ -12,7 +12,7 @@ from physcore.checks import BoolArray, FloatArray, IntArray, flag, is_word
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
-from physcore.film.colors.colormaps import ColormapName, diverging, look_up, sequential
+from physcore.film.colors.colormaps import WHOLE, ColormapName, diverging, look_up, ramp
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places
 from physcore.film.styles.coloring import Coloring, checked
@@ -56,7 +56,7 @@ class Strain(BodyStyle):
             have one, as the bobs of pendulums do.
         color: "strain"; or chosen colors for springs and nodes, as in Points: one such as "tomato", one for each body
             or particle, or values or a function for a color scale. A spring has the mean color of its ends.
-        colormap: the map of the color scale of values, as in Points.
+        colormap: the map of the color scale of values, as in Points; None: a part of "viridis".
         on: as in Style; each body must have springs.
 
     Raises:
@@ -67,13 +67,13 @@ class Strain(BodyStyle):
     width: float | None = None
     nodes: bool | None = None
     color: Literal["strain"] | ColorChoice | PerBody | PerParticle = "strain"
-    colormap: ColormapName = "viridis"
+    colormap: ColormapName | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set_positive("range", "width")
         self._set(color=checked(self.color, "Strain.color", ("strain",)))
-        sequential(self.colormap, (0.0, 1.0), "Strain.colormap")
+        ramp(self.colormap, "viridis", WHOLE, "Strain.colormap")
         if self.nodes is not None:
             self._set(nodes=flag(self.nodes, "Strain.nodes"))
 
@@ -126,9 +126,9 @@ class StrainPainter(Painter):
         self._where, self._count = places(parts), source.scene.particles
         self._coloring: Coloring | None = None
         if not is_word(style.color, "strain"):
-            ramp = sequential(style.colormap, theme.part, "Strain.colormap")
+            table = ramp(style.colormap, "viridis", theme.part, "Strain.colormap")
             chosen = cast("Chosen", style.color)
-            self._coloring = Coloring(chosen, ramp, "Strain.color", source, parts, theme)
+            self._coloring = Coloring(chosen, table, "Strain.color", source, parts, theme)
             self.low, self.top = self._coloring.low, self._coloring.top
             self.fixed = self._coloring.fixed
 

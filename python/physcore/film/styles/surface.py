@@ -14,7 +14,7 @@ from physcore.checks import BoolArray, FloatArray, IntArray, file_path, frozen, 
 from physcore.errors import FileError, SceneError
 from physcore.film.camera.view import Orbit, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
-from physcore.film.colors.colormaps import ColormapName, diverging, look_up, sequential
+from physcore.film.colors.colormaps import WHOLE, ColormapName, diverging, look_up, ramp
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.shapes.creases import around, corner_normals, face_normals
@@ -77,7 +77,7 @@ class Surface(BodyStyle):
             array
             (H, W, 3) of bytes; None: no texture.
         range: the strain at the ends of the scale [1]; None: a typical value of the film.
-        colormap: the map of the color scale of values, as in Points.
+        colormap: the map of the color scale of values, as in Points; None: a part of "viridis".
         back: the color of the back in 3D, the side from which corners are in clockwise order; None: as the front.
         thickness: the width of the rim of a cloth in 3D [m], at least zero; None: the thickness of its SelfContact, or
             no rim.
@@ -93,14 +93,14 @@ class Surface(BodyStyle):
     range: float | None = None
     back: str | Color | None = None
     thickness: float | None = None
-    colormap: ColormapName = "viridis"
+    colormap: ColormapName | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.back is not None:
             self._set(back=color(self.back, "Surface.back"))
         self._set(color=checked(self.color, "Surface.color", ("body", "strain")))
-        sequential(self.colormap, (0.0, 1.0), "Surface.colormap")
+        ramp(self.colormap, "viridis", WHOLE, "Surface.colormap")
         self._set_positive("range")
         if self.thickness is not None:
             self._set(thickness=number(self.thickness, "Surface.thickness", least=0.0))
@@ -154,9 +154,9 @@ class SurfacePainter(Painter):
         self._texture = style.texture.texture if isinstance(style.texture, Picture) else None
         white = self._texture is not None and is_word(style.color, "body")
         chosen = cast("Chosen | str", (255, 255, 255) if white else style.color)
-        ramp = sequential(style.colormap, theme.part, "Surface.colormap")
+        table = ramp(style.colormap, "viridis", theme.part, "Surface.colormap")
         self._by_strain = is_word(style.color, "strain")
-        self._coloring = None if self._by_strain else Coloring(chosen, ramp, "Surface.color", source, parts, theme)
+        self._coloring = None if self._by_strain else Coloring(chosen, table, "Surface.color", source, parts, theme)
         everywhere = np.zeros((count, 2), dtype=np.float32)
         everywhere[self._where] = np.concatenate(spots)
         self._spots = everywhere[self._faces].reshape(-1, 6)

@@ -42,7 +42,33 @@ class Typical:
         """Add a frame, and return the end of the scale for all frames so far."""
         insort(self._frames, typical(values, self._percentile))
         beyond = max(int(self._rare * len(self._frames)), len(self._frames) >= SEVERAL)
-        return max(self._frames[-1 - beyond], self._least * self._frames[-1])
+        end = self._frames[-1 - beyond]
+        return max(end, self._least * self._frames[-1]) if self._least > 0.0 else end
+
+
+class Range:
+    """Range of values of which nothing is known beforehand, from the smallest to the largest typical one of a film."""
+
+    def __init__(self) -> None:
+        self._least, self._most = Typical(), Typical()
+        self._low, self._high = 0.0, 0.0
+
+    def add(self, values: FloatArray) -> None:
+        """Add a frame."""
+        self._low, self._high = -self._least.add(-values), self._most.add(values)
+
+    @property
+    def signed(self) -> bool:
+        """Whether the values have both signs."""
+        return self._low < 0.0 < self._high
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Both ends, which differ; about zero if the values have both signs."""
+        if self.signed:
+            end = max(-self._low, self._high)
+            return -end, end
+        return self._low, self._high if self._high > self._low else self._low + (abs(self._low) or 1.0)
 
 
 def typical(values: FloatArray, percentile: float = TYPICAL) -> float:

@@ -16,13 +16,13 @@ from physcore.errors import SceneError, SceneWarning, warn
 from physcore.film.film_renderer import FilmRenderer
 from physcore.film.quality import Quality
 from physcore.film.writers.loops import Repeat
-from physcore.markup import inline_image
+from physcore.markup import inline_image, inline_video
 from physcore.progress import Progress
 from physcore.storage.formats import Format
 from physcore.units.systems import SI, UnitSystem
 
 KINDS = {".gif": "gif", ".webp": "webp", ".apng": "apng", ".png": "png"}
-"""Suffixes of films that a page shows as images, with their types."""
+"""Suffixes of films that a page shows as images, with their types; others are videos in MP4."""
 LONG = 2.0
 """Duration of a frame from which on a film in real time is warned of [s]."""
 
@@ -56,12 +56,13 @@ class Film:
         """HTML for notebooks: a description, and the film itself if it exists and has at most 3 MB."""
         words = f"<div>{escape(repr(self))}</div>"
         kind = KINDS.get(self.path.suffix.lower())
-        if kind is None or self.bytes > INLINE:
+        if self.bytes > INLINE:
             return f'<a href="{escape(str(self.path))}">{words}</a>'
         try:
-            return inline_image(self.path.read_bytes(), kind, repr(self)) + words
+            content = self.path.read_bytes()
         except OSError:
             return words
+        return (inline_video(content, repr(self)) if kind is None else inline_image(content, kind, repr(self))) + words
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,13 +18,15 @@ from physcore.studies.diagnosis.explodes import explodes
 from physcore.studies.diagnosis.finding import Diagnosis, Finding
 from physcore.studies.diagnosis.jitters import jitters
 from physcore.studies.diagnosis.large import large
+from physcore.studies.diagnosis.overlapping import overlapping, sinks
 from physcore.studies.diagnosis.penetrates import penetrates
 from physcore.studies.diagnosis.slow import slow
 from physcore.studies.diagnosis.sluggish import sluggish
+from physcore.studies.diagnosis.trembles import trembles
 
 __all__ = ["SYMPTOMS", "Diagnosis", "Finding", "diagnose"]
 
-SYMPTOMS = (explodes, sluggish, penetrates, jitters, clumps, coarse, slow, large)
+SYMPTOMS = (explodes, sluggish, penetrates, overlapping, sinks, jitters, trembles, clumps, coarse, slow, large)
 """All symptoms, in the order of the report."""
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from physcore.simulation.effort import ENCOUNTER_CURE, is_encounter
 from physcore.simulation.energy import FAIR_DRIFT, WRONG_DRIFT
+from physcore.simulation.notes import material_drift
 from physcore.simulation.recording import Recording
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
@@ -24,7 +25,7 @@ def explodes(case: Case) -> Iterator[Finding]:
             yield Finding("explodes", cause, f'take dt={0.5 * plan.dt_limit:.2g}, or leave dt to "auto"', plan.margin)
         return
     drift = worst_drift(case.recording)
-    if abs(drift) <= WRONG_DRIFT or is_loss(case, drift):
+    if abs(drift) <= WRONG_DRIFT or is_loss(case, drift) or material_drift(case.recording) <= WRONG_DRIFT:
         return
     limit = f"; {dt} is {plan.margin:.0%} of its limit ({plan.limit_term})" if 0.0 < plan.dt_limit < math.inf else ""
     cause = f"the energy balance is off by {abs(drift):.2g} of the energy in motion{limit}"

@@ -20,8 +20,9 @@ class Finding:
     """
 
     symptom: str
-    """Symptom: "explodes", "sluggish", "penetrates", "jitters", "clumps", "scatters", "coarse", "slow" or
-    "large"."""
+    """Symptom: "explodes", "sluggish", "penetrates", "overlaps", "sinks", "jitters", "clumps", "scatters", "coarse",
+    "slow" or "large".
+    """
     cause: str
     """Cause, with the measured value."""
     cure: str

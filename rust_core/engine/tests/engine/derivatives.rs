@@ -116,6 +116,7 @@ impl<V: Space<Scalar = f64>> Laboratory<V> {
             velocity: velocity.view(),
             residual: View::default(),
             properties: &self.properties,
+            solids: &[],
             time: 0.0,
             executor: &SERIAL,
         };

@@ -51,6 +51,7 @@ fn the_limit_of_a_well_alone_is_the_same_everywhere() {
         velocity: columns.view(),
         residual: View::default(),
         properties: &properties,
+        solids: &[],
         time: 0.0,
         executor: &SERIAL,
     };

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
-use crate::matter::{Power, Properties, Span, View};
+use crate::matter::{Power, Properties, SolidMotion, Span, View};
 use crate::parallel::Executor;
 use crate::particles::start;
 use crate::scene::{self, Item, Scene};
@@ -59,6 +59,8 @@ pub struct StateView<'a, V: Vector> {
     pub residual: View<'a, V>,
     /// Mass and all other constant properties.
     pub properties: &'a Properties<V>,
+    /// Rotations of the rigid bodies, in the caller's order; empty for pointwise forces.
+    pub solids: &'a [SolidMotion],
     /// The time [s].
     pub time: f64,
     /// Threads for long operations, and the stop request.
@@ -212,6 +214,10 @@ pub trait Force<V: Vector>: History + Send + Sync {
 
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
+
+    /// Adds the torques of the last [`Force::prepare`] on the rigid bodies, in the caller's order, about their centers of mass
+    /// [N·m].
+    fn torques(&self, _torques: &mut [DVec3]) {}
 
     /// Adds charge times magnetic field, q B, of the particles of `block` to `strength`, for a gyroscopic force F = v × q B.
     fn magnetic(&self, _block: Range<usize>, _at: &StateView<'_, V>, _strength: &mut Strength<V>) {}

@@ -9,7 +9,11 @@
 //! a third of it at each corner. Its power F·u splits into the power of the wind, F·w, and the dissipated power, F·r ≥ 0. All
 //! quantities are computed in double precision.
 //!
+//! Rigid bodies feel half of this law on each face of their surface ([`solid`]).
+//!
 //! Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3, the cross-flow principle.
+
+mod solid;
 
 use std::ops::Range;
 
@@ -24,7 +28,9 @@ use crate::history::History;
 use crate::math::Vector;
 use crate::matter::{EnergySink, View};
 use crate::parallel::Executor;
+use crate::scene::Item;
 use crate::stability::{Horizon, SpectralBound};
+use solid::SolidWind;
 
 /// Air in motion.
 #[derive(Debug)]
@@ -53,7 +59,17 @@ pub struct Wind<V: Vector> {
 
 /// Entry in the registry of forces.
 pub fn kind<V: Vector>() -> ForceKind<V> {
-    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Wind::<V>::new(declared)?)]) };
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
+        let mut forces: Forces<V> = Vec::new();
+        if let Some(solid) = SolidWind::new(declared)? {
+            forces.push(Box::new(solid));
+        }
+        let is_faced = V::DIMENSION == 3 && declared.faces().any(|(_, faces)| !faces.is_empty());
+        if is_faced || forces.is_empty() {
+            forces.push(Box::new(Wind::<V>::new(declared)?));
+        }
+        Ok(forces)
+    };
     ForceKind { name: "Wind", reach: Reach::Network, charges: false, build }
 }
 
@@ -77,7 +93,29 @@ fn area([a, b, c]: [DVec3; 3]) -> DVec3 {
     0.5 * (b - a).cross(c - a)
 }
 
+impl<V: Vector> Declared<'_, V> {
+    /// Bodies that the force acts on.
+    fn bodies(&self) -> Vec<usize> {
+        self.item.on.clone().unwrap_or_else(|| (0..self.scene.bodies.len()).collect())
+    }
+
+    /// Faces of each of these bodies, by its own particles.
+    fn faces(&self) -> impl Iterator<Item = (usize, &[[u32; 3]])> {
+        self.bodies().into_iter().map(move |body| (body, self.scene.bodies[body].item.tuples::<3>("faces").unwrap_or(&[])))
+    }
+}
+
 impl Air {
+    /// Air of an item, at `points` points.
+    fn declared(item: &Item, dimension: usize, points: usize) -> Result<Self> {
+        Ok(Self {
+            velocity: Stream::declared(item, "velocity", dimension, points)?,
+            density: item.non_negative("density")?,
+            normal: item.non_negative("normal")?,
+            tangential: item.non_negative("tangential")?,
+        })
+    }
+
     /// Velocity r of the air relative to a face with these velocities of its corners [m/s].
     fn relative(&self, face: usize, velocities: [DVec3; 3]) -> DVec3 {
         self.velocity.value(face) - centroid(velocities)
@@ -94,6 +132,13 @@ impl Air {
         let along = relative - across * normal;
         let pressure = self.normal * across.abs() * across * normal + self.tangential * along.length() * along;
         0.5 * self.density * size * pressure
+    }
+
+    /// Bound on |∂F/∂r| of a face [N·s/m].
+    fn rate(&self, area: DVec3, relative: DVec3) -> f64 {
+        let across = area.normalize_or_zero().dot(relative).abs();
+        let along = (relative.length_squared() - across * across).max(0.0).sqrt();
+        self.density * area.length() * (self.normal * across).max(self.tangential * along)
     }
 
     /// Derivative ∂F/∂r = ½ ρ A (2 `C_n` |q| nnᵀ + `C_t` (|t| (1 − nnᵀ) + ttᵀ/|t|)), symmetric and positive semidefinite.
@@ -114,20 +159,13 @@ impl<V: Vector> Wind<V> {
             return Err(Error::parameter(&item.path, "a scene in 3D", format!("{}D", V::DIMENSION)));
         }
         let engine = properties.engine();
-        let named = item.on.clone().unwrap_or_else(|| (0..scene.bodies.len()).collect());
         let mut faces = Vec::new();
-        for body in named {
+        for (body, own) in declared.faces() {
             let number = |corner: u32| engine[scene.first(body) + corner as usize];
-            let own = scene.bodies[body].item.tuples::<3>("faces").unwrap_or(&[]);
             let faces_in_engine = own.iter().map(|face| face.map(number));
             faces.extend(faces_in_engine.filter(|face| face.iter().all(|&corner| chosen[corner as usize])));
         }
-        let air = Air {
-            velocity: Stream::declared(item, "velocity", V::DIMENSION, faces.len())?,
-            density: item.non_negative("density")?,
-            normal: item.non_negative("normal")?,
-            tangential: item.non_negative("tangential")?,
-        };
+        let air = Air::declared(item, V::DIMENSION, faces.len())?;
         let corners = Corners::new(properties.count(), faces.iter().copied());
         Ok(Self { air, torn: vec![false; faces.len()], corners, faces })
     }
@@ -190,9 +228,7 @@ impl<V: Vector> Force<V> for Wind<V> {
             let x = gather(face, &at.position);
             let (velocity, gradient) = velocity.at(index);
             let (area, relative) = (area(x), velocity - centroid(gather(face, &at.velocity)));
-            let across = area.normalize_or_zero().dot(relative).abs();
-            let along = (relative.length_squared() - across * across).max(0.0).sqrt();
-            let damping = self.air.density * area.length() * (self.air.normal * across).max(self.air.tangential * along) / 3.0;
+            let damping = self.air.rate(area, relative) / 3.0;
             let perimeter = (0..3).map(|side| (x[(side + 1) % 3] - x[side]).length()).sum::<f64>();
             let pressure = 0.5 * self.air.density * relative.length_squared();
             let stiffness = pressure * (2.5 * self.air.normal + 3.5 * self.air.tangential) * perimeter / 6.0 + gradient * damping;

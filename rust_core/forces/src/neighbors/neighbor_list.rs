@@ -48,7 +48,8 @@ pub struct NeighborList {
 }
 
 impl NeighborList {
-    /// Neighbor list of the `members` of a scene up to a cutoff [m]. Members are given by particle index.
+    /// Neighbor list of the `members` of a scene up to a cutoff [m]. Members are given by particle index. Those with larger
+    /// indices are no particles.
     ///
     /// # Errors
     /// If the cutoff is out of range, the periodic domain is too small for it, or the precision of the run too coarse.
@@ -59,7 +60,8 @@ impl NeighborList {
         let columns = || std::array::from_fn(|axis| vec![0.0; if axis < V::DIMENSION { members.len() } else { 0 }]);
         let neighbors = Neighbors::new(members.len(), V::DIMENSION, &domain, cutoff, skin)?;
         let mut member_of = vec![NOT_A_MEMBER; properties.count()];
-        members.iter().zip(0..).for_each(|(&index, member)| member_of[index as usize] = member);
+        let particles = members.iter().zip(0..).filter(|(index, _)| (**index as usize) < properties.count());
+        particles.for_each(|(&index, member)| member_of[index as usize] = member);
         let (positions, saved) = (columns(), columns());
         Ok(Self { members, member_of, neighbors, positions, saved, renewed: false, rolled_back: false, skin })
     }
@@ -276,7 +278,7 @@ fn domain(scene: &Scene, origin: DVec3) -> Domain {
 fn initial_positions<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32]) -> Vec<DVec3> {
     let positions = scene.positions();
     let position = |&member: &u32| positions[properties.caller[member as usize] as usize] - properties.origin;
-    members.iter().map(position).collect()
+    members.iter().filter(|member| (**member as usize) < properties.count()).map(position).collect()
 }
 
 /// Skin for particles at these positions [m], from the mean volume per particle in occupied cells.

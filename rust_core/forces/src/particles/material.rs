@@ -6,7 +6,7 @@ use super::start::{KIND, fluids, method};
 use super::tension::SHORT_RANGE;
 use crate::error::{Error, Result};
 use crate::math::Real;
-use crate::scene::{Item, Scene, Value};
+use crate::scene::{Item, RIGID_BODIES, Scene, Value};
 
 /// Number of materials: fluids, and obstacles.
 pub const KINDS: usize = 4;
@@ -68,6 +68,8 @@ pub struct Materials {
     pub fluids: Vec<Material>,
     /// Material of each body: a fluid, [`OBSTACLE`], or None without interaction.
     pub of_body: Vec<Option<u8>>,
+    /// Whether there are rigid bodies that meet a fluid.
+    pub meet_solids: bool,
 }
 
 impl Materials {
@@ -76,7 +78,7 @@ impl Materials {
     /// # Errors
     /// If there are too many, or they have different methods.
     pub fn of(scene: &Scene, gravity: DVec3) -> Result<Self> {
-        let mut materials = Self { fluids: Vec::new(), of_body: vec![None; scene.bodies.len()] };
+        let mut materials = Self { fluids: Vec::new(), of_body: vec![None; scene.bodies.len()], meet_solids: false };
         let mut shared: Option<(usize, &Item)> = None;
         for (body, fluid) in fluids(scene) {
             let (first, model) = *shared.get_or_insert((body, fluid));
@@ -96,8 +98,12 @@ impl Materials {
             materials.of_body[body] = Some(known.unwrap_or(materials.fluids.len()) as u8);
             materials.fluids.extend(known.is_none().then_some(material));
             if fluid.flag("obstacles")? {
-                let solids = materials.of_body.iter_mut().zip(&scene.bodies).filter(|(_, body)| body.item.kind != KIND);
-                solids.for_each(|(kind, _)| *kind = Some(OBSTACLE));
+                let others = materials.of_body.iter_mut().zip(&scene.bodies).filter(|(_, body)| body.item.kind != KIND);
+                for (kind, body) in others {
+                    let is_rigid = body.item.kind == RIGID_BODIES;
+                    materials.meet_solids |= is_rigid;
+                    *kind = (!is_rigid).then_some(OBSTACLE);
+                }
             }
         }
         Ok(materials)
@@ -106,7 +112,7 @@ impl Materials {
     /// Whether there is more than one material.
     #[inline]
     pub fn are_mixed(&self) -> bool {
-        self.fluids.len() > 1 || self.of_body.contains(&Some(OBSTACLE))
+        self.fluids.len() > 1 || self.meet_solids || self.of_body.contains(&Some(OBSTACLE))
     }
 
     /// The first fluid, with the parameters that all fluids share.

@@ -3,7 +3,8 @@
 //! - [`start`]: the fluids and walls of a scene, and the pressure at rest; [`material`]: densities and viscosities.
 //! - [`records`]: numbers of each particle for pair sums; [`kernel`]: weights of these sums.
 //! - [`lattice`]: sums in a fluid at rest; [`waves`]: frequencies of waves, which bound the time step.
-//! - [`walls`]: sums over the mirror images of the particles ([`images`]); [`obstacles`]: particles of other bodies.
+//! - [`walls`]: sums over the mirror images of the particles ([`images`]); [`obstacles`]: particles of other bodies; [`solids`]:
+//!   samples of rigid bodies, which are obstacles.
 //! - [`surface`], [`tension`]: free surfaces, and their tension.
 //! - [`gauges`], [`probes`]: forces on walls and obstacles, and pressures.
 
@@ -17,6 +18,7 @@ pub(crate) mod obstacles;
 pub(crate) mod probes;
 mod readings;
 pub(crate) mod records;
+pub(crate) mod solids;
 pub(crate) mod start;
 pub(crate) mod surface;
 pub(crate) mod tension;

@@ -70,21 +70,21 @@ impl<V: Vector, K: KernelShape> Obstacles<V, K> {
         self.members.is_empty()
     }
 
-    /// Mass of the fluid in the volume of each obstacle [kg]. The volume is 1/Σ W over obstacles.
+    /// Mass of the fluid in the volume of each obstacle below the member `end` [kg]. The volume is 1/Σ W over these obstacles.
     ///
     /// Source: N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
-    pub fn masses(&self, neighbor_list: &NeighborList, kind: &[u8], fluid: &Material) -> Vec<f64> {
+    pub fn masses(&self, neighbor_list: &NeighborList, kind: &[u8], end: usize, fluid: &Material) -> Vec<f64> {
         let kernel = SmoothingKernel::<f64, K>::new(self.law.kernel.shape, fluid.smoothing_length, fluid.spacing, V::DIMENSION);
         let neighbors = neighbor_list.neighbors();
         let mass = |&obstacle: &u32| {
             let slot = neighbors.slots()[obstacle as usize] as usize;
             let others = neighbors.of(slot).iter().map(|&other| neighbors.order()[other as usize] as usize);
-            let solid = others.zip(neighbors.separation(slot)).filter(|&(other, _)| kind[other] == OBSTACLE);
+            let solid = others.zip(neighbors.separation(slot)).filter(|&(other, _)| other < end && kind[other] == OBSTACLE);
             let near: f64 = solid.map(|(_, separation): (_, DVec3)| kernel.value(separation.length())).sum();
             // The volume of an isolated particle is bounded; otherwise it would be that of the kernel.
             (fluid.density / (near + kernel.value(0.0))).min(2.0 * fluid.mass)
         };
-        self.members.iter().map(mass).collect()
+        self.members.iter().take_while(|&&obstacle| (obstacle as usize) < end).map(mass).collect()
     }
 
     /// Writes the pressure extrapolated from the fluid to the records of obstacles, from records of pressures.

@@ -3,17 +3,17 @@
 
 use super::material::KINDS;
 use crate::math::{Real, Vector};
-use crate::matter::View;
 use crate::neighbors::NeighborList;
 use crate::neighbors::sums::{Pair, Records};
 use crate::parallel::Executor;
 use crate::simd::{Number, ParticleRecord};
 
-/// Writes the records of all members: their velocity, and the volume and content returned by `each` for a member.
+/// Writes the records of all members. The velocity is that of `velocity` for an axis and an index. `each` returns the volume and
+/// content of a member.
 pub fn fill<V: Vector>(
     records: &mut Records<V>,
     (neighbor_list, kind): (&NeighborList, &[u8]),
-    velocity: &View<'_, V>,
+    velocity: &(impl Fn(usize, usize) -> V::Scalar + Sync),
     each: &(impl Fn(usize) -> [V::Scalar; 2] + Sync),
     executor: &Executor,
 ) {
@@ -21,7 +21,7 @@ pub fn fill<V: Vector>(
     records.fill(neighbor_list.neighbors(), neighbor_list.positions(), executor, &|member, record| {
         let index = members[member] as usize;
         for axis in 0..V::DIMENSION {
-            record[V::DIMENSION + axis] = velocity.axis(axis)[index];
+            record[V::DIMENSION + axis] = velocity(axis, index);
         }
         let [volume, content] = each(member);
         record[2 * V::DIMENSION] = volume.tagged(kind[member]);

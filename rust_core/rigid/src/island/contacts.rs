@@ -28,15 +28,17 @@ pub struct GroupContact {
     pub restitution: f64,
     /// Mean force and moment of the last piece.
     pub load: ContactImpulse,
-    /// Whether a row holds the contact in this piece.
+    /// Whether a row holds the contact in this piece, and whether it opens at the start, in a bounce of less than a step.
     pub held: bool,
-    /// Whether the contact closes fast in this piece, so that its normal impulse dissipates energy.
-    pub strikes: bool,
-    /// Least normal velocity at the end of the piece [m/s].
-    pub rebound: f64,
+    pub bounces: bool,
 }
 
 impl Island {
+    /// Poses of all bodies.
+    pub fn poses(&self) -> Vec<Pose> {
+        self.movers.iter().map(Mover::pose).collect()
+    }
+
     /// Takes over the loads of contacts from the last step, which are in the order of their keys.
     pub fn remember(&mut self, loads: &[(ContactKey, ContactImpulse)]) {
         self.past.clear();
@@ -50,7 +52,7 @@ impl Island {
 
     /// Finds the contacts within `reach` of each pair [m]. Contacts that were there before keep their loads.
     pub fn find_contacts(&mut self, shapes: &[SolidShape], reach: impl Fn(&Self, &BodyPair) -> f64) {
-        let poses: Vec<Pose> = self.movers.iter().map(Mover::pose).collect();
+        let poses = self.poses();
         let before = std::mem::replace(&mut self.contacts, std::mem::take(&mut self.known));
         let mut points = Vec::new();
         let (mut known, mut place) = (0, 0);
@@ -90,8 +92,7 @@ impl Island {
                         |contact| contact.load,
                     ),
                     held: false,
-                    strikes: false,
-                    rebound: 0.0,
+                    bounces: false,
                 });
             }
         }
@@ -107,41 +108,42 @@ impl Island {
 
     /// Evaluates all contacts at the present poses.
     pub fn renew_touches(&mut self) {
-        let poses: Vec<Pose> = self.movers.iter().map(Mover::pose).collect();
+        let poses = self.poses();
         for contact in &mut self.contacts {
-            let [one, other] = contact.bodies.map(|body| &poses[body]);
-            contact.touch = contact.point.at([one, other], contact.touch.normal);
+            contact.touch = contact.at(&poses);
         }
     }
+}
 
-    /// Contact evaluated at the present poses.
-    pub fn touch(&self, contact: &GroupContact) -> Touch {
-        let [one, other] = contact.bodies.map(|body| self.movers[body].pose());
-        contact.point.at([&one, &other], contact.touch.normal)
+impl GroupContact {
+    /// Contact at poses of the bodies of the group.
+    pub fn at(&self, poses: &[Pose]) -> Touch {
+        let [one, other] = self.bodies.map(|body| &poses[body]);
+        self.point.at([one, other], self.touch.normal)
     }
 
     /// Points of a contact that friction holds: in the frames of the two bodies, with the arm from there to the contact [m].
     /// A rounded body is held at its core, so that it rolls.
-    pub fn anchors(&self, contact: &GroupContact) -> [(DVec3, DVec3); 2] {
+    pub fn anchors(&self, poses: &[Pose]) -> [(DVec3, DVec3); 2] {
         std::array::from_fn(|side| {
-            let pose = self.movers[contact.bodies[side]].pose();
-            let radius = contact.point.radii[side];
+            let pose = &poses[self.bodies[side]];
+            let radius = self.point.radii[side];
             if radius > 0.0 {
-                let core = contact.touch.point - radius * if side == 0 { 1.0 } else { -1.0 } * contact.touch.normal;
-                (pose.local_point(core), contact.touch.point - core)
+                let core = self.touch.point - radius * if side == 0 { 1.0 } else { -1.0 } * self.touch.normal;
+                (pose.local_point(core), self.touch.point - core)
             } else {
-                (pose.local_point(contact.touch.point), DVec3::ZERO)
+                (pose.local_point(self.touch.point), DVec3::ZERO)
             }
         })
     }
 
-    /// Way that the second body's point of contact moved against the first's [m].
-    pub fn way(&self, contact: &GroupContact, anchors: &[(DVec3, DVec3); 2], middle: &BodyVelocities, length: f64) -> DVec3 {
+    /// Way that the second body's point of contact moved against the first's [m], to these poses.
+    pub fn way(&self, anchors: &[(DVec3, DVec3); 2], poses: &[Pose], middle: &BodyVelocities, length: f64) -> DVec3 {
         let [one, other] = std::array::from_fn(|side| {
-            let body = contact.bodies[side];
+            let body = self.bodies[side];
             let (local, arm) = anchors[side];
             let rolled = length * (middle.at(body, arm) - middle.at(body, DVec3::ZERO));
-            self.movers[body].pose().point(local) + rolled + arm
+            poses[body].point(local) + rolled + arm
         });
         other - one
     }

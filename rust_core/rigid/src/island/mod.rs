@@ -20,7 +20,12 @@ use crate::sweeps::GroupSweep;
 
 pub use contacts::{ContactKey, GroupContact};
 pub(crate) use joints::{HeldJoint, LIMIT_BOUNDS, LIMITS};
-pub use pieces::{FirstHalf, lost};
+pub use pieces::{FirstHalf, lost, pushed};
+
+/// Gap at which a contact counts as closed, and overlap at which bodies are pushed apart, over the size of the bodies.
+pub const CLOSED: f64 = 1e-6;
+/// Gap at which a contact has closed, over the size of the bodies.
+pub(crate) const HIT: f64 = 1e-9;
 
 /// Numerical parameters of contacts and joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +64,12 @@ pub struct Meters {
     pub damped: f64,
     /// Supplied by motors, and by bodies that move as prescribed.
     pub work: f64,
+    /// Number of steps that were taken again because impulses would have added energy.
+    pub retaken: u32,
+    /// Number of steps in which bodies waited because of too many impacts.
+    pub waits: u32,
+    /// Gained by pushing overlapping bodies apart: an error of the method, neither work nor dissipation.
+    pub pushed: f64,
 }
 
 /// Group of bodies during a step.
@@ -89,7 +100,7 @@ pub struct Island {
 
 impl Island {
     /// Group without contacts yet.
-    pub fn new(planar: bool, accuracy: Accuracy) -> Self {
+    pub fn new(planar: bool) -> Self {
         Self {
             movers: Vec::new(),
             members: Vec::new(),
@@ -98,7 +109,7 @@ impl Island {
             contacts: Vec::new(),
             joints: Vec::new(),
             planar,
-            accuracy,
+            accuracy: Accuracy::FINE,
             meters: Meters::default(),
             step: 0.0,
             open: 0.0,

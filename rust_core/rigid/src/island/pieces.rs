@@ -3,11 +3,16 @@
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-use super::Island;
+use super::{CLOSED, HIT, Island};
+use crate::mover::Mover;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, MOST_ROWS, Rows};
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
 const LONG: f64 = 0.1;
+/// Largest number of linearizations of rows whose solves do not converge.
+const UNSOLVED: usize = 2;
+/// Velocity of a contact that lasts, over that which forces give in a piece.
+const STILL: f64 = 1e-6;
 
 /// First half of a piece, on which the second depends.
 #[derive(Debug, Default)]
@@ -19,13 +24,21 @@ pub struct FirstHalf {
     /// Gap of each contact, and error of each joint, that are left at the end of the piece.
     remainders: Vec<f64>,
     pub(super) errors: Vec<ArrayVec<f64, MOST_ROWS>>,
-    /// Velocities after the drift, and velocity and angular velocity of each contact.
+    /// Velocities after the drift, and velocity and angular velocity of each contact at the start and after the drift.
     drifted: BodyVelocities,
-    middle: Vec<(DVec3, DVec3)>,
+    starts: Vec<Slip>,
+    middles: Vec<Slip>,
+    /// Whether each contact is that of overlapping bodies, which do not strike.
+    pushing: Vec<bool>,
+    /// Half the work of the impulses on the changes of velocities by the kick [J].
+    kicked: f64,
     /// Energies dissipated by contacts, and supplied [J].
     pub lost: f64,
     pub work: f64,
 }
+
+/// Velocity and angular velocity of a contact.
+type Slip = (DVec3, DVec3);
 
 impl FirstHalf {
     /// Removes the rows of joints.
@@ -51,38 +64,41 @@ impl Island {
         let start = BodyVelocities::of(&self.movers);
         let tolerance = self.tolerance(length);
         self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * length));
-        let mut v = BodyVelocities::of(&self.movers);
+        let free = BodyVelocities::of(&self.movers);
         let mut first = FirstHalf::default();
         first.rows.planar = self.planar;
-        self.hold_joints((length, h), &v, &mut first);
-        let mut before = Vec::new();
+        self.hold_joints((length, h), &free, &mut first);
+        let poses = self.poses();
         let mut anchors = Vec::new();
         for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.held) {
-            let Some(mut row) = self.row(contact, &v) else { continue };
+            let Some(mut row) = self.row(contact, &free) else { continue };
             row.least = -contact.touch.gap / h;
             first.remainders.push(contact.touch.gap * (1.0 - length / h));
             row.impulse = contact.load.scaled(0.5 * length);
             row.impulse.tangential = row.impulse.tangential.reject_from_normalized(row.normal);
-            before.push((row.velocity(&start), row.turning(&start)));
-            anchors.push(self.anchors(contact));
+            first.starts.push(row.slip_of(&start));
+            anchors.push(contact.anchors(&poses));
+            first.pushing.push(!contact.bounces && contact.touch.gap < -CLOSED * self.pairs[contact.pair].size);
             first.rows.contacts.push(row);
             first.contacts.push(index);
         }
-        first.rows.start(&mut v);
         let kicked = self.movers.clone();
-        for linearization in 0..self.accuracy.linearizations {
-            first.rows.solve(&mut v, tolerance, self.accuracy.iterations);
+        let mut v = free.clone();
+        for linearization in 1..=self.accuracy.linearizations {
+            let converged;
+            (v, converged) = first.rows.solve(&free, tolerance, self.accuracy.iterations);
             self.movers.copy_from_slice(&kicked);
             first.rows.apply(&mut self.movers);
             let middle = BodyVelocities::of(&self.movers);
             self.movers.iter_mut().for_each(|mover| mover.drift(length));
-            let last = linearization + 1 == self.accuracy.linearizations;
+            let last = linearization >= if converged { self.accuracy.linearizations } else { UNSOLVED };
             if last || !self.correct(&mut first, &anchors, (&v, &middle), length) {
                 break;
             }
         }
-        for ((row, &index), before) in first.rows.contacts.iter().zip(&first.contacts).zip(before) {
-            first.lost += lost(row, self.contacts[index].strikes, before, (row.velocity(&v), row.turning(&v)));
+        first.kicked = work_on_kick(&kicked, &self.movers, length);
+        for ((row, &index), &before) in first.rows.contacts.iter().zip(&first.contacts).zip(&first.starts) {
+            first.lost += lost(row, self.contacts[index].bounces, before, row.slip_of(&v));
         }
         first.lost += first.rows.stopped(&start, &v);
         first.work = first.rows.supplied(&start, &v);
@@ -94,16 +110,22 @@ impl Island {
         // Velocities at the new poses, for the second half.
         let v = BodyVelocities::of(&self.movers);
         self.renew_touches();
-        first.middle = first
-            .contacts
-            .iter()
-            .map(|&index| {
-                let contact = &self.contacts[index];
-                self.row(contact, &v).map_or_else(Default::default, |row| (row.velocity(&v), row.turning(&v)))
-            })
-            .collect();
+        let slip = |&index: &usize| self.row(&self.contacts[index], &v).map_or_else(Default::default, |row| row.slip_of(&v));
+        first.middles = first.contacts.iter().map(slip).collect();
         first.drifted = v;
         (self.first, self.open, self.step) = (first, length, h);
+    }
+
+    /// Contacts that open at the start of the open piece and are pressed again by its end: their bounces are shorter than a step.
+    pub fn landing(&self) -> Vec<usize> {
+        let rows = self.first.rows.contacts.iter().zip(&self.first.contacts);
+        let lands = |row: &ContactRow, index: usize| self.contacts[index].bounces && row.impulse.normal > 0.0;
+        rows.filter(|(row, index)| lands(row, **index)).map(|(_, index)| *index).collect()
+    }
+
+    /// Ends a step of `h` seconds in the present state.
+    pub fn wait(&mut self, h: f64) {
+        (self.first, self.open, self.step) = (FirstHalf::default(), 0.0, h);
     }
 
     /// Corrects the targets of the rows by what gaps, slips and joints came to; returns whether an error is too large.
@@ -114,20 +136,21 @@ impl Island {
         (v, middle): (&BodyVelocities, &BodyVelocities),
         length: f64,
     ) -> bool {
+        let poses = self.poses();
         let mut worst = 0.0_f64;
         let mut size = f64::INFINITY;
         let rows = first.rows.contacts.iter_mut().zip(&first.contacts).zip(&first.remainders).zip(anchors);
         for (((row, &index), remainder), anchors) in rows {
             let contact = &self.contacts[index];
             size = size.min(self.pairs[contact.pair].size);
-            let gap = self.touch(contact).gap - remainder;
+            let gap = contact.at(&poses).gap - remainder;
             let relative = row.velocity(v);
             row.least = row.normal.dot(relative) - gap / length;
             if row.impulse.normal > 0.0 || gap < 0.0 {
                 worst = worst.max(gap.abs());
             }
             if row.friction.sliding > 0.0 && row.impulse.normal > 0.0 {
-                let way = self.way(contact, anchors, middle, length);
+                let way = contact.way(anchors, &poses, middle, length);
                 let slip = (way / length).reject_from_normalized(row.normal);
                 row.slip = relative.reject_from_normalized(row.normal) - slip;
             }
@@ -154,6 +177,7 @@ impl Island {
         }
         let first = std::mem::take(&mut self.first);
         let length = self.open;
+        let kicked = self.movers.clone();
         let start = BodyVelocities::of(&self.movers);
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
         self.hold_joint_velocities(&first, &start, &mut rows);
@@ -163,17 +187,24 @@ impl Island {
             row.before = past.impulse;
             row.before.tangential = row.before.tangential.reject_from_normalized(row.normal);
             row.impulse = row.before;
-            row.least = if past.impulse.normal > 0.0 { contact.rebound } else { 0.0 };
+            // A body that has left the contact flies on.
+            let flies = past.impulse.normal == 0.0 && contact.touch.gap > HIT * self.pairs[contact.pair].size;
+            row.least = if flies { f64::NEG_INFINITY } else { 0.0 };
             rows.contacts.push(row);
         }
-        let mut v = BodyVelocities::of(&self.movers);
-        rows.start(&mut v);
-        let tolerance = self.tolerance(length);
-        rows.solve(&mut v, tolerance, self.accuracy.iterations);
+        let (v, _) = rows.solve(&start, self.tolerance(length), self.accuracy.iterations);
         rows.apply(&mut self.movers);
-        let mut losses = first.lost + rows.stopped(&first.drifted, &v);
-        for ((row, &index), &middle) in rows.contacts.iter().zip(&first.contacts).zip(&first.middle) {
-            losses += lost(row, self.contacts[index].strikes, middle, (row.velocity(&v), row.turning(&v)));
+        let stopped = rows.stopped(&first.drifted, &v);
+        let mut losses = first.lost + stopped;
+        for (((row, &index), pushing), &before) in
+            rows.contacts.iter().zip(&first.contacts).zip(&first.pushing).zip(&first.middles)
+        {
+            losses += lost(row, self.contacts[index].bounces, before, row.slip_of(&v));
+            self.meters.pushed += if *pushing { pushed(row, before.0) } else { 0.0 };
+        }
+        let ends = rows.contacts.iter().map(|row| row.velocity(&v)).zip(&first.contacts).zip(&first.starts);
+        if stopped != 0.0 || ends.zip(&rows.contacts).any(|(((end, &index), start), row)| self.changes(index, row, [start.0, end])) {
+            losses += first.kicked - work_on_kick(&kicked, &self.movers, length);
         }
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += losses.max(0.0);
@@ -182,6 +213,14 @@ impl Island {
             self.keep_loads(&first, &rows, length);
         }
         self.keep_reactions(&first, &rows);
+    }
+
+    /// Whether a contact begins or ends in the open piece, or its sliding does, given its velocities at the start and the end.
+    fn changes(&self, contact: usize, row: &ContactRow, velocities: [DVec3; 2]) -> bool {
+        let contact = &self.contacts[contact];
+        let still = STILL * self.open * self.pressing(contact);
+        let [slid, slides] = velocities.map(|velocity| velocity.reject_from_normalized(row.normal).length() > still);
+        contact.bounces || slid != slides || row.normal.dot(velocities[1]) > still
     }
 
     /// Keeps the mean forces of a piece.
@@ -195,8 +234,27 @@ impl Island {
     }
 }
 
+/// Half the work of impulses on the changes of velocities by the kick before them [J].
+///
+/// Impulses P and Q of the halves of a piece take Σ P·(u₀ + u½)/2 + Σ Q·(u½ + u₁)/2 + (κ·Q − κ·P)/2 from the energy, with the
+/// changes κ by the kicks. Where contacts last, the last part is an error of order 3, which is left to the drift. Where they begin
+/// or end, P and Q differ, and it belongs to their work.
+fn work_on_kick(kicked: &[Mover], ended: &[Mover], length: f64) -> f64 {
+    let of = |(before, after): (&Mover, &Mover)| {
+        let linear = before.acceleration.dot(after.velocity - before.velocity) / before.inverse_mass;
+        linear + (before.inverse_inertia() * before.torque).dot(after.spin - before.spin)
+    };
+    let free = kicked.iter().zip(ended).filter(|(before, _)| !before.is_fixed());
+    0.25 * length * free.map(of).sum::<f64>()
+}
+
 /// Energy that a contact dissipates in half a piece [J]: by friction, and by the normal impulse if it strikes.
-pub fn lost(row: &ContactRow, strikes: bool, before: (DVec3, DVec3), after: (DVec3, DVec3)) -> f64 {
+pub fn lost(row: &ContactRow, strikes: bool, before: Slip, after: Slip) -> f64 {
     let normal = 0.5 * row.impulse.normal * row.normal.dot(before.0 + after.0);
     -row.work(before, after) + if strikes { 0.0 } else { normal }
+}
+
+/// Work of the normal impulses of a piece at the velocity of its drift [J]: the energy gained as the gap grows under load.
+pub fn pushed(row: &ContactRow, drift: DVec3) -> f64 {
+    (row.before.normal + row.impulse.normal) * row.normal.dot(drift)
 }

@@ -98,6 +98,18 @@ impl Joint {
         self.unit() * self.limits[which]
     }
 
+    /// Number of equations of the joint.
+    pub(crate) fn count(&self) -> usize {
+        match (self.kind, self.planar) {
+            (JointKind::Spring(_), _) => 0,
+            (JointKind::Rod(_), _) => 1,
+            (JointKind::Ball | JointKind::Hinge, true) | (JointKind::Prismatic, true) => 2,
+            (JointKind::Ball, false) | (JointKind::Weld, true) => 3,
+            (JointKind::Hinge | JointKind::Prismatic, false) => 5,
+            (JointKind::Weld, false) => 6,
+        }
+    }
+
     /// Equations of the joint at the poses of its bodies.
     pub(crate) fn equations(&self, bodies: [&Mover; 2]) -> ArrayVec<JointEquation, MOST_ROWS> {
         let [one, other] = bodies.map(|body| body.orientation.matrix());

@@ -110,6 +110,11 @@ impl ContactRow {
         v.angular[self.bodies[1]] - v.angular[self.bodies[0]]
     }
 
+    /// Relative velocity at the point and relative angular velocity.
+    pub fn slip_of(&self, v: &BodyVelocities) -> (DVec3, DVec3) {
+        (self.velocity(v), self.turning(v))
+    }
+
     #[inline(always)]
     pub fn push(&self, impulse: DVec3, v: &mut BodyVelocities) {
         v.push(self.bodies[0], self.arms[0], -impulse);
@@ -144,15 +149,6 @@ impl ContactRow {
             self.relax_turning(load, v);
         }
         change
-    }
-
-    /// Solves this contact alone to a tolerance [m/s].
-    pub fn settle(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) {
-        for _ in 0..most {
-            if self.relax(v) <= tolerance {
-                return;
-            }
-        }
     }
 
     /// Removes the impulses from the velocities.

@@ -17,8 +17,6 @@ pub use contact::{ContactImpulse, ContactRow};
 pub(crate) use joint::inverted;
 pub use joint::{BoundedRow, JointRows, Row};
 
-/// Iterations between Newton steps.
-const SWEEPS: usize = 4;
 /// Largest number of rows of a joint.
 pub const MOST_ROWS: usize = 6;
 
@@ -130,53 +128,6 @@ impl Rows {
         }
     }
 
-    /// Iterates in alternating order until no relative velocity changes by more than `tolerance` [m/s]; returns whether it
-    /// came to that. A Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
-    /// Without convergence, the iterations begin anew without impulses and Newton steps: these approach the solution from below.
-    pub fn solve(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) -> bool {
-        let (impulses, velocities) = (self.impulses(), v.clone());
-        if self.iterate(v, tolerance, most) {
-            return true;
-        }
-        *v = velocities;
-        let opposite: Vec<f64> = impulses.iter().map(|impulse| -impulse).collect();
-        self.set_impulses(&opposite);
-        self.start(v);
-        self.set_impulses(&vec![0.0; impulses.len()]);
-        (0..most).any(|iteration| self.relax_all(iteration, v) <= tolerance)
-    }
-
-    /// Iterates with Newton steps.
-    fn iterate(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) -> bool {
-        let mut before: Option<(f64, Vec<f64>, BodyVelocities)> = None;
-        // Iterations from one Newton step to the next, and to the next decision.
-        let (mut wait, mut next) = (SWEEPS, SWEEPS);
-        for iteration in 0..most {
-            let change = self.relax_all(iteration, v);
-            if change <= tolerance {
-                return true;
-            }
-            if iteration + 1 < next {
-                continue;
-            }
-            if let Some((change_before, impulses, velocities)) = before.take()
-                && !change.le(&change_before)
-            {
-                self.set_impulses(&impulses);
-                *v = velocities;
-                wait *= 2;
-                next += wait;
-                continue;
-            }
-            next += SWEEPS;
-            if next <= most {
-                let saved = (change, self.impulses(), v.clone());
-                before = self.solve_held(v).then_some(saved);
-            }
-        }
-        false
-    }
-
     /// Relaxes all rows once; returns the largest change of a relative velocity [m/s].
     pub fn relax_all(&mut self, iteration: usize, v: &mut BodyVelocities) -> f64 {
         let mut change = 0.0_f64;
@@ -192,31 +143,6 @@ impl Rows {
             self.contacts.iter_mut().rev().for_each(&mut relax);
         }
         change
-    }
-
-    /// All impulses, row by row.
-    fn impulses(&self) -> Vec<f64> {
-        let joints = self.joints.iter().flat_map(|joint| joint.rows.iter().map(|row| row.impulse));
-        let bounds = self.bounds.iter().map(|bounded| bounded.row.impulse);
-        let of = |contact: &ContactRow| {
-            let ContactImpulse { normal, tangential, turning } = contact.impulse;
-            [normal, tangential.x, tangential.y, tangential.z, turning.x, turning.y, turning.z]
-        };
-        joints.chain(bounds).chain(self.contacts.iter().flat_map(of)).collect()
-    }
-
-    /// Sets all impulses.
-    fn set_impulses(&mut self, values: &[f64]) {
-        let mut values = values.iter().copied();
-        let joints = self.joints.iter_mut().flat_map(|joint| joint.rows.iter_mut().map(|row| &mut row.impulse));
-        let bounds = self.bounds.iter_mut().map(|bounded| &mut bounded.row.impulse);
-        joints.chain(bounds).zip(&mut values).for_each(|(impulse, value)| *impulse = value);
-        for contact in &mut self.contacts {
-            let mut next = || values.next().unwrap_or(0.0);
-            let normal = next();
-            let tangential = DVec3::new(next(), next(), next());
-            contact.impulse = ContactImpulse { normal, tangential, turning: DVec3::new(next(), next(), next()) };
-        }
     }
 
     /// Energy that motors, and bodies that move as prescribed, supply by the impulses [J], from velocities before to

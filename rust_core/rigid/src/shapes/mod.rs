@@ -14,7 +14,9 @@ mod mesh;
 mod outline;
 mod part;
 mod parts;
+mod patches;
 mod plane;
+mod samples;
 mod skin;
 mod terrain;
 mod tree;
@@ -24,7 +26,9 @@ pub use bounds::BoundingBox;
 pub use mass::MassProperties;
 pub(crate) use part::Part;
 pub(crate) use parts::ConvexParts;
+pub use patches::SurfacePatch;
 use plane::Planar;
+pub use samples::{ShapeSamples, VolumeSample};
 pub(crate) use terrain::GroundProfile;
 pub use walls::{WallShape, walls};
 
@@ -100,6 +104,14 @@ impl SolidShape {
         let farthest = |part: &Part| part.vertices.iter().map(|vertex| vertex.length()).fold(0.0, f64::max) + part.radius;
         let reach = parts.iter().map(farthest).fold(0.0, f64::max);
         Self { form: ShapeForm::ConvexParts(ConvexParts::new(parts)), features, reach }
+    }
+
+    /// Shape with its parts moved by a vector in the frame of the body [m]. Ground stays where it is.
+    #[must_use]
+    pub fn moved(&self, shift: DVec3) -> Self {
+        let ShapeForm::ConvexParts(parts) = &self.form else { return self.clone() };
+        let pose = Pose { position: shift, ..Pose::WORLD };
+        Self::of(parts.all.iter().map(|part| part.clone().moved(&pose)))
     }
 
     /// Largest distance of a point of the surface from the origin [m]; infinite for a half-space.

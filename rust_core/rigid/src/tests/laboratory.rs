@@ -65,7 +65,7 @@ impl Laboratory {
         self.world.bodies.push(SolidBody { surface, inverse_mass: 1.0 / mass, inertia });
         self.world.state.turns.push(Turn { orientation, spin: inertia.spin(&orientation, turning) });
         self.world.names.push(format!("body {}", self.motions.len()));
-        self.motions.push(CenterMotion { position, velocity, drift: velocity });
+        self.motions.push(CenterMotion::free(position, velocity));
         self.masses.push(mass);
     }
 

@@ -1,7 +1,9 @@
 //! Tests of motion: closed forms, conservation, and rest.
 
+mod energy;
 mod joints;
-mod laboratory;
+pub(crate) mod laboratory;
 mod plane;
+mod scratch;
 mod springs;
 mod surfaces;

@@ -54,7 +54,7 @@ fn a_ball_bounces_to_the_square_of_its_restitution() {
     }
     assert!(expected < 0.05);
     assert!(last[1].abs() < 1e-9, "{}", last[1]);
-    assert!((lab.balance() - before).abs() < 1e-4 * G, "{}", lab.balance() - before);
+    assert!((lab.balance() - before).abs() < 1e-12 * G, "{}", lab.balance() - before);
 }
 
 /// As many discs leave as come, whether the others touch or not. Impacts that act in sequence pass velocities on to rounding.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{FreePoint, RigidWorld, WORLD};
 use crate::broad;
-use crate::island::{Accuracy, BodyPair, HeldJoint, Island};
+use crate::island::{BodyPair, HeldJoint, Island};
 use crate::mover::Mover;
 use crate::shapes::BoundingBox;
 use crate::surface::Surface;
@@ -72,7 +72,7 @@ impl RigidWorld {
             let root = root(&mut roots, end as u32) as usize;
             if number[root] == u32::MAX {
                 number[root] = islands.len() as u32;
-                islands.push(spare.pop().unwrap_or_else(|| Island::new(self.planar, Accuracy::FINE)));
+                islands.push(spare.pop().unwrap_or_else(|| Island::new(self.planar)));
             }
         }
         // The island of each free mover, and the places of movers in the island that is filled.

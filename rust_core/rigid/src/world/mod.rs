@@ -10,7 +10,7 @@ mod springs;
 mod state;
 mod step;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::island::{ContactKey, Island, Meters};
 use crate::mover::Mover;
@@ -63,6 +63,25 @@ pub struct CenterMotion {
     pub velocity: DVec3,
     /// Velocity of the drift, after the kick of half a step [m/s].
     pub drift: DVec3,
+    /// Torque of the forces at the start of the step, then at its end [N·m].
+    pub torque: DVec3,
+}
+
+impl CenterMotion {
+    /// Motion without forces.
+    pub fn free(position: DVec3, velocity: DVec3) -> Self {
+        Self { position, velocity, drift: velocity, torque: DVec3::ZERO }
+    }
+
+    /// Bound on the way in a step of `h` seconds [m].
+    pub fn way(&self, h: f64) -> f64 {
+        h * self.velocity.length() + h * (self.drift - self.velocity).length()
+    }
+
+    /// Mean acceleration in a step of `h` seconds [m/s²].
+    pub(crate) fn acceleration(&self, h: f64) -> DVec3 {
+        (self.drift - self.velocity) * (2.0 / h)
+    }
 }
 
 /// Numerics of contacts.
@@ -132,6 +151,27 @@ impl RigidWorld {
         if solid.inverse_mass == 0.0 { turn.spin } else { solid.inertia.inverse(&turn.orientation) * turn.spin }
     }
 
+    /// Rotation of a body from its frame to the world's.
+    pub fn rotation(&self, body: usize) -> DMat3 {
+        self.state.turns[body].orientation.matrix()
+    }
+
+    /// Change of the angular velocity of a body [rad/s] by an angular impulse [N·m·s]; 0 of a fixed body.
+    pub fn angular_velocity_by(&self, body: usize, impulse: DVec3) -> DVec3 {
+        let (solid, turn) = (&self.bodies[body], &self.state.turns[body]);
+        if solid.inverse_mass == 0.0 || impulse == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        solid.inertia.inverse(&turn.orientation) * impulse
+    }
+
+    /// Work of fixed bodies that turn, against the present torques of the forces during half a step of `h` seconds [J].
+    pub fn work_of_turning(&self, h: f64) -> f64 {
+        let each = self.bodies.iter().zip(&self.state.turns).zip(&self.state.torques);
+        let fixed = each.filter(|((body, _), _)| body.inverse_mass == 0.0);
+        fixed.map(|((_, turn), torque)| -0.5 * h * torque.dot(turn.spin)).sum()
+    }
+
     /// Sets the orientation and the angular velocity [rad/s] of a body.
     pub fn turn(&mut self, body: usize, orientation: Orientation, turning: DVec3) {
         let solid = &self.bodies[body];
@@ -164,8 +204,7 @@ impl RigidWorld {
     pub fn extent(&self, motions: &[CenterMotion], h: f64) -> (DVec3, DVec3) {
         let mut extent = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for (body, motion) in motions.iter().enumerate() {
-            let way = h * motion.velocity.length() + h * (motion.drift - motion.velocity).length();
-            let reach = DVec3::splat(self.size(body) + way);
+            let reach = DVec3::splat(self.size(body) + motion.way(h));
             extent = (extent.0.min(motion.position - reach), extent.1.max(motion.position + reach));
         }
         extent
@@ -189,8 +228,8 @@ impl RigidWorld {
             velocity: motion.velocity,
             orientation: turn.orientation,
             spin: turn.spin,
-            acceleration: (motion.drift - motion.velocity) * (2.0 / h),
-            torque: DVec3::ZERO,
+            acceleration: motion.acceleration(h),
+            torque: motion.torque,
             inverse_mass: solid.inverse_mass,
             inertia: solid.inertia,
             arm: if shape.is_round() { 0.0 } else { shape.reach() },

@@ -49,6 +49,17 @@ pub struct RigidState {
     pub joints: Vec<WorldJoint>,
     /// Energy of the springs that broke [J].
     pub torn: f64,
+    /// Torques of the forces on the bodies at the end of the last step [N·m].
+    pub torques: Vec<DVec3>,
+    /// Mean forces of tied particles on the bodies in the last step [N].
+    pub ties: Vec<DVec3>,
+    /// Number of steps of groups that were taken again because impulses would have added energy, since the start or since a
+    /// checkpoint was read.
+    pub retaken: u64,
+    /// Number of steps of groups in which bodies waited because of too many impacts, since then.
+    pub waits: u64,
+    /// Energy gained so far by pushing overlapping bodies apart [J].
+    pub pushed: f64,
 }
 
 /// Numbers of a joint in a file.

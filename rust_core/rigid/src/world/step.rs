@@ -28,7 +28,7 @@ impl RigidWorld {
             movers.push(Mover {
                 position: motion.position,
                 velocity: motion.velocity,
-                acceleration: (motion.drift - motion.velocity) * (2.0 / h),
+                acceleration: motion.acceleration(h),
                 inverse_mass: point.inverse_mass,
                 ..Mover::wall(&Pose::WORLD)
             });
@@ -86,6 +86,11 @@ impl RigidWorld {
     /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick. Changes their velocities;
     /// returns the energies of contacts and joints.
     pub fn finish(&mut self, h: f64, bodies: &mut [CenterMotion], others: &mut [CenterMotion], executor: &Executor) -> Meters {
+        for ((motion, turn), solid) in bodies.iter().zip(&mut self.state.turns).zip(&self.bodies) {
+            if motion.torque != DVec3::ZERO && solid.inverse_mass > 0.0 {
+                turn.spin += 0.5 * h * motion.torque;
+            }
+        }
         self.end_springs(h, bodies, others);
         let count = self.bodies.len();
         let free = count + others.len();
@@ -115,6 +120,9 @@ impl RigidWorld {
             }
             self.meters.dissipated += island.meters.dissipated;
             self.meters.work += island.meters.work;
+            self.state.retaken += u64::from(island.meters.retaken);
+            self.state.waits += u64::from(island.meters.waits);
+            self.state.pushed += island.meters.pushed;
             let pressed = island.contacts.iter().filter(|contact| contact.load.normal > 0.0);
             self.state.loads.extend(pressed.map(|contact| (contact.key, contact.load)));
             for held in &island.joints {

@@ -30,7 +30,7 @@ fn state_view<'a, V: Space>(
     executor: &'a Executor,
 ) -> StateView<'a, V> {
     let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
-    StateView { position, velocity, residual, properties, time, executor }
+    StateView { position, velocity, residual, properties, solids: &matter.solids, time, executor }
 }
 
 /// Forces and contacts of a scene.
@@ -139,7 +139,8 @@ impl<V: Space> Dynamics<V> {
 
     /// State of a block, or of all matter, at a time.
     pub fn state_view<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> StateView<'a, V> {
-        StateView { position, velocity, residual: View::default(), properties: &self.properties, time, executor: &SERIAL }
+        let (residual, properties) = (View::default(), &self.properties);
+        StateView { position, velocity, residual, properties, solids: &[], time, executor: &SERIAL }
     }
 
     /// State of all matter at a time.
@@ -158,7 +159,7 @@ impl<V: Space> Dynamics<V> {
     pub fn prepare_at(&mut self, [position, velocity]: [&Columns<V>; 2], time: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, fused, .. } = self;
         let (position, velocity, residual) = (position.view(), velocity.view(), View::default());
-        let at = StateView { position, velocity, residual, properties, time, executor };
+        let at = StateView { position, velocity, residual, properties, solids: &[], time, executor };
         forces[*fused..].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 

@@ -17,6 +17,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use activity::Activity;
 use constraints::{ConstrainedStep, Constraint, Constraints, ForcedState};
+pub use constraints::{RigidPose, overlaps};
 use dynamics::Dynamics;
 use methods::coupled::Workspace;
 use methods::explicit::Explicit;
@@ -182,10 +183,16 @@ impl<V: Space> MatterSystem<V> {
             cache: Mutex::default(),
             certified: OnceLock::new(),
         };
+        system.show_solids();
         let blocks = if system.workspace.is_none() { blocks } else { 0 };
         let hints = system.hints();
         system.activity = Activity::new(blocks, hints.most_steps.min(hints.most_recorded));
         system
+    }
+
+    /// Shows the rotations of rigid bodies to the forces, after the constraints have changed.
+    fn show_solids(&mut self) {
+        self.state.solids = self.constraints.solids();
     }
 
     /// Resumes from a state that is complete with the persistent registers.
@@ -277,6 +284,7 @@ impl<V: Space> MatterSystem<V> {
         if self.constraints.breakage() != before {
             self.leave_out_broken();
         }
+        self.show_solids();
     }
 
     /// Removes broken springs and all that depends on them; returns the energy of forces that depended on them [J].
@@ -302,6 +310,7 @@ impl<V: Space> MatterSystem<V> {
         archive.within("method", |archive| self.method.restore(archive))?;
         archive.within("constraints", |archive| self.constraints.restore(archive))?;
         self.leave_out_broken();
+        self.show_solids();
         let names = self.names_of_forces();
         let mut forces = self.dynamics.forces_mut().iter_mut().zip(names);
         forces.try_for_each(|(force, name)| archive.within(&name, |archive| force.restore(archive)))
@@ -404,6 +413,7 @@ impl<V: Space> System for MatterSystem<V> {
             let mut initial = ConstrainedStep::new(&self.dynamics, &mut self.state, (0.0, drift), executor);
             self.constraints.iter_mut().try_for_each(|constraint| constraint.initialize(&mut initial))?;
         }
+        self.show_solids();
         self.saved.copy_from(&self.state);
         self.evaluate(time, executor)?;
         executor.check()

@@ -43,6 +43,14 @@ impl<V: Space> MatterStep<'_, V> {
         }
     }
 
+    /// Records the forces at the start of a run.
+    pub fn start(&mut self, drift: Option<DriftVelocity>) {
+        if let Some(drift) = drift {
+            let (constraints, step) = self.constrained(0.0, drift);
+            constraints.iter_mut().for_each(|constraint| constraint.start(&step));
+        }
+    }
+
     /// Resolves contacts with walls on the drift, then the constraints. Returns whether constraints changed the state. If the
     /// method keeps registers of the drift, `collide` resolves contacts with them.
     ///

@@ -16,6 +16,7 @@ use crate::parallel::Executor;
 use crate::particles::kernel::{KernelShape, SmoothingKernel};
 use crate::particles::material::pairs;
 use crate::particles::obstacles::Obstacles;
+use crate::particles::solids::Solids;
 use crate::particles::tension::Tension;
 use crate::particles::walls::FluidWalls;
 use crate::particles::{Gauges, KINDS, OBSTACLE, start, waves};
@@ -30,10 +31,13 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
         parameters: FluidParameters,
         executor: &Executor,
     ) -> Result<Self> {
-        let FluidParameters { materials, fluids, summation, shifting, remarks } = parameters;
+        let FluidParameters { materials, fluids, summation, shifting, mut remarks } = parameters;
         let kind_of = |index: u32| materials.of_body[properties.body[index as usize] as usize];
-        let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
-        let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
+        let solids = Solids::declared(scene, properties, &materials)?;
+        let mut members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
+        let mut kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
+        members.extend((0..solids.count()).map(|sample| (properties.count() + sample) as u32));
+        kind.resize(members.len(), OBSTACLE);
         let common = materials.first();
         let h = common.smoothing_length;
         let neighbor_list = NeighborList::new(scene, properties, members, 2.0 * h)?;
@@ -46,9 +50,14 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
         let continuity = continuity(kernel, &fluids, materials.rest_densities());
         let momentum = momentum(kernel, &fluids, materials.rest_densities(), V::DIMENSION);
         let obstacles = Obstacles::new(kernel, &materials, &kind);
+        remarks.extend(solids.remarks.iter().cloned());
         let waves = waves::waves(shape, V::DIMENSION);
         let measures = !(walls.is_empty() && obstacles.is_empty() && scene.probes.is_empty());
-        let body = |obstacle: u32| properties.body[neighbor_list.members()[obstacle as usize] as usize] as usize;
+        let body = |obstacle: u32| {
+            let index = neighbor_list.members()[obstacle as usize] as usize;
+            let particle = solids.sample(index).map_or(index, |sample| solids.owner(sample) as usize);
+            properties.body[particle] as usize
+        };
         let bodies = || obstacles.members().iter().map(|&obstacle| (body(obstacle), obstacle)).collect();
         let mut scheme = Self {
             mass: kind.iter().map(|&kind| materials.fluid(kind).unwrap_or(common).mass).collect(),
@@ -74,6 +83,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
             remarks,
             kind,
             obstacles,
+            solids,
             neighbor_list,
             continuity,
             momentum,
@@ -146,8 +156,11 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
         }
         self.search(&|axis, index| at[index][axis], executor)?;
         executor.check()?;
-        let masses = self.obstacles.masses(&self.neighbor_list, &self.kind, self.materials.first());
+        let samples = members.len() - self.solids.count();
+        let masses = self.obstacles.masses(&self.neighbor_list, &self.kind, samples, self.materials.first());
         self.obstacles.members().iter().zip(masses).for_each(|(&obstacle, mass)| self.mass[obstacle as usize] = mass);
+        let rest = self.materials.first().density;
+        self.mass[samples..].iter_mut().zip(self.solids.volumes()).for_each(|(mass, volume)| *mass = rest * volume);
         Ok(())
     }
 }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::WeaklyCompressible;
 use super::laws::RATES;
+use super::solids::{frames, frames_between};
 use crate::error::Result;
 use crate::forces::{DensityScheme, Drift, Fields, FluidScheme, Mach};
 use crate::math::{Real, Vector};
@@ -18,23 +19,26 @@ use crate::simd::LANES;
 impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXED> {
     /// Updates density by summation, if that is the scheme.
     pub(super) fn sum_density(&mut self, velocity: &View<'_, V>, executor: &Executor) -> Result<()> {
-        let Self { summation, neighbor_list, records, walls, materials, kind, mass, density, .. } = self;
+        let Self { summation, neighbor_list, records, walls, materials, kind, mass, density, solids, .. } = self;
         let Some(summation) = summation else { return Ok(()) };
         let rest = |member: usize| [V::Scalar::from_f64(mass[member] / materials.rest_density(kind[member])), V::Scalar::ZERO];
-        fill(records, (neighbor_list, kind), velocity, &rest, executor);
+        let velocity = solids.velocities(velocity);
+        fill(records, (neighbor_list, kind), &velocity, &rest, executor);
         summation.count((neighbor_list, records), walls, (materials, kind), density, executor)
     }
 
     /// Advances the density by ρ ← ρ + h dρ/dt, with positions and velocities at the midpoint of the drift.
     fn carry_density(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()> {
+        self.solids.place(frames_between(drift));
         self.search(&|axis, index| drift.midpoint(axis, index), executor)?;
         let Self { fluids, kind, mass, density, diffused, neighbor_list, records, surface, shifting, .. } = self;
-        let Self { continuity, rates, mirrored, walls, .. } = self;
+        let Self { continuity, rates, mirrored, walls, solids, .. } = self;
         let each = |member: usize| {
             let enthalpy = fluids.get(usize::from(kind[member])).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy].map(V::Scalar::from_f64)
         };
-        fill(records, (neighbor_list, kind), &drift.velocity, &each, executor);
+        let velocity = solids.velocities(&drift.velocity);
+        fill(records, (neighbor_list, kind), &velocity, &each, executor);
         let neighbors = neighbor_list.neighbors();
         records.sum(neighbors, *continuity, rates, executor);
         let common = &fluids[0];
@@ -112,6 +116,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> FluidScheme<V> for WeaklyComp
         if self.summation.is_none() {
             return self.carry_density(drift, executor);
         }
+        self.solids.place(frames(&drift.end));
         self.search(&|axis, index| drift.end.exact_position(axis, index), executor)?;
         self.sum_density(&drift.end.velocity, executor)
     }

@@ -69,7 +69,16 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
             .collect();
         let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));
         let pressing = bounds.iter().max_by(heaviest).copied().unwrap_or_default();
-        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
+        for body in self.solids.bodies() {
+            let mass = body.moved * pressing.2;
+            bound.point(body.particle as usize, "sound", mass * pressing.0, 0.0);
+            bound.point(body.particle as usize, "viscosity", 0.0, mass * pressing.1);
+            if let Some(tension) = &self.tension {
+                bound.point(body.particle as usize, "surface tension", body.moved * tension.stiffness(OBSTACLE), 0.0);
+            }
+        }
+        let members = self.neighbor_list.members().iter().enumerate();
+        for (member, &index) in members.filter(|(_, index)| self.solids.sample(**index as usize).is_none()) {
             let (stiffness, damping, density) = bounds.get(usize::from(self.kind[member])).copied().unwrap_or(pressing);
             let mass = self.mass[member] / self.density[member] * density;
             bound.point(index as usize, "sound", mass * stiffness, 0.0);

@@ -22,6 +22,7 @@ use crate::neighbors::sums::Records;
 use crate::parallel::Executor;
 use crate::particles::kernel::{KernelShape, OtherShape, WendlandC2};
 use crate::particles::obstacles::Obstacles;
+use crate::particles::solids::Solids;
 use crate::particles::start::method;
 use crate::particles::tension::Tension;
 use crate::particles::walls::FluidWalls;
@@ -43,6 +44,7 @@ mod limits;
 mod momentum;
 mod parameters;
 mod shifting;
+mod solids;
 mod sound;
 mod summation;
 mod surface;
@@ -101,6 +103,7 @@ struct WeaklyCompressible<V: Vector, K, const MIXED: bool> {
     /// Density at the start of the batch [kg/m³].
     saved_density: Vec<f64>,
     obstacles: Obstacles<V, K>,
+    solids: Solids,
     neighbor_list: NeighborList,
     records: Records<V>,
     continuity: Continuity<V::Scalar, K, MIXED>,
@@ -145,9 +148,12 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
         self.mass[member] / self.materials.rest_density(self.kind[member])
     }
 
-    /// Updates the neighbor lists, and with them the lists of images.
+    /// Updates the neighbor lists and the lists of images. `position` returns the position of a particle along an axis [m];
+    /// samples have theirs.
     fn search(&mut self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<()> {
-        let renewed = self.walls.search(&mut self.neighbor_list, position, executor)?;
+        let solids = &self.solids;
+        let position = |axis: usize, index: usize| solids.position(axis, index, position);
+        let renewed = self.walls.search(&mut self.neighbor_list, &position, executor)?;
         self.surface.is_stale |= renewed;
         Ok(())
     }
@@ -157,7 +163,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
         let rates = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.mirrored.as_slice());
         let own = rates + std::mem::size_of_val(self.forces.as_slice());
         let numbers = 4 * size_of::<f64>() * self.density.len();
-        let indices = self.obstacles.bytes() + self.kind.len();
+        let indices = self.obstacles.bytes() + self.solids.bytes() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
         let pulls = self.tension.as_ref().map_or(0, Tension::bytes) + self.shifting.as_ref().map_or(0, Shifting::bytes);
         let parts = self.neighbor_list.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::WeaklyCompressible;
 use super::laws::{FORCES, SOLID, VISCOUS};
+use super::solids::frames;
 use crate::error::Result;
 use crate::forces::{About, FluidScheme, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::ledger::{Class, Ledger};
@@ -43,10 +44,11 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+        self.solids.place(frames(at));
         self.search(&|axis, index| at.exact_position(axis, index), executor)?;
         self.sum_density(&at.velocity, executor)?;
         let Self { summation, tension, surface, walls, neighbor_list, records, obstacles, .. } = self;
-        let Self { materials, fluids, kind, mass, density, .. } = self;
+        let Self { materials, fluids, kind, mass, density, solids, .. } = self;
         if let Some(tension) = tension {
             let rest = |member: usize| mass[member] / materials.rest_density(kind[member]);
             tension.update((neighbor_list, records), walls, kind, &rest, executor);
@@ -64,7 +66,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
             let [volume, pressure] = both.map(V::Scalar::from_f64);
             [volume, if meets_obstacles { pressure.tagged(surface.wall_factors[member].tag()) } else { pressure }]
         };
-        fill(records, (neighbor_list, kind), &at.velocity, &each, executor);
+        fill(records, (neighbor_list, kind), &solids.velocities(&at.velocity), &each, executor);
         if surface.is_stale {
             surface.update((neighbor_list, records), walls, (fluids, kind), density, executor);
         }
@@ -81,10 +83,12 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
         }
         self.strongest = None;
         self.press(at.time, executor);
+        self.load_solids();
         Ok(())
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        self.accumulate_solids(&block, rates);
         for (index, member, slot) in self.neighbor_list.in_block(block) {
             let (volume, force) = (self.volume(member), &self.forces[slot]);
             for axis in 0..V::DIMENSION {
@@ -100,6 +104,10 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
             rates.power[EnergySink::Viscosity as usize][index % LANES] -= 0.5 * volume * force[VISCOUS].to_f64();
             rates.power[EnergySink::Contact as usize][index % LANES] += volume * force[SOLID].to_f64();
         }
+    }
+
+    fn torques(&self, torques: &mut [DVec3]) {
+        self.solids.add_torques(torques);
     }
 
     fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
@@ -133,7 +141,7 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
 }
 
 /// Force density from sums of [`Momentum`] [N/m^D].
-fn force_density<V: Vector>(sums: &[V::Scalar; FORCES]) -> DVec3 {
+pub(super) fn force_density<V: Vector>(sums: &[V::Scalar; FORCES]) -> DVec3 {
     V::from_axes(|axis| sums[axis]).widen()
 }
 
@@ -141,7 +149,11 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> WeaklyCompressible<V, K, MIXE
     /// Energy of surface tension [J]. Separate lists are used, because the last sums are not always those of the state.
     fn tension_energy(&self, tension: &Tension<V, K, MIXED>, at: &StateView<'_, V>) -> Result<f64> {
         let executor = at.executor;
-        let neighbor_list = self.neighbor_list.anew(&|axis, index| at.exact_position(axis, index), executor)?;
+        let samples = self.solids.positions(frames(at));
+        let position = |axis: usize, index: usize| {
+            self.solids.sample(index).map_or_else(|| at.exact_position(axis, index), |sample| samples[sample][axis])
+        };
+        let neighbor_list = self.neighbor_list.anew(&position, executor)?;
         let (walls, mut records) = (self.walls.anew(&neighbor_list, executor), Records::new(neighbor_list.neighbors()));
         Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
     }

@@ -1,12 +1,14 @@
 //! Speed of sound that makes the flow of a scene nearly incompressible.
 
 use glam::DVec3;
+use physcore_rigid::shapes::SolidShape;
 
 use crate::boundaries::{Gap, Path, Wall};
 use crate::error::{Error, Result};
 use crate::forces::{central, gravity};
+use crate::math::AXES;
 use crate::particles::start::{KIND, fluids, walls};
-use crate::scene::Scene;
+use crate::scene::{Body, RIGID_BODIES, Scene};
 
 /// Speed of sound in units of the fastest flow. Density then varies by about (1/10)² = 1 %.
 pub const SOUND: f64 = 10.0;
@@ -28,7 +30,7 @@ const TENSION: f64 = 40.0;
 pub fn enough(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
     // At a Reynolds number UL/ν below 1 the pressures are those of friction, ρνU/L: J. P. Morris et al., J. Comput. Phys. 136
     // (1997) 214.
-    let rubbing = SOUND * (initial(scene) * thinnest(scene)? / extent(scene)).sqrt();
+    let rubbing = SOUND * (initial(scene)? * thinnest(scene)? / extent(scene)).sqrt();
     let sound = (SOUND * fastest(scene, first, gravity)?).max(square_for_tension(scene)?.sqrt()).max(rubbing);
     if sound > 0.0 {
         return Ok(sound);
@@ -48,10 +50,37 @@ pub fn extent(scene: &Scene) -> f64 {
     (most - least).to_array()[..scene.dimension].iter().copied().fold(f64::INFINITY, f64::min).max(0.0) + spacing
 }
 
-/// Largest initial speed [m/s].
-fn initial(scene: &Scene) -> f64 {
+/// Largest initial speed of fluids, and of the surfaces of rigid bodies that they meet [m/s].
+fn initial(scene: &Scene) -> Result<f64> {
     let velocities = fluids(scene).flat_map(|(body, _)| &scene.bodies[body].velocities);
-    velocities.map(|velocity| velocity.length()).fold(0.0, f64::max)
+    let mut fastest = velocities.map(|velocity| velocity.length()).fold(0.0, f64::max);
+    for body in solids(scene) {
+        let (shape, _) = SolidShape::declared(body.item.record("shape")?, scene.dimension)?;
+        let rates = if scene.dimension == 2 {
+            body.item.numbers("angular_velocities", body.positions.len())?.iter().map(|rate| rate.abs()).collect()
+        } else {
+            let rates = body.item.vectors("angular_velocities", Some(body.positions.len()), AXES)?;
+            rates.into_iter().map(DVec3::length).collect::<Vec<_>>()
+        };
+        let speeds = body.velocities.iter().zip(rates).map(|(velocity, rate)| velocity.length() + rate * shape.reach());
+        fastest = speeds.fold(fastest, f64::max);
+    }
+    Ok(fastest)
+}
+
+/// Rigid bodies that a fluid meets.
+fn solids(scene: &Scene) -> impl Iterator<Item = &Body> {
+    let meets = fluids(scene).any(|(_, fluid)| fluid.flag("obstacles").unwrap_or(false));
+    scene.bodies.iter().filter(move |body| meets && body.item.kind == RIGID_BODIES)
+}
+
+/// Speed [m/s] of the fastest rigid body after its fall to the surface of the fluids.
+fn dropped(scene: &Scene, gravity: f64, down: DVec3) -> f64 {
+    let surface =
+        fluids(scene).flat_map(|(body, _)| &scene.bodies[body].positions).map(|x| x.dot(down)).fold(f64::INFINITY, f64::min);
+    let speed =
+        |(x, velocity): (&DVec3, &DVec3)| (velocity.length_squared() + 2.0 * gravity * (surface - x.dot(down)).max(0.0)).sqrt();
+    solids(scene).flat_map(|body| body.positions.iter().zip(&body.velocities)).map(speed).fold(0.0, f64::max)
 }
 
 /// Smallest kinematic viscosity [m²/s].
@@ -88,11 +117,13 @@ fn falling(scene: &Scene) -> Result<f64> {
 }
 
 /// Estimate of the largest speed [m/s]: the maximum of several speeds. One is the initial speed. The second is that of a fall
-/// to the lowest wall. The third is that of a fall in a central force. The last is the speed at which friction balances gravity
+/// to the lowest wall. The third is that of rigid bodies that fall into the fluid. The fourth is that of a fall in a central
+/// force. The last is the speed at which friction balances gravity
 /// along a periodic axis.
 fn fastest(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
     let fall = gravity.try_normalize().map_or(Ok(0.0), |down| plunge(scene, gravity.length(), down))?;
-    Ok(initial(scene).max(fall).max(driven(scene, first, gravity)?).max(falling(scene)?))
+    let drop = gravity.try_normalize().map_or(0.0, |down| dropped(scene, gravity.length(), down));
+    Ok(initial(scene)?.max(fall).max(drop).max(driven(scene, first, gravity)?).max(falling(scene)?))
 }
 
 /// Largest speed in a fall to the lowest wall below any fluid [m/s]: of the highest particle, or of the jets of an impact.

@@ -56,7 +56,7 @@ impl<V: Vector> AllPairs<V> {
         let position = Columns::from_fn(count, |index| V::narrow(start[properties.caller[index] as usize] - properties.origin));
         let velocity = Columns::zeros(count);
         let (position, velocity) = (position.view(), velocity.view());
-        let at = StateView { position, velocity, residual: View::default(), properties, time: 0.0, executor };
+        let at = StateView { position, velocity, residual: View::default(), properties, solids: &[], time: 0.0, executor };
         let sample = self.sample(&at);
         let exact = self.accelerations::<f64>(&sample, &self.of_sample(&sample), &at).0;
         let all_pairs = self.pairs;

@@ -52,6 +52,7 @@ impl Network {
             velocity: velocity.view(),
             residual: View::default(),
             properties: &properties,
+            solids: &[],
             time: 0.0,
             executor: &SERIAL,
         })

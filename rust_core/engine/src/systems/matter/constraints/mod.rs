@@ -18,16 +18,17 @@ use super::methods::MethodProperties;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::springs::Spring;
-use crate::forces::{Space, StateView};
+use crate::forces::{Force, Space, StateView};
 use crate::history::{Archive, History};
 use crate::ledger::Ledger;
-use crate::matter::{Columns, Matter, Properties};
+use crate::matter::{Columns, Matter, Properties, SolidMotion};
 use crate::parallel::Executor;
 use crate::scene::Scene;
 use crate::stability::SpectralBound;
 use crate::systems::FieldInfo;
 
 use rigid::RigidBodies;
+pub use rigid::{RigidPose, overlaps};
 use rods::Rods;
 use self_contact::SelfContacts;
 use tearing::Tearing;
@@ -46,6 +47,8 @@ pub enum DriftVelocity {
 pub struct ConstrainedStep<'a, V: Space> {
     pub matter: &'a mut Matter<V>,
     pub properties: &'a Properties<V>,
+    /// Forces, as last evaluated.
+    forces: &'a [Box<dyn Force<V>>],
     /// Walls of the scene.
     pub walls: Option<&'a Contacts<V>>,
     /// Size of the step [s].
@@ -65,7 +68,8 @@ impl<'a, V: Space> ConstrainedStep<'a, V> {
         executor: &'a Executor,
     ) -> Self {
         let (walls, driven) = (dynamics.contacts.as_ref(), dynamics.is_driven());
-        Self { matter, properties: &dynamics.properties, walls, h, drift, driven, executor }
+        let (properties, forces) = (&dynamics.properties, dynamics.forces());
+        Self { matter, properties, forces, walls, h, drift, driven, executor }
     }
 
     /// Velocity of the drift of a particle [m/s].
@@ -74,6 +78,13 @@ impl<'a, V: Space> ConstrainedStep<'a, V> {
             DriftVelocity::Register(register) => self.matter.registers[register].get(index).widen(),
             DriftVelocity::End => self.matter.velocity.get(index).widen(),
         }
+    }
+
+    /// Torques of the forces on the rigid bodies at their last evaluation [N·m].
+    pub fn torques(&self) -> Vec<DVec3> {
+        let mut torques = vec![DVec3::ZERO; self.matter.solids.len()];
+        self.forces.iter().for_each(|force| force.torques(&mut torques));
+        torques
     }
 
     /// Adds a change [m/s] to the velocities of a particle, by an impulse at the start of the step.
@@ -172,6 +183,14 @@ pub trait Constraint<V: Space>: History + Send + Sync {
         Ok(())
     }
 
+    /// Records the forces at the start of a run, after their first evaluation.
+    fn start(&mut self, _step: &ConstrainedStep<'_, V>) {}
+
+    /// Rotations of the rigid bodies, as forces see them.
+    fn solids(&self) -> Vec<SolidMotion> {
+        Vec::new()
+    }
+
     /// Records the state at the start of a step.
     fn begin(&mut self, _step: &ConstrainedStep<'_, V>) {}
 
@@ -258,6 +277,11 @@ impl<V: Space> Constraints<V> {
     /// Properties of all constraints.
     pub fn abouts(&self) -> impl Iterator<Item = &ConstraintProperties> {
         self.abouts.iter()
+    }
+
+    /// Rotations of the rigid bodies, as forces see them.
+    pub fn solids(&self) -> Vec<SolidMotion> {
+        self.iter().flat_map(Constraint::solids).collect()
     }
 
     /// Whether some constraints act within a step.

@@ -99,7 +99,9 @@ pub fn take<V: Space>(stepper: &Stepper<V>, step: &mut MatterStep<'_, V>, interv
 
 /// Evaluates the dynamics at the state and fills the persistent registers.
 pub fn begin<V: Space>(stepper: &Stepper<V>, step: &mut MatterStep<'_, V>, interval: Interval) -> Result<()> {
-    sweep(stepper, step, interval.h, interval.start, StageAction::Begin)
+    sweep(stepper, step, interval.h, interval.start, StageAction::Begin)?;
+    step.start(stepper.drift());
+    Ok(())
 }
 
 /// Advances density over the preceding drift of `h` seconds, which ends at `time`. The velocity of the drift is in a

@@ -1,6 +1,6 @@
 //! Rigid bodies, joints and boundaries of a scene.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use physcore_rigid::joints::{DampedSpring, Joint, JointKind, Motor};
 use physcore_rigid::mover::Mover;
 use physcore_rigid::rotation::{Inertia, Orientation};
@@ -9,12 +9,13 @@ use physcore_rigid::surface::{Friction, Surface};
 use physcore_rigid::world::{CenterMotion, ContactSolver, FixedSolid, FreePoint, RigidWorld, SolidBody, Turn, WORLD, WorldJoint};
 
 use super::RigidBodies;
+use super::anchors::Ties;
 use crate::error::{Error, Result};
 use crate::fluids;
 use crate::forces::Space;
 use crate::math::Real;
 use crate::matter::Properties;
-use crate::scene::{Item, RIGID_BODIES, Scene, Value};
+use crate::scene::{Item, RIGID_BODIES, Scene};
 use crate::systems::matter::constraints::{Declaration, RIGID, refuse};
 
 /// Kinds of joints.
@@ -26,15 +27,12 @@ impl RigidBodies {
     ///
     /// # Errors
     /// If a value is wrong, or the method does not carry rigid bodies.
-    pub fn declared<V: Space>(declared: &Declaration<'_, V>) -> Result<Option<Self>> {
-        let Declaration { scene, properties, method, .. } = declared;
+    pub fn declared<V: Space>(declared: &mut Declaration<'_, V>) -> Result<Option<Self>> {
+        let Declaration { scene, properties, method, .. } = *declared;
         let Some(first) = scene.bodies.iter().find(|body| body.item.kind == RIGID_BODIES) else { return Ok(None) };
         refuse(RIGID, method)?;
         if V::Scalar::NAME != "f64" {
             return Err(Error::parameter("precision", "f64 in a scene with rigid bodies", V::Scalar::NAME));
-        }
-        if let Some(fluid) = scene.bodies.iter().find(|body| body.item.kind == fluids::KIND) {
-            return Err(Error::parameter(&fluid.item.path, "no fluid in a scene with rigid bodies", &fluid.item.kind));
         }
         let mut world = RigidWorld::new(scene.dimension == 2);
         world.solver = solver(&first.item)?;
@@ -50,8 +48,11 @@ impl RigidBodies {
             add_bodies(&mut world, scene, index)?;
         }
         add_walls(&mut world, scene)?;
-        let points = points(&mut world, scene, properties, &engine);
-        let starts: Vec<DVec3> = scene.positions();
+        world.state.torques = vec![DVec3::ZERO; world.bodies.len()];
+        let ties = Ties::declared(declared, &mut world, &places)?;
+        world.state.ties = vec![DVec3::ZERO; ties.count];
+        let points = points(&mut world, scene, properties, &engine, &ties);
+        let starts = ties.centers(&world, scene, &places);
         let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
         let path = first.item.path.clone();
         let mut held = Self {
@@ -60,6 +61,7 @@ impl RigidBodies {
             particles,
             points,
             joined,
+            tied: ties.bodies,
             motions: Vec::new(),
             others: Vec::new(),
             near: Vec::new(),
@@ -105,7 +107,7 @@ fn solver(item: &Item) -> Result<ContactSolver> {
 }
 
 /// Adds the rigid bodies of an item.
-fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()> {
+pub(super) fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()> {
     let body = &scene.bodies[index];
     let (item, count) = (&body.item, body.positions.len());
     let (shape, MassProperties { size, inertia, .. }) = SolidShape::declared(item.record("shape")?, scene.dimension)?;
@@ -119,11 +121,7 @@ fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()>
     } else {
         item.vectors("angular_velocities", Some(count), 3)?
     };
-    let orientations: Vec<Orientation> = if planar {
-        item.numbers("angles", count)?.iter().map(|&angle| Orientation::planar(angle)).collect()
-    } else {
-        quaternions(item, count)?.into_iter().map(Orientation::spatial).collect()
-    };
+    let orientations = Orientation::declared(item, count, scene.dimension)?;
     for row in 0..count {
         let density = body.mass[row] / size;
         let inertia = if planar { Inertia::planar(density * inertia.z_axis.z) } else { Inertia::spatial(inertia * density) };
@@ -144,18 +142,8 @@ fn add_bodies(world: &mut RigidWorld, scene: &Scene, index: usize) -> Result<()>
     Ok(())
 }
 
-/// Unit quaternions of an item, (w, x, y, z).
-fn quaternions(item: &Item, count: usize) -> Result<Vec<DQuat>> {
-    match item.values.get("orientations") {
-        Some(Value::Numbers(array)) if array.shape == [count, 4] => {
-            Ok(array.entries.chunks_exact(4).map(|row| DQuat::from_xyzw(row[1], row[2], row[3], row[0]).normalize()).collect())
-        }
-        other => Err(item.wrong("orientations", &format!("{count} quaternions"), other)),
-    }
-}
-
 /// Adds the boundaries of a scene as fixed shapes.
-fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
+pub(super) fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
     let rigid: Vec<usize> = (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == RIGID_BODIES).collect();
     let boundaries = scene.boundaries.iter().enumerate();
     for (index, item) in boundaries.filter(|(_, item)| rigid.iter().any(|&body| item.acts_on(body))) {
@@ -170,13 +158,21 @@ fn add_walls(world: &mut RigidWorld, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// Particles that may meet the bodies, in the caller's order. A particle has the friction and restitution of what it meets.
-fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properties<V>, engine: &[u32]) -> Vec<(u32, FreePoint)> {
+/// Particles that may meet the bodies, in the caller's order, without those that are tied and those of fluids. A particle has the
+/// friction and restitution of what it meets.
+fn points<V: Space>(
+    world: &mut RigidWorld,
+    scene: &Scene,
+    properties: &Properties<V>,
+    engine: &[u32],
+    ties: &Ties,
+) -> Vec<(u32, FreePoint)> {
     let mut points = Vec::new();
     let mut known: Vec<(f64, usize)> = Vec::new();
-    for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| body.item.kind != RIGID_BODIES) {
+    let meets = |item: &Item| ![RIGID_BODIES, fluids::KIND].contains(&item.kind.as_str());
+    for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| meets(&body.item)) {
         let start = scene.first(index);
-        for row in 0..body.positions.len() {
+        for row in (0..body.positions.len()).filter(|row| ties.owners[start + row].is_none()) {
             let particle = engine[start + row];
             let radius = properties.radius[particle as usize];
             let shape = known.iter().find(|(other, _)| *other == radius).map(|(_, shape)| *shape);
@@ -194,7 +190,7 @@ fn points<V: Space>(world: &mut RigidWorld, scene: &Scene, properties: &Properti
 }
 
 /// Adds the joints of a scene; returns whether a joint holds each point.
-fn add_joints(
+pub(super) fn add_joints(
     world: &mut RigidWorld,
     scene: &Scene,
     places: &[Option<usize>],
@@ -218,11 +214,7 @@ fn add_joints(
             };
             if let Some(body) = *place {
                 ends[side] = body;
-                movers[side] = world.mover(
-                    body,
-                    &CenterMotion { position: starts[particle], velocity: DVec3::ZERO, drift: DVec3::ZERO },
-                    1.0,
-                );
+                movers[side] = world.mover(body, &CenterMotion::free(starts[particle], DVec3::ZERO), 1.0);
             } else {
                 ends[side] = world.bodies.len() + particle;
                 movers[side].position = starts[particle];

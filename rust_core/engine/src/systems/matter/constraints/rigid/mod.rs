@@ -3,7 +3,11 @@
 //! A rigid body is a particle with an orientation: matter moves its center of mass as any particle, under all forces. This
 //! constraint turns the bodies, and holds contacts and joints (crate `physcore-rigid`). Particles may meet the bodies.
 
+mod anchors;
 mod declaration;
+mod history;
+mod overlaps;
+mod ties;
 
 use glam::DVec3;
 use physcore_rigid::mover::Mover;
@@ -11,15 +15,17 @@ use physcore_rigid::pose::Pose;
 use physcore_rigid::rotation::Orientation;
 use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
 
+pub use overlaps::{RigidPose, overlaps};
+
 use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::error::{Error, Result};
 use crate::forces::{Space, StateView};
-use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::math::AXES;
-use crate::matter::EnergySink;
+use crate::matter::{EnergySink, SolidMotion};
 use crate::stability::{Horizon, SpectralBound};
 use crate::systems::{FieldInfo, Location};
+use ties::TiedBody;
 
 /// Largest accurate angle by which a body turns in a step [rad].
 const LARGEST_ANGLE: f64 = 0.1;
@@ -41,6 +47,8 @@ pub struct RigidBodies {
     points: Vec<(u32, FreePoint)>,
     /// Whether a joint holds each point, so that it always takes part.
     joined: Vec<bool>,
+    /// Bodies with the particles that are tied to them. Their motions are those of the common centers of mass.
+    tied: Vec<TiedBody>,
     /// Motions of the bodies in the present step.
     motions: Vec<CenterMotion>,
     /// Motions of all points in the present step.
@@ -62,12 +70,20 @@ impl RigidBodies {
         }
         let (lower, upper) = self.world.extent(&self.motions, h);
         for (index, motion) in self.others.iter().enumerate() {
-            let way = h * motion.velocity.length() + h * (motion.drift - motion.velocity).length();
-            let reach = DVec3::splat(way + self.world.reach(&self.points[index].1));
+            let reach = DVec3::splat(motion.way(h) + self.world.reach(&self.points[index].1));
             let inside = (motion.position + reach).cmpge(lower).all() && (motion.position - reach).cmple(upper).all();
             if inside || self.joined[index] {
                 self.near.push(index);
             }
+        }
+    }
+
+    /// Fills the motions of the bodies in the present state.
+    fn begin_motions<V: Space>(&mut self, step: &ConstrainedStep<'_, V>) {
+        self.motions.clear();
+        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize)));
+        for tied in &mut self.tied {
+            self.motions[tied.body] = tied.begin(step, &self.world.rotation(tied.body));
         }
     }
 
@@ -87,56 +103,25 @@ impl RigidBodies {
         let mut position = DVec3::ZERO;
         (0..V::DIMENSION).for_each(|axis| position[axis] = at.exact_position(axis, particle));
         let (position, velocity) = (at.properties.origin + position, at.velocity.get(particle).widen());
-        if end < self.particles.len() {
-            self.world.mover(end, &CenterMotion { position, velocity, drift: velocity }, 1.0)
+        if let Some(tied) = self.tied.iter().find(|tied| tied.body == end) {
+            let offset = tied.offset(&self.world.rotation(end));
+            let velocity = velocity - self.world.angular_velocity(end).cross(offset);
+            self.world.mover(end, &CenterMotion::free(position - offset, velocity), 1.0)
+        } else if end < self.particles.len() {
+            self.world.mover(end, &CenterMotion::free(position, velocity), 1.0)
         } else {
             Mover { position, velocity, inverse_mass: at.properties.mass[particle].recip(), ..Mover::wall(&Pose::WORLD) }
         }
     }
 
-    /// Velocity of rotation of each body, or each component of a field over bodies.
-    fn each(&self, of: impl Fn(usize) -> DVec3, planar: bool) -> Vec<f64> {
-        let components = |body: usize| of(body).to_array().into_iter().skip(if planar { AXES - 1 } else { 0 });
-        (0..self.particles.len()).flat_map(components).collect()
-    }
-}
-
-/// History: orientations, angular momenta, loads of contacts and joints.
-impl History for RigidBodies {
-    fn save(&mut self) {
-        self.saved.clone_from(&self.world.state);
-    }
-
-    fn rollback(&mut self) {
-        self.world.state.clone_from(&self.saved);
-    }
-
-    fn capture(&self, archive: &mut Archive) {
-        let turn = |turn: &Turn| {
-            let Turn { orientation: Orientation { quaternion, angle }, spin } = turn;
-            [quaternion.to_array().as_slice(), &[*angle], &spin.to_array()].concat()
+    /// Rotations of the bodies, after their torques have acted for `h` seconds more.
+    fn motions_after(&self, h: f64) -> Vec<SolidMotion> {
+        let of = |(body, &particle): (usize, &u32)| {
+            let (orientation, torque) = (self.world.state.turns[body].orientation, self.world.state.torques[body]);
+            let angular_velocity = self.world.angular_velocity(body) + self.world.angular_velocity_by(body, h * torque);
+            SolidMotion { particle, orientation: orientation.quaternion, before: orientation.quaternion, angular_velocity }
         };
-        archive.write("turns", self.world.state.turns.iter().flat_map(turn));
-        archive.write("loads", self.world.state.packed_loads());
-        archive.write("joints", self.world.state.packed_joints());
-        archive.write("torn", [self.world.state.torn]);
-    }
-
-    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let numbers = archive.read_exactly("turns", 8 * self.particles.len())?;
-        for (turn, numbers) in self.world.state.turns.iter_mut().zip(numbers.chunks_exact(8)) {
-            let [x, y, z, w, angle, spin @ ..] = numbers else { continue };
-            let quaternion = glam::DQuat::from_xyzw(*x, *y, *z, *w);
-            *turn = Turn { orientation: Orientation { quaternion, angle: *angle }, spin: DVec3::from_slice(spin) };
-        }
-        let loads = archive.read("loads")?.to_vec();
-        let joints = archive.read("joints")?.to_vec();
-        self.world.state.torn = archive.read_number("torn")?;
-        if self.world.state.unpack(&loads, &joints) {
-            Ok(())
-        } else {
-            Err(Error::parameter("checkpoint.joints", "joints of this scene", "others"))
-        }
+        self.particles.iter().enumerate().map(of).collect()
     }
 }
 
@@ -176,20 +161,38 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn notes(&self) -> Vec<String> {
-        let overlap = self.overlap.filter(|&overlap| overlap > 0.0);
-        let text = |overlap| {
-            format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart")
-        };
-        overlap.map(text).into_iter().collect()
+        let mut notes = Vec::new();
+        if let Some(overlap) = self.overlap.filter(|&overlap| overlap > 0.0) {
+            notes.push(format!("rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"));
+        }
+        let RigidState { pushed, retaken, waits, .. } = self.world.state;
+        if pushed != 0.0 {
+            notes.push(format!(
+                "rigid bodies: pushing those apart that overlapped has added {pushed:.2e} J so far, which shows as drift"
+            ));
+        }
+        if retaken > 0 {
+            notes.push(format!(
+                "rigid bodies: {retaken} steps of small groups were taken as those of large ones, because the impulses found would \
+                 have added energy; a smaller dt helps"
+            ));
+        }
+        if waits > 0 {
+            notes.push(format!(
+                "rigid bodies: in {waits} steps of small groups bodies met too often, and stayed where they were for a part of the \
+                 step; a smaller dt helps"
+            ));
+        }
+        notes
     }
 
-    /// Refuses bodies that overlap at the start.
+    /// Places tied particles, and refuses bodies that overlap at the start.
     fn initialize(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
+        self.tied.iter().for_each(|tied| tied.initialize(step, &self.world));
         if self.overlap.is_some() {
             return Ok(());
         }
-        self.motions.clear();
-        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize, DVec3::ZERO)));
+        self.begin_motions(step);
         let (mut most, mut worst): (f64, Option<(f64, [String; 2])>) = (0.0, None);
         for overlap in self.world.overlaps(&self.motions) {
             if overlap.depth > REFUSED * overlap.size && worst.as_ref().is_none_or(|(depth, _)| overlap.depth > *depth) {
@@ -205,21 +208,33 @@ impl<V: Space> Constraint<V> for RigidBodies {
         Ok(())
     }
 
+    fn start(&mut self, step: &ConstrainedStep<'_, V>) {
+        self.world.state.torques = step.torques();
+    }
+
+    fn solids(&self) -> Vec<SolidMotion> {
+        self.motions_after(0.0)
+    }
+
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
-        self.motions.clear();
-        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize, DVec3::ZERO)));
+        self.begin_motions(step);
         self.others.clear();
-        self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize, DVec3::ZERO)));
+        self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize)));
     }
 
     fn positions(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<bool> {
-        for (motion, &particle) in self.motions.iter_mut().zip(&self.particles) {
-            motion.drift = step.drift_velocity(particle as usize);
+        for ((motion, &particle), &torque) in self.motions.iter_mut().zip(&self.particles).zip(&self.world.state.torques) {
+            (motion.drift, motion.torque) = (step.drift_velocity(particle as usize), torque);
         }
+        for tied in &mut self.tied {
+            tied.kick(step, &self.world.rotation(tied.body), &mut self.motions[tied.body]);
+        }
+        let starts: Vec<CenterMotion> = self.tied.iter().map(|tied| self.motions[tied.body]).collect();
         for (motion, (particle, _)) in self.others.iter_mut().zip(&self.points) {
             motion.drift = step.drift_velocity(*particle as usize);
         }
         self.choose(step.h);
+        let before: Vec<Turn> = self.world.state.turns.clone();
         let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
         let moved = self.world.drift(step.h, &mut self.motions, &points, &mut others, step.executor);
@@ -233,25 +248,51 @@ impl<V: Space> Constraint<V> for RigidBodies {
                 step.matter.registers[register].set(particle as usize, V::narrow(motion.drift));
             }
         }
+        for (tied, start) in self.tied.iter().zip(&starts) {
+            let motion = &mut self.motions[tied.body];
+            if tied.is_fixed || !moved[tied.body] {
+                motion.position += step.h * motion.drift;
+            }
+            let turn = self.world.angular_velocity_by(tied.body, 0.5 * step.h * start.torque);
+            tied.place(step, &self.world, motion, [start.drift - start.velocity, turn]);
+            self.world.state.torques[tied.body] = start.torque;
+        }
+        step.matter.solids = self.motions_after(0.5 * step.h);
+        let solids = step.matter.solids.iter_mut().zip(before);
+        solids.for_each(|(solid, turn)| solid.before = turn.orientation.quaternion);
         Ok(true)
     }
 
     fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
-        let at = |particle: u32| motion(step, particle as usize, DVec3::ZERO);
+        let at = |particle: u32| motion(step, particle as usize);
         self.motions.clear();
-        self.motions.extend(self.particles.iter().map(|&particle| at(particle)));
+        let turned = self.world.work_of_turning(step.h);
+        self.world.state.torques = step.torques();
+        let turned = turned + self.world.work_of_turning(step.h);
+        let torques = self.particles.iter().zip(&self.world.state.torques);
+        self.motions.extend(torques.map(|(&particle, &torque)| CenterMotion { torque, ..at(particle) }));
+        for tied in &mut self.tied {
+            let torque = self.world.state.torques[tied.body];
+            self.motions[tied.body] = tied.end(step, &self.world.rotation(tied.body), torque);
+        }
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| at(self.points[index].0)).collect();
-        let meters = self.world.finish(step.h, &mut self.motions, &mut others, step.executor);
+        let mut meters = self.world.finish(step.h, &mut self.motions, &mut others, step.executor);
         step.executor.check()?;
         let near = self.near.iter().map(|&index| &self.points[index].0);
         for (&particle, motion) in self.particles.iter().zip(&self.motions).chain(near.zip(&others)) {
             step.matter.velocity.set(particle as usize, V::narrow(motion.velocity));
         }
+        for tied in &self.tied {
+            let mut forces = std::mem::take(&mut self.world.state.ties);
+            meters.work += tied.release(step, &self.world, self.motions[tied.body].velocity, &mut forces);
+            self.world.state.ties = forces;
+        }
+        step.matter.solids = self.motions_after(0.0);
         let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
             tally.add(EnergySink::Contact, meters.dissipated);
             tally.add(EnergySink::Damping, meters.damped);
-            tally.add(EnergySink::Work, meters.work);
+            tally.add(EnergySink::Work, meters.work + turned);
         }
         Ok(())
     }
@@ -279,7 +320,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) {
-        ledger.add(Class::Kinetic, "rotation", self.world.rotational_energy());
+        let shared: f64 = self.tied.iter().map(|tied| tied.rotation(&self.world).0).sum();
+        ledger.add(Class::Kinetic, "rotation", self.world.rotational_energy() - shared);
         if self.world.has_springs() {
             ledger.add(Class::Potential, JOINT_TERM, self.world.spring_energy(|end| self.end(at, end)));
             ledger.add(Class::Dissipated, "tearing", self.world.state.torn);
@@ -288,7 +330,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
 
     fn spin(&self) -> DVec3 {
         let free = self.world.bodies.iter().zip(&self.world.state.turns).filter(|(body, _)| body.inverse_mass > 0.0);
-        free.map(|(_, turn)| turn.spin).sum()
+        free.map(|(_, turn)| turn.spin).sum::<DVec3>() - self.tied.iter().map(|tied| tied.rotation(&self.world).1).sum::<DVec3>()
     }
 
     fn fields(&self) -> Vec<FieldInfo> {
@@ -311,19 +353,36 @@ impl<V: Space> Constraint<V> for RigidBodies {
             fields.push(info("joint_forces", "N", Location::Joints, vec![joints, V::DIMENSION], false));
             fields.push(info("joint_torques", "N·m", Location::Joints, shape(joints, AXES), false));
         }
+        let ties = self.world.state.ties.len();
+        if ties > 0 {
+            fields.push(info("tie_forces", "N", Location::Ties, vec![ties, V::DIMENSION], false));
+            fields.push(info("tie_torques", "N·m", Location::Ties, shape(ties, AXES), false));
+        }
         fields
     }
 
     fn read(&self, field: usize, _state: &ForcedState<'_, V>) -> Vec<f64> {
-        let (turns, planar) = (&self.world.state.turns, self.world.planar);
-        let reaction = |which: usize| self.world.state.joints.iter().map(move |joint| joint.reaction[which]);
-        match field {
-            0 if planar => turns.iter().map(|turn| turn.orientation.angle).collect(),
-            0 => turns.iter().flat_map(|turn| quaternion(&turn.orientation)).collect(),
-            1 => self.each(|body| self.world.angular_velocity(body), planar),
-            2 => reaction(0).flat_map(|force| force.to_array().into_iter().take(V::DIMENSION)).collect(),
-            _ if planar => reaction(1).map(|torque| torque.z).collect(),
-            _ => reaction(1).flat_map(|torque| torque.to_array()).collect(),
+        let (state, planar) = (&self.world.state, self.world.planar);
+        let forces = |vectors: &mut dyn Iterator<Item = DVec3>| {
+            vectors.flat_map(|force| force.to_array().into_iter().take(V::DIMENSION)).collect()
+        };
+        let turns = |vectors: &mut dyn Iterator<Item = DVec3>| {
+            vectors.flat_map(|turn| turn.to_array().into_iter().skip(if planar { AXES - 1 } else { 0 })).collect()
+        };
+        let name = Constraint::<V>::fields(self).swap_remove(field).name;
+        match name.as_str() {
+            "angles" => state.turns.iter().map(|turn| turn.orientation.angle).collect(),
+            "orientations" => state.turns.iter().flat_map(|turn| turn.orientation.components()).collect(),
+            "angular_velocities" => turns(&mut (0..self.particles.len()).map(|body| self.world.angular_velocity(body))),
+            "joint_forces" => forces(&mut state.joints.iter().map(|joint| joint.reaction[0])),
+            "joint_torques" => turns(&mut state.joints.iter().map(|joint| joint.reaction[1])),
+            "tie_forces" => forces(&mut state.ties.iter().copied()),
+            _ => {
+                let mut torques = vec![DVec3::ZERO; state.ties.len()];
+                let all = self.tied.iter().flat_map(|tied| tied.torques(&self.world, &state.ties));
+                all.for_each(|(row, torque)| torques[row] = torque);
+                turns(&mut torques.into_iter())
+            }
         }
     }
 
@@ -346,14 +405,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 }
 
-/// Quaternion (w, x, y, z).
-fn quaternion(orientation: &Orientation) -> [f64; 4] {
-    let [x, y, z, w] = orientation.quaternion.to_array();
-    [w, x, y, z]
-}
-
-/// Motion of a particle at the start of a step.
-fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize, drift: DVec3) -> CenterMotion {
+/// Motion of a particle in the present state.
+fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize) -> CenterMotion {
     let position = step.properties.origin + step.matter.exact_position(particle);
-    CenterMotion { position, velocity: step.matter.velocity.get(particle).widen(), drift }
+    CenterMotion::free(position, step.matter.velocity.get(particle).widen())
 }

@@ -1,0 +1,158 @@
+//! Impacts of the bodies of a group, at their times and in sequence.
+//!
+//! A step is cut where a gap closes on the path of a trial piece. The impact then acts on the velocities at that time. Pairs
+//! with restitution come first, one after another until none approaches. All contacts together without restitution follow.
+//! Bounces that last less than a step are contacts at rest. Sources for the times: B. Mirtich, "Impulse-based dynamic
+//! simulation of rigid body systems", 1996; of the law: W. J. Stronge, "Impact Mechanics", 2000.
+
+mod strikes;
+mod times;
+
+use crate::direct;
+use crate::island::{Accuracy, BodyPair, CLOSED, GroupContact, Island};
+use crate::mover::Mover;
+use crate::rows::BodyVelocities;
+use crate::shapes::SolidShape;
+
+pub(crate) use times::{BodyPath, first_zero};
+
+/// Velocity that is no motion, over the largest speed.
+const REST: f64 = 1e-10;
+/// Part of the energy that a step may gain by errors of its impulses.
+const GAINED: f64 = 1e-2;
+/// Length of a piece that is not taken, over the step.
+const SHORTEST: f64 = 1e-9;
+/// Number of pieces of a step: these, and so many for each body.
+const PIECES: usize = 8;
+const PIECES_PER_BODY: usize = 1;
+/// Largest number of sweeps in the rest of a step, and largest way of a body in one of them, over the size of the least.
+const MOST_SWEEPS: usize = 32;
+const PART_OF_SIZE: f64 = 0.5;
+
+impl Island {
+    /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. A step whose impulses would
+    /// add energy, because iterations did not converge, is taken in equal pieces instead.
+    pub fn advance(&mut self, shapes: &[SolidShape], h: f64, rest: (usize, Accuracy)) {
+        let (movers, meters, joints) = (self.movers.clone(), self.meters, self.joints.clone());
+        self.take_impacts(shapes, h, rest);
+        if self.gain(&movers, h) > self.meters.work - meters.work + self.open_work() {
+            (self.movers, self.meters, self.joints) = (movers, meters, joints);
+            self.contacts.clear();
+            self.meters.retaken += 1;
+            self.sweep_rest(shapes, (h, h), rest);
+        }
+    }
+
+    /// Kinetic energy gained since the start of a step beyond the work of the forces, less a tolerance [J].
+    fn gain(&self, start: &[Mover], h: f64) -> f64 {
+        let (mut gain, mut scale) = (0.0, 0.0);
+        for (before, after) in start.iter().zip(&self.movers).filter(|(before, _)| !before.is_fixed()) {
+            let mass = 1.0 / before.inverse_mass;
+            let kinetic = |mover: &Mover| 0.5 * mass * mover.velocity.length_squared() + mover.rotational_energy();
+            let mut after = *after;
+            after.kick(0.5 * self.open);
+            let turn = 0.5 * h * (before.angular_velocity() + after.angular_velocity());
+            let work = mass * before.acceleration.dot(after.position - before.position) + before.torque.dot(turn);
+            // A kick against a contact at rest is undone by the second half.
+            let turning = before.torque.dot(before.inverse_inertia() * before.torque);
+            let kick = h * h * (mass * before.acceleration.length_squared() + turning);
+            gain += kinetic(&after) - kinetic(before) - work - kick;
+            scale += kinetic(before) + work.abs();
+        }
+        gain - GAINED * scale
+    }
+
+    /// Advances the group by `h` seconds, with each impact at its time. After many impacts, or
+    /// where many contacts bear, the rest of the step is taken in equal pieces.
+    fn take_impacts(&mut self, shapes: &[SolidShape], h: f64, rest: (usize, Accuracy)) {
+        let most = PIECES + PIECES_PER_BODY * self.movers.len();
+        let mut time = 0.0;
+        for _ in 0..most {
+            let reach = |island: &Self, pair: &BodyPair| {
+                let of = |&body: &usize| {
+                    let mover = &island.movers[body];
+                    h * (mover.velocity.length()
+                        + mover.angular_velocity().length() * mover.arm
+                        + h * mover.acceleration.length())
+                };
+                pair.bodies.iter().map(of).sum::<f64>() + CLOSED * pair.size
+            };
+            self.find_contacts(shapes, reach);
+            self.strike(h);
+            self.hold_resting(h);
+            if !self.is_small() {
+                break;
+            }
+            let remaining = h - time;
+            let mut start = self.movers.clone();
+            self.begin_piece(remaining, h);
+            let landing = self.landing();
+            if !landing.is_empty() {
+                self.movers.copy_from_slice(&start);
+                self.renew_touches();
+                self.settle(&landing);
+                start.copy_from_slice(&self.movers);
+                self.begin_piece(remaining, h);
+            }
+            let impact = self.first_impact(shapes, &start, remaining);
+            let Some(after) = impact.filter(|&after| after < remaining) else { return };
+            self.movers.copy_from_slice(&start);
+            self.renew_touches();
+            // An impact at the very start takes a piece of no length.
+            if after > SHORTEST * h {
+                self.begin_piece(after, h);
+                self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * after));
+                self.end_piece();
+                time += after;
+            }
+        }
+        self.sweep_rest(shapes, (h - time, h), rest);
+    }
+
+    /// Takes the rest of a step of `h` seconds in equal pieces, so short that no body passes through another. Bodies that would
+    /// need too many of them stay where they are for what is left.
+    fn sweep_rest(&mut self, shapes: &[SolidShape], (mut left, h): (f64, f64), rest: (usize, Accuracy)) {
+        let least = self.pairs.iter().map(|pair| pair.size).fold(f64::INFINITY, f64::min);
+        for _ in 0..MOST_SWEEPS {
+            let longest = PART_OF_SIZE * least / self.speed();
+            if !(longest < left) {
+                self.sweep(shapes, left, rest);
+                return;
+            }
+            self.sweep(shapes, longest, rest);
+            let open = 0.5 * self.open;
+            self.movers.iter_mut().for_each(|mover| mover.kick(open));
+            self.end_piece();
+            left -= longest;
+        }
+        self.meters.waits += 1;
+        self.wait(h);
+    }
+
+    /// Whether the rows that hold are few enough to be solved by Newton steps.
+    fn is_small(&self) -> bool {
+        let tangents = if self.planar { 1 } else { 2 };
+        let contacts = self.contacts.iter().filter(|contact| contact.held).count() * (1 + tangents);
+        let joints: usize = self.joints.iter().map(|held| held.joint.count()).sum();
+        contacts <= direct::MOST_OF_CONTACTS && contacts + joints <= direct::MOST
+    }
+
+    /// Holds the contacts that are closed and do not open in this step, and the limits that joints have reached.
+    fn hold_resting(&mut self, h: f64) {
+        let v = BodyVelocities::of(&self.movers);
+        let still = REST * self.speed();
+        for index in 0..self.contacts.len() {
+            let contact = self.contacts[index];
+            let closed = contact.touch.gap <= CLOSED * self.pairs[contact.pair].size;
+            let opening = self.row(&contact, &v).map_or(f64::INFINITY, |row| row.normal.dot(row.velocity(&v)));
+            self.contacts[index].bounces = opening > still;
+            self.contacts[index].held = closed && opening <= (0.5 * h * self.pressing(&contact)).max(still);
+        }
+        self.hold_closed_limits();
+    }
+
+    /// Bound on the acceleration that presses a contact [m/s²].
+    pub fn pressing(&self, contact: &GroupContact) -> f64 {
+        contact.bodies.iter().map(|&body| self.movers[body].acceleration.length()).sum()
+    }
+}
