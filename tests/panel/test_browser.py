@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from panel.chromium import Browser, executable, until
+from chromium import Browser, executable, until
 
 pytest.importorskip("websockets", reason="the extra physcore[live] is not installed")
 pytestmark = pytest.mark.skipif(executable() is None, reason="there is no Chromium: apt-get install chromium")

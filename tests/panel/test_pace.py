@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from panel.chromium import until
+from chromium import until
 from physcore.panel.pace import nominal_speed
 from physcore.panel.reel import BYTES, RATE, SECONDS, Reel
 from physcore.panel.runner import Moment

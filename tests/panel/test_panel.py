@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from panel.chromium import until
+from chromium import until
 
 pytest.importorskip("websockets", reason="the extra physcore[live] is not installed")
 
@@ -299,6 +299,20 @@ def test_every_kind_of_scene_plays(scene):
         panel.play()
         until(lambda: panel.simulation.time > 0.05 or panel.error, "physics")
         assert panel.error == ""
+
+
+def test_pictures_show_the_energy_if_they_are_asked_to():
+    options = {"labels": ("time", "dt", "energy"), "inset": "energy", "size": (320, 240)}
+    with pc.live(net, show=False, **options) as panel, pc.live(net, show=False, size=(320, 240)) as plain:
+        for each in (panel, plain):
+            each.step(200)
+            each.artist.watch(on=True)
+            until(lambda each=each: each.artist.picture.state.time == each.simulation.time, "a picture")
+        assert panel.report.error == ""
+        assert (panel.artist.picture.pixels != plain.artist.picture.pixels).any()
+        # Energies are kept for the diagram alone: a panel may play for days.
+        assert len(panel.artist._renderer._seen.energies) == 2
+        assert len(plain.artist._renderer._seen.energies) == 0
 
 
 def test_scenes_of_other_scales_play_at_a_speed_that_suits_them():

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from panel.chromium import until
+from chromium import until
+from physcore.panel import server
 from physcore.panel.panel import page
 
 pytest.importorskip("websockets", reason="the extra physcore[live] is not installed")
@@ -27,8 +28,15 @@ def build(stiffness):
 
 @pytest.fixture(scope="module")
 def panel():
-    with pc.live(build, stiffness=pc.Slider(20.0, 2000.0, 200.0), show=False, size=(160, 120)) as opened:
-        yield opened
+    """A panel that stays open between two clients, however long that takes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(server, "GRACE", 1e6)
+        yield from opened()
+
+
+def opened():
+    with pc.live(build, stiffness=pc.Slider(20.0, 2000.0, 200.0), show=False, size=(160, 120)) as panel:
+        yield panel
 
 
 def ask(panel, path, method="GET", **headers):
@@ -81,7 +89,9 @@ def test_strangers_get_nothing(panel, path, headers):
     assert len(body) < 40
 
 
-@pytest.mark.parametrize("path", ["/page.html", "/../../../../etc/passwd", "//etc/passwd", "/socket/", "/index.html"])
+@pytest.mark.parametrize(
+    "path", ["/page.html", "/../../../../etc/passwd", "//etc/passwd", "//x/", "http://x/", "/socket/", "/index.html"]
+)
 def test_no_file_is_read_for_a_request(panel, path):
     status, _, body = ask(panel, f"{path}?{urlsplit(panel.url).query}")
     assert status in (403, 404)

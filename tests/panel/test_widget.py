@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from panel.chromium import Browser, executable, until
+from chromium import Browser, executable, until
 
 pytest.importorskip("websockets", reason="the extra physcore[live] is not installed")
 pytest.importorskip("anywidget", reason="the extra physcore[live] is not installed")

@@ -50,6 +50,7 @@ class Artist:
         options: options of the renderer.
         fps: pictures per second.
         deliver: is called with each picture, in this thread.
+        audited: whether pictures show energies or time steps, which moments then have.
         daemon: whether the interpreter may end while it runs.
 
     Raises:
@@ -64,9 +65,11 @@ class Artist:
         fps: float,
         deliver: Callable[[Picture], None],
         *,
+        audited: bool,
         daemon: bool,
     ) -> None:
         self._moment, self._options, self._fps, self._deliver = moment, dict(options), fps, deliver
+        self._audited = audited
         if "format" in options:
             self._options.setdefault("size", None)
         self._lock = threading.Lock()
@@ -155,8 +158,7 @@ class Artist:
     def _drawn(self, moment: Moment, share: float) -> Picture:
         """The picture of a moment."""
         state = moment.state(share)
-        audited = state if moment.passage.energy is None else _frame(state, moment)
-        pixels = self._renderer.draw(audited)
+        pixels = self._renderer.draw(_frame(state, moment) if self._audited else state)
         view = self._renderer.view
         assert view is not None  # A picture was drawn.
         return Picture(pixels, state, view, _pixels_of_hand(moment, state, view))

@@ -48,7 +48,8 @@ class Door:
             return HTTPStatus.FORBIDDEN
         if len(tokens) != 1 or not secrets.compare_digest(tokens[0].encode(), self.token.encode()):
             return HTTPStatus.FORBIDDEN
-        return None if parts.path in (PAGE, SOCKET) else HTTPStatus.NOT_FOUND
+        known = parts.path in (PAGE, SOCKET) and not parts.netloc
+        return None if known else HTTPStatus.NOT_FOUND
 
 
 def new_token() -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import json
+import os
 import threading
 import weakref
 from collections.abc import Callable, Mapping
@@ -13,7 +14,9 @@ from typing import Any, Self, cast
 
 from numpy.typing import ArrayLike
 
+from physcore.checks import is_word
 from physcore.errors import FileError
+from physcore.film.renderer import AUDITED
 from physcore.panel.artist import Artist, Picture
 from physcore.panel.controls import Control
 from physcore.panel.report import COLUMNS, Report
@@ -62,9 +65,11 @@ class Panel:
         self._last: Report | None = None
         self._lock = threading.RLock()
         self._closing, self._closed = False, threading.Event()
-        audited = pictures.get("inset") is not None or bool({"dt", "energy"} & set(pictures.get("labels", ())))
+        audited = _shows_energy(pictures)
         self.runner = Runner(session, fps, audited=audited, tell=self._tell, daemon=daemon)
-        self.artist = Artist(lambda: self.runner.moment, session.scene, pictures, fps, self._deliver, daemon=daemon)
+        self.artist = Artist(
+            lambda: self.runner.moment, session.scene, pictures, fps, self._deliver, audited=audited, daemon=daemon
+        )
         self.desk = Desk(self.runner, self.artist, self.speed)
         self._server = Server(
             page(),
@@ -82,8 +87,12 @@ class Panel:
         self.viewers: list[Callable[[Picture], None]] = []
         """Functions of widgets that are called with each picture."""
         self._watchers: set[object] = set()
-        for part in (self.runner, self.artist, self._server):
-            part.start()
+        try:
+            for part in (self.runner, self.artist, self._server):
+                part.start()
+        except BaseException:
+            self.close()
+            raise
         _open_panels.add(self)
         self.runner.ask(lambda session: None)
 
@@ -189,7 +198,7 @@ class Panel:
         """Let go of what is held."""
         self.runner.ask(lambda session: session.release())
 
-    def save(self, path: str) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Write the last seconds that the page has shown as a GIF.
 
         Raises:
@@ -292,6 +301,13 @@ class Panel:
 def page() -> str:
     """The page: one HTML file with all that it needs."""
     return files("physcore.panel").joinpath(PAGE).read_text(encoding="utf-8")
+
+
+def _shows_energy(pictures: Mapping[str, Any]) -> bool:
+    """Whether pictures with these options, which may be invalid, show energies or time steps."""
+    labels = pictures.get("labels")
+    shown = labels if isinstance(labels, (tuple, list)) else ()
+    return pictures.get("inset") is not None or any(is_word(label, word) for label in shown for word in AUDITED)
 
 
 def _close_all() -> None:

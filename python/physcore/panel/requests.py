@@ -66,9 +66,19 @@ def _speed(desk: Desk, message: Mapping[str, Any]) -> None:
 
 def _grab(desk: Desk, message: Mapping[str, Any]) -> None:
     x, y = _pixel(message)
-    key = picked(desk.artist.picture, x, y)
-    if key is not None:
-        desk.runner.post(lambda session: session.grab(key, None))
+    picture = desk.artist.picture
+    found, seen = picked(picture, x, y), picture.state.scene
+    if found is None or seen is None:
+        return
+    place, index = seen.index(found[0]), found[1]
+
+    def grab(session: Session) -> None:
+        """Take hold of the element in the present scene, which may have replaced the one in the picture."""
+        bodies = session.scene.bodies
+        if place < len(bodies) and index < len(bodies[place]):
+            session.grab((bodies[place], index), None)
+
+    desk.runner.post(grab)
 
 
 def _drag(desk: Desk, message: Mapping[str, Any]) -> None:
