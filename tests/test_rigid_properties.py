@@ -178,8 +178,8 @@ def jagged(draw: st.DrawFn, dimension: int) -> tuple[Any, np.ndarray]:
     # A cube with a pit: the corner at (1, 1, 1) is pushed in.
     points = 1.5 * a * signs
     points[-1] *= -0.2
-    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]]
-    mesh = pc.MeshShape(points, [*faces, [1, 5, 7], [1, 7, 3]])
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6]]
+    mesh = pc.MeshShape(points, [*faces, [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
     return mesh, points - mesh.center
 
 

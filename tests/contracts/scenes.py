@@ -656,11 +656,11 @@ RIGID: dict[str, Case] = {
     "heap": Case(rigid_scenes.heap, 0.001, rigid_scenes.pile()),
     "floating box": Case(
         rigid_scenes.floating,
-        2.5e-4,
+        1e-3,
         {"fluids": pc.WeaklyCompressible(sound_speed=40.0)},
         large=lambda: rigid_scenes.floating(0.0125),
     ),
-    "drop on a shard": Case(rigid_scenes.splashes, 5e-4, {"fluids": pc.WeaklyCompressible(sound_speed=20.0)}),
+    "drop on a shard": Case(rigid_scenes.splashes, 1e-3, {"fluids": pc.WeaklyCompressible(sound_speed=20.0)}),
 }
 """Scenes with rigid bodies."""
 

@@ -64,6 +64,18 @@ impl Rows {
         (v, converged)
     }
 
+    /// Adds the initial impulses to the velocities. If they would add energy, they begin at zero: impulses found by another method,
+    /// or at other contacts, may hold a load that nothing balances.
+    pub fn start_safely(&mut self, v: &mut BodyVelocities) {
+        let free = v.clone();
+        self.start(v);
+        if self.adds_energy(&free, v) {
+            let zeros = vec![0.0; self.impulses().len()];
+            self.set_impulses(&zeros);
+            v.clone_from(&free);
+        }
+    }
+
     /// Iterates; a Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
     fn iterate(&mut self, v: &mut BodyVelocities, tolerance: f64, most: usize) -> bool {
         let mut before: Option<(f64, Vec<f64>, BodyVelocities)> = None;
@@ -98,9 +110,10 @@ impl Rows {
         false
     }
 
-    /// Whether impulses of contacts add energy, beyond that of gaps which they open.
+    /// Whether impulses of contacts and limits add energy, beyond that of gaps which they open.
     fn adds_energy(&self, free: &BodyVelocities, v: &BodyVelocities) -> bool {
-        let (mut sum, mut size) = (0.0, 0.0);
+        let stopped = self.stopped(free, v);
+        let (mut sum, mut size) = (-stopped, stopped.abs());
         for row in &self.contacts {
             let work = row.work(row.slip_of(free), row.slip_of(v));
             sum += work - row.impulse.normal * row.least.max(0.0);

@@ -150,7 +150,7 @@ impl Island {
             row.before = ContactImpulse::default();
             row.impulse = contact.load.scaled(0.5 * length);
         }
-        half.rows.start(v);
+        half.rows.start_safely(v);
         for iteration in 0..self.accuracy.iterations {
             half.rows.relax_all(iteration, v);
         }
@@ -197,7 +197,7 @@ impl Island {
                 false => 0.0,
             };
         }
-        rows.start(v);
+        rows.start_safely(v);
         for iteration in 0..self.accuracy.iterations {
             rows.relax_all(iteration, v);
         }

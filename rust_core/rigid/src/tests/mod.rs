@@ -4,6 +4,5 @@ mod energy;
 mod joints;
 pub(crate) mod laboratory;
 mod plane;
-mod scratch;
 mod springs;
 mod surfaces;
