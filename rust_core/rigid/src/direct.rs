@@ -1,7 +1,7 @@
 //! Impulses of small groups, by projected Gauss–Seidel iteration with Newton steps: all rows that hold are solved together.
 //!
-//! Iterations over rows choose which contacts bear and which of them slide. For these the equations are linearized; a
-//! contact that slides has a normal impulse that takes its friction along, and in space an impulse that turns the direction of
+//! Iterations over rows choose which contacts bear and which of them slide. For these the equations are linearized.
+//! A contact that slides has a normal impulse that takes its friction along, and in space an impulse that turns the direction of
 //! friction. The matrix A = J M⁻¹ C, dense, is solved as A + ε with iterative refinement, so that redundant rows share
 //! their load by least change. Source: P. Alart, A. Curnier, Comput. Meth. Appl. Mech. Eng. 92, 353 (1991).
 

@@ -115,7 +115,7 @@ impl Island {
         let least = self.pairs.iter().map(|pair| pair.size).fold(f64::INFINITY, f64::min);
         for _ in 0..MOST_SWEEPS {
             let longest = PART_OF_SIZE * least / self.speed();
-            if !(longest < left) {
+            if longest >= left {
                 self.sweep(shapes, left, rest);
                 return;
             }

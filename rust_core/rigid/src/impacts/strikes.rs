@@ -138,8 +138,8 @@ impl Island {
     }
 }
 
-/// Impact of the contacts of one pair alone, which adds to their impulses; returns the energy that it dissipates and the energy
-/// that fixed bodies supply [J].
+/// Impact of the contacts of one pair alone, which adds to their impulses. Returns the energies that it dissipates and that fixed
+/// bodies supply [J].
 fn bounce(pair: &mut [ClosedContact], rebounds: &[f64], v: &mut BodyVelocities) -> (f64, f64) {
     let before: Vec<_> = pair.iter().map(|each| each.row.slip_of(v)).collect();
     let fastest = pair.iter().map(|each| each.approach(v)).fold(0.0, f64::max);

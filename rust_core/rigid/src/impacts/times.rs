@@ -80,8 +80,8 @@ impl Island {
         limit.or(first)
     }
 
-    /// Time until `until` at which the gap of a pair closes. Conservative advancement, in which each pair of convex parts has a gap
-    /// along its own normal, leads to where the bodies are near each other; from there on their contacts are followed.
+    /// Time until `until` at which the gap of a pair closes. Conservative advancement leads to where the bodies are near each
+    /// other: each pair of convex parts has a gap along its own normal. From there on their contacts are followed.
     fn approach(&self, pair: &BodyPair, paths: &[BodyPath<'_>], shapes: &[SolidShape], until: f64) -> Option<f64> {
         let [one, other] = pair.bodies.map(|body| &paths[body]);
         let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);

@@ -26,8 +26,8 @@ pub struct FirstHalf {
     pub(super) errors: Vec<ArrayVec<f64, MOST_ROWS>>,
     /// Velocities after the drift, and velocity and angular velocity of each contact at the start and after the drift.
     drifted: BodyVelocities,
-    starts: Vec<Slip>,
-    middles: Vec<Slip>,
+    starts: Vec<ContactSlip>,
+    middles: Vec<ContactSlip>,
     /// Whether each contact is that of overlapping bodies, which do not strike.
     pushing: Vec<bool>,
     /// Half the work of the impulses on the changes of velocities by the kick [J].
@@ -38,7 +38,7 @@ pub struct FirstHalf {
 }
 
 /// Velocity and angular velocity of a contact.
-type Slip = (DVec3, DVec3);
+type ContactSlip = (DVec3, DVec3);
 
 impl FirstHalf {
     /// Removes the rows of joints.
@@ -251,7 +251,7 @@ fn work_on_kick(kicked: &[Mover], ended: &[Mover], length: f64) -> f64 {
 }
 
 /// Energy that a contact dissipates in half a piece [J]: by friction, and by the normal impulse if it strikes.
-pub fn lost(row: &ContactRow, strikes: bool, before: Slip, after: Slip) -> f64 {
+pub fn lost(row: &ContactRow, strikes: bool, before: ContactSlip, after: ContactSlip) -> f64 {
     let normal = 0.5 * row.impulse.normal * row.normal.dot(before.0 + after.0);
     -row.work(before, after) + if strikes { 0.0 } else { normal }
 }

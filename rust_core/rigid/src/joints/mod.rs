@@ -103,7 +103,7 @@ impl Joint {
         match (self.kind, self.planar) {
             (JointKind::Spring(_), _) => 0,
             (JointKind::Rod(_), _) => 1,
-            (JointKind::Ball | JointKind::Hinge, true) | (JointKind::Prismatic, true) => 2,
+            (JointKind::Ball | JointKind::Hinge | JointKind::Prismatic, true) => 2,
             (JointKind::Ball, false) | (JointKind::Weld, true) => 3,
             (JointKind::Hinge | JointKind::Prismatic, false) => 5,
             (JointKind::Weld, false) => 6,

@@ -37,9 +37,9 @@ impl SolidShape {
         for (index, part) in parts.all.iter().enumerate() {
             let mut own = Vec::new();
             if planar {
-                part.outline(size, &mut own)
+                part.outline(size, &mut own);
             } else {
-                part.surface(size, &mut own)
+                part.surface(size, &mut own);
             }
             let is_open = |patch: &SurfacePatch| {
                 let outside = patch.point + COVER * self.reach * patch.normal;
