@@ -18,6 +18,7 @@ type ShapeProperties<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2
 /// Whether each of the points (N, 3) is in a body. The bodies have the shape of a record, positions (B, 3) and orientations
 /// (w, x, y, z), (B, 4).
 #[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 pub fn points_inside<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,

@@ -152,7 +152,7 @@ impl<'a> WetPoints<'a> {
         &self,
         item: &Item,
         shape: &SolidShape,
-        bodies: impl Iterator<Item = (&'b DVec3, &'b Orientation)> + Clone,
+        bodies: &(impl Iterator<Item = (&'b DVec3, &'b Orientation)> + Clone),
     ) -> Result<()> {
         let square = shape.reach() * shape.reach();
         for (fluid, points) in &self.fluids {
@@ -189,7 +189,7 @@ impl Solids {
             let shape = SampledShape::new(&body.item, scene, materials)?;
             let orientations = Orientation::declared(&body.item, count, scene.dimension)?;
             solids.remark(index, &shape, materials);
-            wet.refuse_inside(&body.item, &shape.shape, body.positions.iter().zip(&orientations))?;
+            wet.refuse_inside(&body.item, &shape.shape, &body.positions.iter().zip(&orientations))?;
             let first = scene.first(index);
             for (row, orientation) in orientations.iter().enumerate() {
                 let start = solids.samples.len();
