@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 
 import numpy as np
 import pytest
@@ -12,6 +13,10 @@ from chromium import Browser, executable, until
 
 pytest.importorskip("websockets", reason="the extra physcore[live] is not installed")
 pytestmark = pytest.mark.skipif(executable() is None, reason="there is no Chromium: apt-get install chromium")
+
+
+PRESS = 10.0
+"""Time after which a press of the mouse that nothing has come of is repeated [s]."""
 
 
 def build(stiffness, gravity, shape):
@@ -77,15 +82,33 @@ def test_controls_move_the_physics(panel, page):
     assert len(panel.simulation.positions) == 48
 
 
+def grasp(panel, page, point):
+    """Take hold of what is at a point [m], and return the scale of the page and the place of its origin.
+
+    The page may still move its parts when the mouse is pressed, and the press then misses: it is repeated.
+    """
+    for _ in range(10):
+        box = page.evaluate("(box => [box.x, box.y, box.width / 320])"
+                            "(document.querySelector('.film canvas').getBoundingClientRect())")  # fmt: skip
+        pixels, _, _ = panel.artist.picture.view.project(np.array([point]))
+        place = np.array(box[:2]) + box[2] * pixels[0]
+        page.mouse("mousePressed", *place.tolist())
+        end = time.monotonic() + PRESS
+        while time.monotonic() < end:
+            if panel.runner.moment.hand:
+                return box[2], np.array(box[:2])
+            time.sleep(0.02)
+        page.mouse("mouseReleased", *place.tolist())
+    raise AssertionError("nothing was held")
+
+
 def test_a_drag_closes_the_budget(panel, page):
     """The mouse takes the lower corner of the net and draws it aside; what it did is work."""
     start = panel.simulation.energy().balance
     corner = panel.simulation["net"].positions[0]
+    scale, origin = grasp(panel, page, corner)
     pixels, _, _ = panel.artist.picture.view.project(corner[np.newaxis])
-    box = page.evaluate("(box => [box.x, box.y, box.width / 320])"
-                        "(document.querySelector('.film canvas').getBoundingClientRect())")  # fmt: skip
-    x, y = box[0] + box[2] * float(pixels[0, 0]), box[1] + box[2] * float(pixels[0, 1])
-    page.mouse("mousePressed", x, y)
+    x, y = (origin + scale * pixels[0]).tolist()
     until(lambda: "central" in panel.simulation.energy().by_term, "the grasp")
     for share in range(1, 11):
         page.mouse("mouseMoved", x - 8.0 * share, y + 4.0 * share)
@@ -103,18 +126,14 @@ def test_the_pointer_is_where_the_mouse_is(panel, page):
     """What is held comes to rest near the mouse: the picture's pixels are turned back into meters."""
     panel.set(gravity=False)
     corner = panel.simulation["net"].positions[0]
-    view = panel.artist.picture.view
     target = corner + np.array([-0.05, -0.05])
-    box = page.evaluate("(box => [box.x, box.y, box.width / 320])"
-                        "(document.querySelector('.film canvas').getBoundingClientRect())")  # fmt: skip
-    pixels, _, magnification = view.project(np.array([corner, target]))
-    places = np.array(box[:2]) + box[2] * pixels
-    page.mouse("mousePressed", *places[0].tolist())
-    until(lambda: panel.runner.moment.hand, "the grasp")
-    page.mouse("mouseMoved", *places[1].tolist())
-    pixel = 1.0 / float(magnification[0]) / box[2]
+    scale, origin = grasp(panel, page, corner)
+    pixels, _, magnification = panel.artist.picture.view.project(target[np.newaxis])
+    place = (origin + scale * pixels[0]).tolist()
+    page.mouse("mouseMoved", *place)
+    pixel = 1.0 / float(magnification[0]) / scale
     until(lambda: np.abs(np.array(panel.runner.moment.hand[1]) - target).max() < 2.0 * pixel, "the pointer")
-    page.mouse("mouseReleased", *places[1].tolist())
+    page.mouse("mouseReleased", *place)
 
 
 def test_the_film_of_the_last_seconds_is_saved(panel, page):
