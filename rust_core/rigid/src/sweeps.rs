@@ -197,7 +197,7 @@ impl Island {
                 false => 0.0,
             };
         }
-        rows.start_safely(v);
+        rows.start(v);
         for iteration in 0..self.accuracy.iterations {
             rows.relax_all(iteration, v);
         }
