@@ -33,13 +33,9 @@ pub fn points_inside<'py>(
     let [points, centers] = [points.as_array(), positions.as_array()]
         .map(|rows| rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect::<Vec<_>>());
     let turns = orientations.as_array();
-    let turns = turns.rows().into_iter().map(|row| DQuat::from_xyzw(row[1], row[2], row[3], row[0]).inverse());
+    let turns = turns.rows().into_iter().map(|row| DQuat::from_xyzw(row[1], row[2], row[3], row[0]));
     let bodies: Vec<(DVec3, DQuat)> = centers.into_iter().zip(turns).collect();
-    let square = shape.reach() * shape.reach();
-    let is_inside = |point: DVec3| {
-        let mut near = bodies.iter().map(|(center, turn)| (point - *center, turn));
-        near.any(|(away, turn)| away.length_squared() <= square && shape.contains(*turn * away))
-    };
+    let is_inside = |point: DVec3| shape.contains_at(bodies.iter().copied(), point);
     Ok(PyArray1::from_iter(py, points.into_iter().map(is_inside)))
 }
 

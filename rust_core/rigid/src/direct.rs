@@ -57,8 +57,7 @@ impl Rows {
         if !self.adds_energy(free, &v) {
             return (v, false);
         }
-        let zeros = vec![0.0; self.impulses().len()];
-        self.set_impulses(&zeros);
+        self.clear_impulses();
         v.clone_from(free);
         let converged = (0..most).any(|iteration| self.relax_all(iteration, &mut v) <= tolerance);
         (v, converged)
@@ -70,8 +69,7 @@ impl Rows {
         let free = v.clone();
         self.start(v);
         if self.adds_energy(&free, v) {
-            let zeros = vec![0.0; self.impulses().len()];
-            self.set_impulses(&zeros);
+            self.clear_impulses();
             v.clone_from(&free);
         }
     }
@@ -131,6 +129,12 @@ impl Rows {
             [normal, tangential.x, tangential.y, tangential.z, turning.x, turning.y, turning.z]
         };
         joints.chain(bounds).chain(self.contacts.iter().flat_map(of)).collect()
+    }
+
+    /// Sets all impulses to zero.
+    fn clear_impulses(&mut self) {
+        let count = self.impulses().len();
+        self.set_impulses(&vec![0.0; count]);
     }
 
     /// Sets all impulses.

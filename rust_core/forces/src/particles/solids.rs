@@ -154,13 +154,9 @@ impl<'a> WetPoints<'a> {
         shape: &SolidShape,
         bodies: &(impl Iterator<Item = (&'b DVec3, &'b Orientation)> + Clone),
     ) -> Result<()> {
-        let square = shape.reach() * shape.reach();
+        let places = bodies.clone().map(|(center, turn)| (*center, turn.quaternion));
         for (fluid, points) in &self.fluids {
-            let is_inside = |point: &&DVec3| {
-                let mut near = bodies.clone().map(|(center, turn)| (**point - *center, turn));
-                near.any(|(away, turn)| away.length_squared() <= square && shape.contains(turn.quaternion.inverse() * away))
-            };
-            let inside = points.iter().filter(is_inside).count();
+            let inside = points.iter().filter(|point| shape.contains_at(places.clone(), **point)).count();
             if inside > 0 {
                 let found = format!("{inside} of {} particles in {}", points.len(), item.path);
                 return Err(Error::parameter(format!("{}.positions", fluid.path), "fluid outside of rigid bodies", found)

@@ -3,7 +3,7 @@
 //! A cell that the surface cuts has the volume and the center of its part within the shape, by counting points. All volumes are
 //! scaled, so that their sum is that of the shape: what they displace in a fluid has its volume and center.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::{Part, ShapeForm, SolidShape};
 use crate::pose::Pose;
@@ -141,6 +141,14 @@ impl SolidShape {
         let mut inside = [false];
         self.contains_row(DVec3::new(0.0, point.y, point.z), &[point.x], &mut inside);
         inside[0]
+    }
+
+    /// Whether a point in the world is in the shape at one of these positions, with these rotations.
+    pub fn contains_at(&self, mut poses: impl Iterator<Item = (DVec3, DQuat)>, point: DVec3) -> bool {
+        poses.any(|(center, rotation)| {
+            let away = point - center;
+            away.length_squared() <= self.reach * self.reach && self.contains(rotation.inverse() * away)
+        })
     }
 
     /// Finds whether the points (x, y, z) of a row along x, with y and z of `row`, are in the shape.
