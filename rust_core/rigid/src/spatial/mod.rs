@@ -89,6 +89,11 @@ fn is_distance(couple: &Couple, &FaceGap { owner, face, vertex, .. }: &FaceGap) 
     clip::is_over(couple.parts[owner], face, point)
 }
 
+/// Whether the nearest vertex of a face's body is over a face of the other that is parallel to it.
+fn is_over_parallel(couple: &Couple, face: &FaceGap) -> bool {
+    couple.widest(1 - face.owner).is_some_and(|other| other.gap >= face.gap - couple.closed() && is_distance(couple, &other))
+}
+
 impl SeparatingAxis {
     fn gap(&self) -> f64 {
         match self {
@@ -123,7 +128,7 @@ impl SeparatingAxis {
     /// Distance of two cores and their normal, or minus their depth.
     fn distance(&self, couple: &Couple) -> (f64, DVec3) {
         let is_exact = match *self {
-            Self::Face(face) => is_distance(couple, &face),
+            Self::Face(face) => is_distance(couple, &face) || is_over_parallel(couple, &face),
             Self::Edges(edges) => edges.is_exact,
         };
         let pair = (!is_exact).then(|| self.nearest(couple)).flatten();

@@ -8,7 +8,7 @@ use physcore_rigid::shapes::SolidShape;
 use proptest::prelude::*;
 
 use crate::reference::{Convex, distance, gap_along};
-use crate::samples::{convex, point, pointed, pose, ring, rotation};
+use crate::samples::{convex, item, point, pointed, pose, ring, rotation};
 
 type Body = (SolidShape, Convex);
 
@@ -122,6 +122,28 @@ proptest! {
         let samples: Vec<DVec3> = samples.into_iter().map(|turn| turn.x_axis).collect();
         let distance = check_distance(&one, &other, &poses, &samples, 3)?;
         check_contacts(&one, &other, &poses, distance, reach, 3)?;
+    }
+
+    /// Faces are parallel, and neither the edges nor the corners of the larger one are near.
+    #[test]
+    fn the_distance_of_a_block_from_a_parallel_face_is_exact(
+        sizes in prop::array::uniform3(0.1..0.5_f64), beside in prop::array::uniform2(-0.5..0.5_f64), gap in 1e-3..5.0_f64,
+        axis in 0..3_usize, turn in rotation(3),
+    ) {
+        let cuboid = |edges: [f64; 3]| {
+            let [a, b, c] = edges;
+            SolidShape::declared(&item("Cuboid", &[("a", a), ("b", b), ("c", c)]), 3).unwrap().0
+        };
+        let (small, mut large) = (cuboid(sizes), [2.0; 3]);
+        large[axis] = 1e-3;
+        let mut way = [beside[0], beside[1], beside[0]];
+        way[axis] = gap + 0.5 * (sizes[axis] + large[axis]);
+        let poses = [DVec3::ZERO, turn * DVec3::from_array(way)].map(|position| Pose { position, rotation: turn });
+        let normal = turn * DVec3::AXES[axis];
+        for (one, other, normal) in [((&cuboid(large), &poses[0]), (&small, &poses[1]), normal), ((&small, &poses[1]), (&cuboid(large), &poses[0]), -normal)] {
+            let (found, along) = separation(one, other, 3);
+            prop_assert!((found - gap).abs() < ROUNDING && along.distance(normal) < ROUNDING, "{found} for {gap}, {along}");
+        }
     }
 
     /// Contacts do not depend on the order of the bodies, nor on a motion of both, nor on their being seen in a mirror.

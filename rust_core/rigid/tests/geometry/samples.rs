@@ -44,12 +44,20 @@ pub fn point(dimension: usize) -> impl Strategy<Value = DVec3> {
     (-1.0..1.0_f64, -1.0..1.0_f64, z).prop_map(|(x, y, z)| DVec3::new(x, y, z))
 }
 
-/// Rotations, in 2D about z.
+/// Rotations, in 2D about z; some by quarter turns, so that faces of two bodies are parallel.
 pub fn rotation(dimension: usize) -> impl Strategy<Value = DMat3> {
-    prop::array::uniform4(-1.0..1.0_f64).prop_filter_map("zero", move |[x, y, z, w]| {
+    let any = prop::array::uniform4(-1.0..1.0_f64).prop_filter_map("zero", move |[x, y, z, w]| {
         let turn = if dimension == 2 { DQuat::from_xyzw(0.0, 0.0, z, w) } else { DQuat::from_xyzw(x, y, z, w) };
         (turn.length() > 0.1).then(|| DMat3::from_quat(turn.normalize()))
-    })
+    });
+    let quarter = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
+    let cycle = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X);
+    let aligned = (0..4, 0..3, 0..4).prop_map(move |(first, axis, second)| {
+        let turns = |count: i32| (0..count).fold(DMat3::IDENTITY, |turn, _| turn * quarter);
+        let about = if dimension == 2 { DMat3::IDENTITY } else { (0..axis).fold(DMat3::IDENTITY, |turn, _| turn * cycle) };
+        turns(first) * about * turns(second)
+    });
+    prop_oneof![any, aligned]
 }
 
 /// Poses with a position within a distance of the origin along each axis.
