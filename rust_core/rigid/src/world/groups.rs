@@ -9,7 +9,10 @@ use crate::island::{BodyPair, HeldJoint, Island};
 impl StepMembers<'_> {
     /// Pairs of members that may touch within the step. Bodies that are joined do not touch each other.
     pub fn pairs(&self, near: &mut NearPairs) -> Vec<[u32; 2]> {
-        let mut pairs = near.of_step(self);
+        let (mut pairs, is_capped) = near.of_step(self);
+        if is_capped {
+            self.add_thrown(&mut pairs);
+        }
         let whole = self.world.state.joints.iter().filter(|joint| !joint.broken && joint.joint.spring().is_none());
         let ends = whole.map(|joint| {
             let [one, other] = joint.ends.map(|end| end.min(u32::MAX as usize) as u32);
@@ -30,18 +33,14 @@ impl StepMembers<'_> {
             return Vec::new();
         }
         let count = self.count() + 1;
-        let mut roots: Vec<u32> = (0..count as u32).collect();
+        let mut roots = self.roots(pairs);
         let free = |index: usize| !self.is_fixed(index);
         let links = pairs.iter().map(|pair| pair.map(|end| end as usize)).chain(joints.iter().map(|joint| joint.1));
-        for [one, other] in links.clone().filter(|&[one, other]| free(one) && free(other)) {
-            let (a, b) = (root(&mut roots, one as u32), root(&mut roots, other as u32));
-            roots[a.max(b) as usize] = a.min(b);
-        }
         let mut islands: Vec<Island> = Vec::new();
         let mut number = vec![u32::MAX; count];
         for link in links {
             let end = if free(link[0]) { link[0] } else { link[1] };
-            let root = root(&mut roots, end as u32) as usize;
+            let root = roots.find(end);
             if number[root] == u32::MAX {
                 number[root] = islands.len() as u32;
                 islands.push(spare.pop().unwrap_or_else(|| Island::new(self.world.planar)));
@@ -50,9 +49,9 @@ impl StepMembers<'_> {
         // The island of each free mover, and the places of movers in the island that is filled.
         let mut places: Vec<(u32, u32)> = vec![(u32::MAX, 0); count];
         let mut order: Vec<(u32, usize, bool)> = Vec::new();
-        let of = |link: [usize; 2], roots: &mut Vec<u32>| {
+        let of = |link: [usize; 2], roots: &mut Roots| {
             let end = if free(link[0]) { link[0] } else { link[1] };
-            number[root(roots, end as u32) as usize]
+            number[roots.find(end)]
         };
         for (index, pair) in pairs.iter().enumerate() {
             order.push((of(pair.map(|end| end as usize), &mut roots), index, false));
@@ -94,6 +93,15 @@ impl StepMembers<'_> {
         islands
     }
 
+    /// Sets of members that pairs and joints connect.
+    pub fn roots(&self, pairs: &[[u32; 2]]) -> Roots {
+        let mut roots = Roots::new(self.count() + 1);
+        let free = |index: usize| !self.is_fixed(index);
+        let links = pairs.iter().map(|pair| pair.map(|end| end as usize)).chain(self.joints().into_iter().map(|joint| joint.1));
+        links.filter(|&[one, other]| free(one) && free(other)).for_each(|[one, other]| roots.join(one, other));
+        roots
+    }
+
     /// Joints with the indices of their ends among the members.
     fn joints(&self) -> Vec<(usize, [usize; 2])> {
         let joints = self.world.state.joints.iter().enumerate();
@@ -102,12 +110,29 @@ impl StepMembers<'_> {
     }
 }
 
-/// Representative of a set of a union–find forest, with path halving.
-fn root(roots: &mut [u32], mut index: u32) -> u32 {
-    while roots[index as usize] != index {
-        let next = roots[roots[index as usize] as usize];
-        roots[index as usize] = next;
-        index = next;
+/// Union–find forest.
+pub(super) struct Roots {
+    above: Vec<u32>,
+}
+
+impl Roots {
+    /// Sets of one member each.
+    fn new(count: usize) -> Self {
+        Self { above: (0..count as u32).collect() }
     }
-    index
+
+    /// Representative of a set, with path halving.
+    pub fn find(&mut self, mut index: usize) -> usize {
+        while self.above[index] as usize != index {
+            self.above[index] = self.above[self.above[index] as usize];
+            index = self.above[index] as usize;
+        }
+        index
+    }
+
+    /// Joins two sets.
+    fn join(&mut self, one: usize, other: usize) {
+        let (a, b) = (self.find(one), self.find(other));
+        self.above[a.max(b)] = a.min(b) as u32;
+    }
 }

@@ -60,6 +60,11 @@ impl StepMembers<'_> {
         }
     }
 
+    /// Whether two members may touch: contacts resolve particles at walls.
+    pub fn can_meet(&self, one: usize, other: usize) -> bool {
+        one.min(other) < self.bodies.len()
+    }
+
     /// Surface of a member.
     pub fn surface(&self, index: usize) -> Surface {
         if index < self.bodies.len() {
@@ -145,6 +150,15 @@ impl StepMembers<'_> {
         let shape = &self.world.shapes[body.surface.shape];
         let turning = if shape.is_round() { 0.0 } else { shape.reach() * rate };
         [self.bodies[index].velocity.length() + turning + forced, turning]
+    }
+
+    /// Speed of the rim of a round body, which friction may pass on to its center [m/s]; 0 of others.
+    pub fn rim_speed(&self, index: usize) -> f64 {
+        if index >= self.bodies.len() || self.is_fixed(index) || !self.world.shapes[self.surface(index).shape].is_round() {
+            return 0.0;
+        }
+        let turn = &self.world.state.turns[index];
+        self.reach(index) * self.world.bodies[index].inertia.rate(&turn.orientation, turn.spin)
     }
 
     /// Pose.

@@ -12,6 +12,7 @@ mod overlaps;
 mod springs;
 mod state;
 mod step;
+mod thrown;
 
 use glam::{DMat3, DVec3};
 

@@ -29,8 +29,9 @@ pub(super) struct NearPairs {
 }
 
 impl NearPairs {
-    /// Pairs of members that may touch within a step, in ascending order.
-    pub fn of_step(&mut self, members: &StepMembers) -> Vec<[u32; 2]> {
+    /// Pairs of members that may touch within a step, in ascending order, and whether some member may be thrown farther than its
+    /// size.
+    pub fn of_step(&mut self, members: &StepMembers) -> (Vec<[u32; 2]>, bool) {
         self.speeds.clear();
         self.speeds.extend((0..members.count()).map(|index| members.speed(index)));
         let fastest = self.speeds.iter().map(|speed| speed[0]).fold(0.0, f64::max);
@@ -38,7 +39,8 @@ impl NearPairs {
             self.renew(members, fastest);
         }
         let overlap = |[one, other]: &&[u32; 2]| self.bounds[*one as usize].overlaps(&self.bounds[*other as usize]);
-        self.pairs.iter().filter(overlap).copied().collect()
+        let is_thrown = |index: usize| members.h * fastest > members.reach(index);
+        (self.pairs.iter().filter(overlap).copied().collect(), (0..members.free()).any(is_thrown))
     }
 
     /// Way of a member within a step [m].
@@ -84,9 +86,7 @@ impl NearPairs {
         }
         let moves: Vec<bool> = (0..members.count()).map(|index| !members.is_fixed(index)).collect();
         broad::pairs(&self.boxes, &moves, &mut self.pairs);
-        // Contacts resolve particles at walls.
-        let particles = members.bodies.len() as u32..members.free() as u32;
-        self.pairs.retain(|[one, _]| !particles.contains(one));
+        self.pairs.retain(|[one, other]| members.can_meet(*one as usize, *other as usize));
         self.is_paired.clear();
         self.is_paired.resize(members.count(), false);
         self.pairs.iter().flatten().for_each(|&index| self.is_paired[index as usize] = true);
