@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::lu::{factorize, solution};
 use crate::mover::perpendicular;
-use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, Row, Rows};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, Row, Rows, add_energy};
 
 /// Largest numbers of rows, and of rows of contacts.
 pub const MOST: usize = 240;
@@ -21,8 +21,6 @@ const MOST_FAILURES: usize = 3;
 /// Shift ε over the largest diagonal entry, and number of refinements.
 const SHIFT: f64 = 1e-9;
 const REFINEMENTS: usize = 3;
-/// Energy that impulses may add, over the work of their parts.
-const GAINED: f64 = 1e-6;
 
 /// Unknown impulse.
 #[derive(Debug, Clone, Copy)]
@@ -54,24 +52,13 @@ impl Rows {
         if self.iterate(&mut v, tolerance, most) {
             return (v, true);
         }
-        if !self.adds_energy(free, &v) {
+        if !add_energy(&self.contacts, self.stopped(free, &v), free, &v) {
             return (v, false);
         }
         self.clear_impulses();
         v.clone_from(free);
         let converged = (0..most).any(|iteration| self.relax_all(iteration, &mut v) <= tolerance);
         (v, converged)
-    }
-
-    /// Adds the initial impulses to the velocities. If they would add energy, they begin at zero: impulses found by another method,
-    /// or at other contacts, may hold a load that nothing balances.
-    pub fn start_safely(&mut self, v: &mut BodyVelocities) {
-        let free = v.clone();
-        self.start(v);
-        if self.adds_energy(&free, v) {
-            self.clear_impulses();
-            v.clone_from(&free);
-        }
     }
 
     /// Iterates; a Newton step for the rows that hold follows some of the iterations. If it does not pay, it is undone.
@@ -108,18 +95,6 @@ impl Rows {
         false
     }
 
-    /// Whether impulses of contacts and limits add energy, beyond that of gaps which they open.
-    fn adds_energy(&self, free: &BodyVelocities, v: &BodyVelocities) -> bool {
-        let stopped = self.stopped(free, v);
-        let (mut sum, mut size) = (-stopped, stopped.abs());
-        for row in &self.contacts {
-            let work = row.work(row.slip_of(free), row.slip_of(v));
-            sum += work - row.impulse.normal * row.least.max(0.0);
-            size += work.abs();
-        }
-        sum > GAINED * size
-    }
-
     /// All impulses, row by row.
     fn impulses(&self) -> Vec<f64> {
         let joints = self.joints.iter().flat_map(|joint| joint.rows.iter().map(|row| row.impulse));
@@ -132,7 +107,7 @@ impl Rows {
     }
 
     /// Sets all impulses to zero.
-    fn clear_impulses(&mut self) {
+    pub fn clear_impulses(&mut self) {
         let count = self.impulses().len();
         self.set_impulses(&vec![0.0; count]);
     }

@@ -102,7 +102,7 @@ fn blocks(joints: &[JointRows], v: &BodyVelocities) -> Option<Vec<BTreeMap<usize
     let bodies = joints.iter().flat_map(|joint| joint.bodies).max().map_or(0, |last| last + 1);
     let mut at: Vec<ArrayVec<(usize, usize), MOST_BLOCKS>> = vec![ArrayVec::new(); bodies];
     for (index, joint) in joints.iter().enumerate() {
-        for (side, &body) in joint.bodies.iter().enumerate().filter(|(_, body)| !v.is_fixed(**body)) {
+        for (side, &body) in joint.bodies.iter().enumerate().filter(|(_, body)| !v.bodies[**body].is_fixed()) {
             at[body].try_push((index, side)).ok()?;
         }
     }

@@ -29,6 +29,7 @@ pub mod rotation;
 mod rows;
 pub mod shapes;
 mod spatial;
+mod splitting;
 pub mod surface;
 mod sweeps;
 mod thinning;

@@ -65,14 +65,6 @@ impl Mover {
         if self.is_fixed() { self.spin } else { self.inverse_inertia() * self.spin }
     }
 
-    /// Adds a force [N] at an arm from the center [m] to the forces that are constant during a step.
-    pub(crate) fn load(&mut self, force: DVec3, arm: DVec3) {
-        if !self.is_fixed() {
-            self.acceleration += self.inverse_mass * force;
-            self.torque += arm.cross(force);
-        }
-    }
-
     /// Applies the forces for `h` seconds.
     pub fn kick(&mut self, h: f64) {
         if !self.is_fixed() {

@@ -1,16 +1,10 @@
-//! Free rotation of a rigid body, by a splitting of Euler's equations.
-//!
-//! With the angular momentum L in the world, its components l = Rᵀ L along the principal axes and a reference axis r,
-//!
-//!     H = |L|²/2Iᵣ + Σₖ cₖ lₖ²/2,   cₖ = 1/Iₖ − 1/Iᵣ.
-//!
-//! The first part turns the body about L, and commutes with all others. The other two turn it about two of its axes. Their
-//! symmetric composition keeps L to rounding, is symplectic, reversible and of order 2, and exact for two equal moments. The
-//! reference axis is the one for which the product of both c is least in size. Source: F. Fassò, J. Comput. Phys. 189, 527 (2003).
+//! Orientations and moments of inertia.
 
 use glam::{DMat3, DQuat, DVec3};
 use physcore_base::error::Result;
 use physcore_base::scene::{Item, Value};
+
+use crate::splitting::{FreeTurn, Quaternion};
 
 /// Orientation of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,6 +126,12 @@ impl Inertia {
         Self::spatial(axes * DMat3::from_diagonal(self.moments) * axes.transpose() + added)
     }
 
+    /// Whether the moment is that of a body in the plane.
+    #[inline]
+    pub(crate) fn is_planar(&self) -> bool {
+        self.planar
+    }
+
     /// Largest inverse moment [1/(kg·m²)]; 0 for a body that does not turn.
     pub fn largest_inverse(&self) -> f64 {
         self.inverse.max_element()
@@ -145,6 +145,12 @@ impl Inertia {
         }
         let axes = DMat3::from_quat(orientation.quaternion * self.axes);
         DMat3::from_cols(x * axes.x_axis, y * axes.y_axis, z * axes.z_axis) * axes.transpose()
+    }
+
+    /// Magnitude of the angular velocity at an angular momentum [rad/s].
+    #[inline]
+    pub fn rate(&self, orientation: &Orientation, spin: DVec3) -> f64 {
+        if self.planar { (self.inverse.z * spin.z).abs() } else { self.free_turn(orientation, spin, 1.0).angle() }
     }
 
     /// Angular momentum at an angular velocity [kg·m²/s], both in the world.
@@ -161,20 +167,34 @@ impl Inertia {
         if self.planar {
             return Orientation::planar(start.angle + h * spin.z * self.inverse.z);
         }
-        let [r, a, b] = self.order;
-        let [ca, cb] = [self.inverse[a] - self.inverse[r], self.inverse[b] - self.inverse[r]];
-        let mut quaternion = rotation_by(h * self.inverse[r] * spin) * start.quaternion;
-        if ca != 0.0 || cb != 0.0 {
-            let mut axes = quaternion * self.axes;
-            for (axis, factor, part) in [(a, ca, 0.5 * h), (b, cb, h), (a, ca, 0.5 * h)] {
-                if factor != 0.0 {
-                    let along = (axes.inverse() * spin)[axis];
-                    axes *= rotation(DVec3::AXES[axis], part * factor * along);
-                }
-            }
-            quaternion = axes * self.axes.inverse();
-        }
-        Orientation { quaternion: quaternion.normalize(), angle: 0.0 }
+        self.from_renamed(self.free_turn(start, spin, h).turned())
+    }
+
+    /// Free rotation of `h` seconds of a body in space, with the axes renamed.
+    #[inline(always)]
+    pub(crate) fn free_turn(&self, start: &Orientation, spin: DVec3, h: f64) -> FreeTurn {
+        let inverse = self.renamed(self.inverse);
+        let rates = [h * inverse[0], h * (inverse[1] - inverse[0]), h * (inverse[2] - inverse[0])];
+        let quaternion = |q: DQuat| {
+            let [x, y, z] = self.renamed(q.xyz());
+            [q.w, x, y, z]
+        };
+        let (orientation, axes) = (quaternion(start.quaternion), quaternion(self.axes));
+        FreeTurn { orientation, axes, spin: self.renamed(spin), rates }
+    }
+
+    /// Components in the order of the axes with the axis of reference first.
+    #[inline(always)]
+    fn renamed(&self, vector: DVec3) -> [f64; 3] {
+        self.order.map(|axis| vector[axis])
+    }
+
+    /// Orientation from a quaternion with renamed axes.
+    #[inline(always)]
+    pub(crate) fn from_renamed(&self, [w, x, y, z]: Quaternion) -> Orientation {
+        let mut vector = DVec3::ZERO;
+        self.order.into_iter().zip([x, y, z]).for_each(|(axis, component)| vector[axis] = component);
+        Orientation { quaternion: DQuat::from_xyzw(vector.x, vector.y, vector.z, w), angle: 0.0 }
     }
 }
 

@@ -8,8 +8,8 @@
 use glam::DVec3;
 
 use crate::island::{Accuracy, CLOSED, FirstHalf, Island, lost, pushed};
-use crate::rotation::Inertia;
-use crate::rows::{BodyVelocities, ContactImpulse, Rows};
+use crate::rotation::{Inertia, Orientation};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, InPlane, InSpace, RowSpace, RowVector, add_energy};
 use crate::shapes::SolidShape;
 
 /// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
@@ -34,25 +34,46 @@ impl Softness {
     }
 }
 
+/// Contacts of a group during a step: in the plane if it has no joints.
+#[derive(Debug)]
+pub enum GroupSweep {
+    InPlane(Sweep<InPlane>),
+    InSpace(Sweep<InSpace>),
+}
+
+impl Default for GroupSweep {
+    fn default() -> Self {
+        Self::InSpace(Sweep::default())
+    }
+}
+
 /// Contacts of a group during a step.
 #[derive(Debug, Default)]
-pub struct GroupSweep {
-    /// Rows of a half of a piece; those of contacts last throughout the step.
-    half: FirstHalf,
-    /// Each contact of the rows.
-    touching: Vec<Touching>,
+pub struct Sweep<S: RowSpace> {
+    /// Rows of joints in a half of a piece.
+    joints: FirstHalf,
+    /// Rows of contacts, which last throughout the step, with the contact of each.
+    rows: Vec<ContactRow<S>>,
+    touching: Vec<Touching<S>>,
     /// Velocities, and those at the start of a half if there are joints.
-    v: BodyVelocities,
-    start: BodyVelocities,
+    v: BodyVelocities<S>,
+    start: BodyVelocities<S>,
+    /// Energies of a piece that contacts and limits dissipate, and that is supplied [J].
+    lost: f64,
+    work: f64,
+    /// Whether a fixed body moves.
+    is_driven: bool,
 }
 
 /// Contact during a step.
 #[derive(Debug, Clone, Copy)]
-struct Touching {
+struct Touching<S: RowSpace> {
+    /// Index of the contact.
+    contact: usize,
     /// Gap [m].
     gap: f64,
     /// Velocity and angular velocity at the contact at the start of a half.
-    slip: (DVec3, DVec3),
+    slip: (S::Vector, S::Turn),
     /// Bound on the acceleration that presses the contact [m/s²].
     pressing: f64,
     /// Size of the smaller body [m].
@@ -64,7 +85,7 @@ struct Touching {
     strikes: bool,
     pushes: bool,
     /// Mean force of the last piece.
-    load: ContactImpulse,
+    load: ContactImpulse<S>,
 }
 
 impl Island {
@@ -75,68 +96,85 @@ impl Island {
         // Impacts may pass the largest speed on to any body.
         let way = 2.0 * h * self.speed();
         self.find_contacts(shapes, |_, pair| way.min(pair.size));
-        let length = h / pieces as f64;
-        let mut sweep = self.start_sweep();
-        for piece in 0..pieces {
-            let last = piece + 1 == pieces;
-            self.first_half(&mut sweep, length, last);
-            if !last {
-                sweep.v.kick(&self.movers, 0.5 * length);
-                self.second_half(&mut sweep, length);
-            }
+        let is_flat = self.planar && self.joints.is_empty();
+        let mut sweep = match self.take_sweep() {
+            GroupSweep::InSpace(_) if is_flat => GroupSweep::InPlane(Sweep::default()),
+            GroupSweep::InPlane(_) if !is_flat => GroupSweep::default(),
+            sweep => sweep,
+        };
+        match &mut sweep {
+            GroupSweep::InPlane(sweep) => sweep.take(self, h, pieces),
+            GroupSweep::InSpace(sweep) => sweep.take(self, h, pieces),
         }
-        self.open_sweep(sweep, length, h);
+        self.open_sweep(sweep, h / pieces as f64, h);
     }
 
     /// Ends the last piece of a sweep, at the velocities after the kick.
-    pub fn end_sweep(&mut self, sweep: &mut GroupSweep) {
-        sweep.v.fill(&self.movers);
-        self.second_half(sweep, self.open);
-        self.take_velocities(&sweep.v);
-        for (&index, touching) in sweep.half.contacts.iter().zip(&sweep.touching) {
-            self.contacts[index].load = touching.load;
+    pub fn end_sweep(&mut self) {
+        let mut sweep = self.take_sweep();
+        match &mut sweep {
+            GroupSweep::InPlane(sweep) => sweep.end(self),
+            GroupSweep::InSpace(sweep) => sweep.end(self),
+        }
+        self.keep_sweep(sweep);
+    }
+}
+
+impl<S: RowSpace> Sweep<S> {
+    /// Takes all pieces of a step of `h` seconds but the second half of the last.
+    fn take(&mut self, island: &mut Island, h: f64, pieces: usize) {
+        let length = h / pieces as f64;
+        self.begin(island);
+        for piece in 0..pieces {
+            let last = piece + 1 == pieces;
+            self.first_half(island, length, piece == 0);
+            self.drift(island, length, last);
+            if !last {
+                self.v.kick(&island.movers, 0.5 * length);
+                self.second_half(island, length);
+            }
         }
     }
 
     /// Rows of all contacts.
-    fn start_sweep(&mut self) -> GroupSweep {
-        let mut sweep = self.take_sweep();
-        sweep.v.fill(&self.movers);
-        sweep.half.rows.planar = self.planar;
-        sweep.half.rows.contacts.clear();
-        sweep.half.contacts.clear();
-        sweep.touching.clear();
-        for (index, contact) in self.contacts.iter().enumerate() {
-            let Some(row) = self.row(contact, &sweep.v) else { continue };
-            sweep.touching.push(Touching {
+    fn begin(&mut self, island: &Island) {
+        let moves = |velocity: DVec3, spin: DVec3| velocity != DVec3::ZERO || spin != DVec3::ZERO;
+        self.is_driven = island.movers.iter().any(|mover| mover.is_fixed() && moves(mover.velocity, mover.spin));
+        self.v.fill(&island.movers);
+        self.rows.clear();
+        self.touching.clear();
+        for (index, contact) in island.contacts.iter().enumerate() {
+            let Some(row) = island.row(contact, &self.v) else { continue };
+            self.touching.push(Touching {
+                contact: index,
                 gap: contact.touch.gap,
-                slip: (row.velocity(&sweep.v), row.turning(&sweep.v)),
-                pressing: self.pressing(contact),
-                size: self.pairs[contact.pair].size,
+                slip: row.slip_of(&self.v),
+                pressing: island.pressing(contact),
+                size: island.pairs[contact.pair].size,
                 restitution: contact.restitution,
                 rebound: 0.0,
                 strikes: false,
                 pushes: false,
-                load: contact.load,
+                load: ContactImpulse::narrow(&contact.load),
             });
-            sweep.half.rows.contacts.push(row);
-            sweep.half.contacts.push(index);
+            self.rows.push(row);
         }
-        sweep
     }
 
-    /// Takes the first half of a piece, and its drift.
-    fn first_half(&mut self, sweep: &mut GroupSweep, length: f64, last: bool) {
-        let GroupSweep { half, touching, v, start } = sweep;
-        let joined = !self.joints.is_empty();
+    /// Takes the impulses of the first half of a piece.
+    fn first_half(&mut self, island: &Island, length: f64, is_first: bool) {
+        let joined = !island.joints.is_empty();
         if joined {
-            start.clone_from(v);
+            self.start.clone_from(&self.v);
         }
-        v.kick(&self.movers, 0.5 * length);
-        half.clear_joints();
-        self.hold_joints((length, length), v, half);
+        self.v.kick(&island.movers, 0.5 * length);
+        self.joints.clear_joints();
+        if let Some(v) = S::in_space(&mut self.v) {
+            island.hold_joints((length, length), v, &mut self.joints);
+        }
+        let are_strange = is_first || self.touching.iter().any(|contact| contact.strikes);
         let softness = Softness::of(length);
-        for (row, contact) in half.rows.contacts.iter_mut().zip(touching.iter_mut()) {
+        for (row, contact) in self.rows.iter_mut().zip(&mut self.touching) {
             let approach = -row.normal.dot(contact.slip.0);
             // Bounces of less than a piece are contacts at rest.
             let least = 0.5 * length * contact.pressing;
@@ -144,50 +182,57 @@ impl Island {
             contact.pushes = !contact.strikes && contact.gap < -CLOSED * contact.size;
             let rebound = contact.restitution * approach;
             contact.rebound = if rebound > least { rebound } else { 0.0 };
-            // Overlaps are left no faster than a fall through the size of the bodies is.
-            let push = (-contact.gap * softness.rate).min((2.0 * contact.pressing * contact.size).sqrt());
-            (row.least, row.yields) = if contact.gap < 0.0 { (push, softness.yields) } else { (-contact.gap / length, 0.0) };
+            (row.least, row.yields) = if contact.gap < 0.0 {
+                // Overlaps are left no faster than a fall through the size of the bodies is.
+                let push = (-contact.gap * softness.rate).min((2.0 * contact.pressing * contact.size).sqrt());
+                (push, softness.yields)
+            } else {
+                (-contact.gap / length, 0.0)
+            };
             row.before = ContactImpulse::default();
             row.impulse = contact.load.scaled(0.5 * length);
         }
-        half.rows.start_safely(v);
-        for iteration in 0..self.accuracy.iterations {
-            half.rows.relax_all(iteration, v);
-        }
-        half.lost = if joined { half.rows.stopped(start, v) } else { 0.0 };
-        half.work = if joined || self.driven() { half.rows.supplied(if joined { start } else { v }, v) } else { 0.0 };
-        half.lost += meter(half, touching, v);
-        for (row, contact) in half.rows.contacts.iter().zip(touching.iter_mut()) {
+        self.start_impulses(are_strange);
+        self.relax(island.accuracy.iterations);
+        self.lost = 0.0;
+        self.meter();
+        self.work = self.supplied();
+        for (row, contact) in self.rows.iter().zip(&mut self.touching) {
             contact.gap += length * row.normal.dot(contact.slip.0);
-        }
-        self.take_velocities(v);
-        for mover in &mut self.movers {
-            if self.planar && !last && !joined {
-                // Contacts need the rotation matrix at the end of the step alone.
-                mover.orientation.angle += length * mover.angular_velocity().z;
-                mover.position += length * mover.velocity;
-            } else {
-                mover.drift(length);
-            }
-        }
-        if !self.planar || joined {
-            v.fill(&self.movers);
-        }
-        if joined {
-            start.clone_from(v);
         }
     }
 
-    /// Takes the second half of a piece, at the velocities after the kick.
-    fn second_half(&mut self, sweep: &mut GroupSweep, length: f64) {
-        let GroupSweep { half, touching, v, start } = sweep;
-        let joined = !self.joints.is_empty();
-        let mut rows = Rows { planar: self.planar, ..Rows::default() };
-        if joined {
-            self.hold_joint_velocities(half, v, &mut rows);
+    /// Moves the bodies to the end of a piece.
+    fn drift(&mut self, island: &mut Island, length: f64, last: bool) {
+        if let Some(v) = S::in_space(&mut self.v) {
+            take_velocities(island, v);
+            island.movers.iter_mut().for_each(|mover| mover.drift(length));
+            v.fill(&island.movers);
+        } else {
+            for (mover, body) in island.movers.iter_mut().zip(&self.v.bodies) {
+                mover.position += S::widen(body.linear * length);
+                mover.orientation.angle += S::widen_turn(body.angular * length).z;
+                // Contacts need the rotation at the end of the step alone.
+                if last && !mover.is_fixed() {
+                    mover.orientation = Orientation::planar(mover.orientation.angle);
+                }
+            }
+            if last {
+                take_velocities(island, &self.v);
+            }
         }
-        rows.contacts = std::mem::take(&mut half.rows.contacts);
-        for (row, contact) in rows.contacts.iter_mut().zip(touching.iter()) {
+        if !island.joints.is_empty() {
+            self.start.clone_from(&self.v);
+        }
+    }
+
+    /// Takes the impulses of the second half of a piece, at the velocities after the kick.
+    fn second_half(&mut self, island: &mut Island, length: f64) {
+        let first = std::mem::take(&mut self.joints);
+        if let Some(v) = S::in_space(&mut self.v) {
+            island.hold_joint_velocities(&first, v, &mut self.joints.rows);
+        }
+        for (row, contact) in self.rows.iter_mut().zip(&self.touching) {
             row.before = row.impulse;
             row.yields = 0.0;
             row.least = match row.before.normal > 0.0 {
@@ -197,54 +242,104 @@ impl Island {
                 false => 0.0,
             };
         }
-        rows.start(v);
-        for iteration in 0..self.accuracy.iterations {
-            rows.relax_all(iteration, v);
-        }
-        for (row, contact) in rows.contacts.iter().zip(touching.iter_mut()) {
+        self.start_impulses(false);
+        self.relax(island.accuracy.iterations);
+        for (row, contact) in self.rows.iter().zip(&mut self.touching) {
             contact.load = row.before.plus(&row.impulse).scaled(1.0 / length);
-            self.meters.pushed += if contact.pushes { pushed(row, contact.slip.0) } else { 0.0 };
+            island.meters.pushed += if contact.pushes { pushed(row, contact.slip.0) } else { 0.0 };
         }
-        if joined {
-            self.keep_joint_loads(half, &rows, length);
-            self.keep_reactions(half, &rows);
-            half.lost += rows.stopped(start, v);
+        if !island.joints.is_empty() {
+            island.keep_joint_loads(&first, &self.joints.rows, length);
+            island.keep_reactions(&first, &self.joints.rows);
         }
-        self.meters.work += half.work;
-        if joined || self.driven() {
-            self.meters.work += rows.supplied(if joined { start } else { v }, v);
-        }
-        half.rows.contacts = rows.contacts;
-        half.lost += meter(half, touching, v);
+        self.meter();
+        island.meters.work += self.work + self.supplied();
         // A sum below 0 is an error of the piece, which is left to the drift.
-        self.meters.dissipated += half.lost.max(0.0);
-        self.take_velocities(v);
+        island.meters.dissipated += self.lost.max(0.0);
     }
 
-    /// Whether a fixed body moves.
-    fn driven(&self) -> bool {
-        self.movers.iter().any(|mover| mover.is_fixed() && (mover.velocity != DVec3::ZERO || mover.spin != DVec3::ZERO))
+    /// Ends the last piece.
+    fn end(&mut self, island: &mut Island) {
+        self.v.fill(&island.movers);
+        self.second_half(island, island.open);
+        take_velocities(island, &self.v);
+        for touching in &self.touching {
+            island.contacts[touching.contact].load = touching.load.widen();
+        }
     }
 
-    /// Takes the velocities of a solve.
-    fn take_velocities(&mut self, v: &BodyVelocities) {
-        for (body, mover) in self.movers.iter_mut().enumerate().filter(|(_, mover)| !mover.is_fixed()) {
-            let [linear, angular] = v.of_body(body);
-            mover.velocity = linear;
-            if mover.inertia != Inertia::NONE {
-                mover.spin = mover.inertia.spin(&mover.orientation, angular);
+    /// Adds the initial impulses to the velocities. Those of the last step or of an impact may hold a load that nothing balances:
+    /// they are strange. If these would add energy, all begin at zero.
+    fn start_impulses(&mut self, are_strange: bool) {
+        let free = are_strange.then(|| self.v.clone());
+        if let Some(v) = S::in_space(&mut self.v) {
+            self.joints.rows.start(v);
+        }
+        self.rows.iter().for_each(|row| row.start(&mut self.v));
+        let Some(mut free) = free else { return };
+        let stopped = self.stopped(&mut free);
+        if add_energy(&self.rows, stopped, &free, &self.v) {
+            self.joints.rows.clear_impulses();
+            self.rows.iter_mut().for_each(|row| row.impulse = ContactImpulse::default());
+            self.v = free;
+        }
+    }
+
+    /// Iterates over all rows, in alternating order.
+    fn relax(&mut self, iterations: usize) {
+        let v = &mut self.v;
+        for iteration in 0..iterations {
+            if let Some(v) = S::in_space(v) {
+                self.joints.rows.relax_all(iteration, v);
             }
+            let mut relax = |row: &mut ContactRow<S>| {
+                row.relax(v);
+            };
+            if iteration.is_multiple_of(2) {
+                self.rows.iter_mut().for_each(&mut relax);
+            } else {
+                self.rows.iter_mut().rev().for_each(&mut relax);
+            }
+        }
+    }
+
+    /// Energy that limits of joints dissipate by the impulses of a half, from velocities before [J].
+    fn stopped(&mut self, before: &mut BodyVelocities<S>) -> f64 {
+        match (S::in_space(before), S::in_space(&mut self.v)) {
+            (Some(before), Some(v)) => self.joints.rows.stopped(before, v),
+            _ => 0.0,
+        }
+    }
+
+    /// Energy that motors and moved bodies supply by the impulses of a half [J].
+    fn supplied(&mut self) -> f64 {
+        let moved = if self.is_driven { self.rows.iter().map(|row| row.supplied(&self.v)).sum() } else { 0.0 };
+        match (S::in_space(&mut self.start), S::in_space(&mut self.v)) {
+            (Some(start), Some(v)) => self.joints.rows.supplied(start, v) + moved,
+            _ => moved,
+        }
+    }
+
+    /// Adds the energy that contacts and limits dissipate in a half of a piece; takes the velocities of contacts for the start of
+    /// the next.
+    fn meter(&mut self) {
+        let mut start = std::mem::take(&mut self.start);
+        self.lost += self.stopped(&mut start);
+        self.start = start;
+        for (row, contact) in self.rows.iter().zip(&mut self.touching) {
+            let after = row.slip_of(&self.v);
+            self.lost += lost(row, contact.strikes, contact.slip, after);
+            contact.slip = after;
         }
     }
 }
 
-/// Energy that contacts dissipate in half a piece [J]; takes their velocities for the start of the next.
-fn meter(half: &FirstHalf, touching: &mut [Touching], v: &BodyVelocities) -> f64 {
-    let mut sum = 0.0;
-    for (row, contact) in half.rows.contacts.iter().zip(touching) {
-        let after = (row.velocity(v), row.turning(v));
-        sum += lost(row, contact.strikes, contact.slip, after);
-        contact.slip = after;
+/// Takes the velocities of a solve.
+fn take_velocities<S: RowSpace>(island: &mut Island, v: &BodyVelocities<S>) {
+    for (mover, body) in island.movers.iter_mut().zip(&v.bodies).filter(|(mover, _)| !mover.is_fixed()) {
+        mover.velocity = S::widen(body.linear);
+        if mover.inertia != Inertia::NONE {
+            mover.spin = mover.inertia.spin(&mover.orientation, S::widen_turn(body.angular));
+        }
     }
-    sum
 }

@@ -215,6 +215,11 @@ pub trait Force<V: Vector>: History + Send + Sync {
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
 
+    /// Whether the force depends on the rotations of rigid bodies, or turns them.
+    fn meets_solids(&self) -> bool {
+        false
+    }
+
     /// Adds the torques of the last [`Force::prepare`] on the rigid bodies, in the caller's order, about their centers of mass
     /// [N·m].
     fn torques(&self, _torques: &mut [DVec3]) {}

@@ -70,7 +70,8 @@ impl Island {
                 let known = until.min(LARGEST_TURN * pair.size / turning);
                 let open = contacts.iter().filter(|contact| !contact.held);
                 let falls = open.filter_map(|each| closes(|at| each.gap(&paths, at), (0.0, known), (&each.point, pair.size)));
-                falls.reduce(f64::min).or((known < until).then_some(known))
+                let others = self.others_that_close(pair, contacts, &paths, shapes, known);
+                falls.chain(others).reduce(f64::min).or((known < until).then_some(known))
             } else {
                 self.approach(pair, &paths, shapes, until)
             };
@@ -78,6 +79,26 @@ impl Island {
         }
         let limit = self.first_limit(&paths, first.unwrap_or(length));
         limit.or(first)
+    }
+
+    /// Times until `until` at which features of a pair meet beside its contacts, as its bodies turn.
+    fn others_that_close(
+        &self,
+        pair: &BodyPair,
+        contacts: &[GroupContact],
+        paths: &[BodyPath<'_>],
+        shapes: &[SolidShape],
+        until: f64,
+    ) -> Vec<f64> {
+        let [one, other] = pair.bodies.map(|body| &paths[body]);
+        let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
+        let dimension = if self.planar { 2 } else { 3 };
+        let mut points = Vec::new();
+        collision::contacts((first, &one.at(until)), (second, &other.at(until)), 0.0, dimension, &mut points);
+        let normal = (other.at(until).position - one.at(until).position).try_normalize().unwrap_or(DVec3::X);
+        let gap = |point: &ContactPoint, at: f64| point.at([&one.at(at), &other.at(at)], normal).gap;
+        let is_new = |point: &&ContactPoint| contacts.iter().all(|contact| contact.point.feature != point.feature);
+        points.iter().filter(is_new).filter_map(|point| closes(|at| gap(point, at), (0.0, until), (point, pair.size))).collect()
     }
 
     /// Time until `until` at which the gap of a pair closes. Conservative advancement leads to where the bodies are near each

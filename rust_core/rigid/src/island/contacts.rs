@@ -7,7 +7,7 @@ use crate::collision;
 use crate::contact::{ContactPoint, Touch};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{BodyVelocities, ContactImpulse, ContactRow};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
 use crate::shapes::SolidShape;
 use crate::surface::Friction;
 
@@ -101,7 +101,7 @@ impl Island {
     }
 
     /// Row of a contact at the present poses.
-    pub fn row(&self, contact: &GroupContact, v: &BodyVelocities) -> Option<ContactRow> {
+    pub fn row<S: RowSpace>(&self, contact: &GroupContact, v: &BodyVelocities<S>) -> Option<ContactRow<S>> {
         let arms = contact.bodies.map(|body| contact.touch.point - self.movers[body].position);
         ContactRow::new(contact.bodies, arms, contact.touch.normal, contact.friction, v)
     }
@@ -142,7 +142,7 @@ impl GroupContact {
         let [one, other] = std::array::from_fn(|side| {
             let body = self.bodies[side];
             let (local, arm) = anchors[side];
-            let rolled = length * (middle.at(body, arm) - middle.at(body, DVec3::ZERO));
+            let rolled = length * (middle.bodies[body].at(arm) - middle.bodies[body].at(DVec3::ZERO));
             poses[body].point(local) + rolled + arm
         });
         other - one

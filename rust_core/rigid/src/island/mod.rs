@@ -150,6 +150,11 @@ impl Island {
         std::mem::take(&mut self.sweep)
     }
 
+    /// Keeps the buffers of a sweep.
+    pub fn keep_sweep(&mut self, sweep: GroupSweep) {
+        self.sweep = sweep;
+    }
+
     /// Leaves the last piece of a sweep open.
     pub fn open_sweep(&mut self, sweep: GroupSweep, length: f64, h: f64) {
         (self.sweep, self.is_swept, self.open, self.step) = (sweep, true, length, h);

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::{CLOSED, HIT, Island};
 use crate::mover::Mover;
-use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, MOST_ROWS, Rows};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, MOST_ROWS, RowSpace, RowVector, Rows};
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
 const LONG: f64 = 0.1;
@@ -170,9 +170,7 @@ impl Island {
     /// Takes the second half of a piece, at the velocities after the kick.
     pub fn end_piece(&mut self) {
         if std::mem::take(&mut self.is_swept) {
-            let mut sweep = std::mem::take(&mut self.sweep);
-            self.end_sweep(&mut sweep);
-            self.sweep = sweep;
+            self.end_sweep();
             return;
         }
         let first = std::mem::take(&mut self.first);
@@ -251,12 +249,12 @@ fn work_on_kick(kicked: &[Mover], ended: &[Mover], length: f64) -> f64 {
 }
 
 /// Energy that a contact dissipates in half a piece [J]: by friction, and by the normal impulse if it strikes.
-pub fn lost(row: &ContactRow, strikes: bool, before: ContactSlip, after: ContactSlip) -> f64 {
+pub fn lost<S: RowSpace>(row: &ContactRow<S>, strikes: bool, before: (S::Vector, S::Turn), after: (S::Vector, S::Turn)) -> f64 {
     let normal = 0.5 * row.impulse.normal * row.normal.dot(before.0 + after.0);
     -row.work(before, after) + if strikes { 0.0 } else { normal }
 }
 
 /// Work of the normal impulses of a piece at the velocity of its drift [J]: the energy gained as the gap grows under load.
-pub fn pushed(row: &ContactRow, drift: DVec3) -> f64 {
+pub fn pushed<S: RowSpace>(row: &ContactRow<S>, drift: S::Vector) -> f64 {
     (row.before.normal + row.impulse.normal) * row.normal.dot(drift)
 }

@@ -27,32 +27,34 @@ impl Row {
 
     /// Relative velocity J v.
     pub fn velocity(&self, [one, other]: [usize; 2], v: &BodyVelocities) -> f64 {
-        self.linear.dot(v.linear[other] - v.linear[one]) + self.angular[1].dot(v.angular[other])
-            - self.angular[0].dot(v.angular[one])
+        let [one, other] = [&v.bodies[one], &v.bodies[other]];
+        self.linear.dot(other.linear - one.linear) + self.angular[1].dot(other.angular) - self.angular[0].dot(one.angular)
     }
 
     /// J M⁻¹ Jᵀ of this row and another one of the same bodies.
     pub fn coupling(&self, row: &Self, [one, other]: [usize; 2], v: &BodyVelocities) -> f64 {
-        let masses = v.inverse_mass[one] + v.inverse_mass[other];
-        masses * self.linear.dot(row.linear)
-            + self.angular[0].dot(v.inverse_inertia[one] * row.angular[0])
-            + self.angular[1].dot(v.inverse_inertia[other] * row.angular[1])
+        let [one, other] = [&v.bodies[one], &v.bodies[other]];
+        (one.inverse_mass + other.inverse_mass) * self.linear.dot(row.linear)
+            + self.angular[0].dot(one.inverse_inertia * row.angular[0])
+            + self.angular[1].dot(other.inverse_inertia * row.angular[1])
     }
 
     /// Adds an impulse to the velocities.
     pub fn push(&self, impulse: f64, [one, other]: [usize; 2], v: &mut BodyVelocities) {
-        v.linear[one] -= v.inverse_mass[one] * impulse * self.linear;
-        v.linear[other] += v.inverse_mass[other] * impulse * self.linear;
-        v.angular[one] -= v.inverse_inertia[one] * (impulse * self.angular[0]);
-        v.angular[other] += v.inverse_inertia[other] * (impulse * self.angular[1]);
+        let first = &mut v.bodies[one];
+        first.linear -= first.inverse_mass * impulse * self.linear;
+        first.twist(-(impulse * self.angular[0]));
+        let second = &mut v.bodies[other];
+        second.linear += second.inverse_mass * impulse * self.linear;
+        second.twist(impulse * self.angular[1]);
     }
 
     /// Energy supplied by fixed bodies, which move as prescribed [J].
     pub fn supplied(&self, bodies: [usize; 2], v: &BodyVelocities) -> f64 {
         let of = |side: usize, sign: f64| {
-            let body = bodies[side];
-            let fixed = v.inverse_mass[body] == 0.0;
-            if fixed { sign * (self.linear.dot(v.linear[body]) + self.angular[side].dot(v.angular[body])) } else { 0.0 }
+            let body = &v.bodies[bodies[side]];
+            let velocity = self.linear.dot(body.linear) + self.angular[side].dot(body.angular);
+            if body.is_fixed() { sign * velocity } else { 0.0 }
         };
         self.impulse * (of(0, 1.0) + of(1, -1.0))
     }

@@ -7,26 +7,67 @@
 
 mod contact;
 mod joint;
+mod space;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::joint_system::JointSystem;
 use crate::mover::Mover;
 
-pub use contact::{ContactImpulse, ContactRow};
+pub use contact::{ContactImpulse, ContactRow, add_energy};
 pub(crate) use joint::inverted;
 pub use joint::{BoundedRow, JointRows, Row};
+pub use space::{InPlane, InSpace, RowSpace, RowVector};
 
 /// Largest number of rows of a joint.
 pub const MOST_ROWS: usize = 6;
 
-/// Velocities during a solve, with the inverse masses and inertias.
+/// Velocities of a body during a solve, with its inverse mass and inertia.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BodyVelocity<S: RowSpace = InSpace> {
+    pub linear: S::Vector,
+    pub angular: S::Turn,
+    pub inverse_mass: f64,
+    pub inverse_inertia: S::Inverse,
+}
+
+impl<S: RowSpace> BodyVelocity<S> {
+    /// Whether impulses leave the body as it is.
+    #[inline(always)]
+    pub fn is_fixed(&self) -> bool {
+        self.inverse_mass == 0.0
+    }
+
+    /// Velocity of a point at an arm from the center [m/s].
+    #[inline(always)]
+    pub fn at(&self, arm: S::Vector) -> S::Vector {
+        self.linear + S::swept(self.angular, arm)
+    }
+
+    /// Adds an impulse at an arm from the center.
+    #[inline(always)]
+    pub fn push(&mut self, arm: S::Vector, impulse: S::Vector) {
+        self.linear += impulse * self.inverse_mass;
+        self.twist(S::moment(arm, impulse));
+    }
+
+    /// Adds an angular impulse.
+    #[inline(always)]
+    pub fn twist(&mut self, moment: S::Turn) {
+        self.angular += S::turned(&self.inverse_inertia, moment);
+    }
+
+    /// Response of the velocity at an arm to an impulse there.
+    #[inline(always)]
+    pub fn response(&self, arm: S::Vector, impulse: S::Vector) -> S::Vector {
+        impulse * self.inverse_mass + S::swept(S::turned(&self.inverse_inertia, S::moment(arm, impulse)), arm)
+    }
+}
+
+/// Velocities of all bodies of a group during a solve.
 #[derive(Debug, Clone, Default)]
-pub struct BodyVelocities {
-    linear: Vec<DVec3>,
-    angular: Vec<DVec3>,
-    inverse_mass: Vec<f64>,
-    inverse_inertia: Vec<DMat3>,
+pub struct BodyVelocities<S: RowSpace = InSpace> {
+    pub bodies: Vec<BodyVelocity<S>>,
 }
 
 impl BodyVelocities {
@@ -37,62 +78,33 @@ impl BodyVelocities {
         velocities
     }
 
+    /// Response of one row of a body to the impulse of another one, each given with its side.
+    pub fn coupling(&self, body: usize, (row, side): (&Row, usize), (other, across): (&Row, usize)) -> f64 {
+        let body = &self.bodies[body];
+        body.inverse_mass * row.linear.dot(other.linear) + row.angular[side].dot(body.inverse_inertia * other.angular[across])
+    }
+}
+
+impl<S: RowSpace> BodyVelocities<S> {
     /// Replaces all velocities, inverse masses and inertias by those of movers.
     pub fn fill(&mut self, movers: &[Mover]) {
-        self.linear.clear();
-        self.angular.clear();
-        self.inverse_mass.clear();
-        self.inverse_inertia.clear();
-        for mover in movers {
-            let inverse_inertia = mover.inverse_inertia();
-            self.linear.push(mover.velocity);
-            self.angular.push(if mover.is_fixed() { mover.spin } else { inverse_inertia * mover.spin });
-            self.inverse_mass.push(mover.inverse_mass);
-            self.inverse_inertia.push(inverse_inertia);
-        }
+        self.bodies.clear();
+        self.bodies.extend(movers.iter().map(|mover| {
+            let inverse_inertia = S::inverse(&mover.inverse_inertia());
+            let (linear, spin) = (S::vector(mover.velocity), S::turn(mover.spin));
+            let angular = if mover.is_fixed() { spin } else { S::turned(&inverse_inertia, spin) };
+            BodyVelocity { linear, angular, inverse_mass: mover.inverse_mass, inverse_inertia }
+        }));
     }
 
     /// Applies the forces on movers for `h` seconds.
     pub fn kick(&mut self, movers: &[Mover], h: f64) {
-        for (body, mover) in movers.iter().enumerate().filter(|(_, mover)| !mover.is_fixed()) {
-            self.linear[body] += h * mover.acceleration;
+        for (body, mover) in self.bodies.iter_mut().zip(movers).filter(|(_, mover)| !mover.is_fixed()) {
+            body.linear += S::vector(h * mover.acceleration);
             if mover.torque != DVec3::ZERO {
-                self.angular[body] += self.inverse_inertia[body] * (h * mover.torque);
+                body.twist(S::turn(h * mover.torque));
             }
         }
-    }
-
-    /// Whether impulses leave a body as it is.
-    pub fn is_fixed(&self, body: usize) -> bool {
-        self.inverse_mass[body] == 0.0
-    }
-
-    /// Velocity [m/s] and angular velocity [rad/s] of a body.
-    pub fn of_body(&self, body: usize) -> [DVec3; 2] {
-        [self.linear[body], self.angular[body]]
-    }
-
-    /// Velocity of a point of a body at an arm from its center [m/s].
-    #[inline(always)]
-    pub fn at(&self, body: usize, arm: DVec3) -> DVec3 {
-        self.linear[body] + self.angular[body].cross(arm)
-    }
-
-    /// Response of one row of a body to the impulse of another one, each given with its side.
-    pub fn coupling(&self, body: usize, (row, side): (&Row, usize), (other, across): (&Row, usize)) -> f64 {
-        self.inverse_mass[body] * row.linear.dot(other.linear)
-            + row.angular[side].dot(self.inverse_inertia[body] * other.angular[across])
-    }
-
-    #[inline(always)]
-    pub fn push(&mut self, body: usize, arm: DVec3, impulse: DVec3) {
-        self.linear[body] += self.inverse_mass[body] * impulse;
-        self.angular[body] += self.inverse_inertia[body] * arm.cross(impulse);
-    }
-
-    /// Response of the velocity at an arm to an impulse there.
-    pub fn response(&self, body: usize, arm: DVec3, impulse: DVec3) -> DVec3 {
-        self.inverse_mass[body] * impulse + (self.inverse_inertia[body] * arm.cross(impulse)).cross(arm)
     }
 }
 
@@ -120,12 +132,7 @@ impl Rows {
             joint.rows.iter().for_each(|row| row.push(row.impulse, joint.bodies, v));
         }
         self.bounds.iter().for_each(|bounded| bounded.row.push(bounded.row.impulse, bounded.bodies, v));
-        for contact in &self.contacts {
-            contact.push(contact.impulse.normal * contact.normal + contact.impulse.tangential, v);
-            let [one, other] = contact.bodies;
-            v.angular[one] -= v.inverse_inertia[one] * contact.impulse.turning;
-            v.angular[other] += v.inverse_inertia[other] * contact.impulse.turning;
-        }
+        self.contacts.iter().for_each(|contact| contact.start(v));
     }
 
     /// Relaxes all rows once; returns the largest change of a relative velocity [m/s].

@@ -62,6 +62,12 @@ impl BoundingBox {
         self.lower.cmple(other.upper).all() && other.lower.cmple(self.upper).all()
     }
 
+    /// Whether another box is within this one.
+    #[inline]
+    pub fn contains(&self, other: &Self) -> bool {
+        self.lower.cmple(other.lower).all() && other.upper.cmple(self.upper).all()
+    }
+
     /// Whether all coordinates are finite.
     #[inline]
     pub fn is_finite(&self) -> bool {

@@ -4,11 +4,15 @@
 //! of bodies that may touch or are joined, and moves these. After the second kick, [`RigidWorld::finish`] ends the last piece
 //! of each. Groups are independent of each other, so that the bits are the same for any number of threads.
 
+mod free;
 mod groups;
+mod members;
+mod near;
 mod overlaps;
 mod springs;
 mod state;
 mod step;
+mod thrown;
 
 use glam::{DMat3, DVec3};
 
@@ -19,6 +23,7 @@ use crate::rows::ContactImpulse;
 use crate::shapes::SolidShape;
 use crate::surface::Surface;
 
+use near::NearPairs;
 pub use overlaps::Overlap;
 use springs::SpringStep;
 pub use state::{RigidState, Turn, WorldJoint};
@@ -80,7 +85,8 @@ impl CenterMotion {
 
     /// Mean acceleration in a step of `h` seconds [m/s²].
     pub(crate) fn acceleration(&self, h: f64) -> DVec3 {
-        (self.drift - self.velocity) * (2.0 / h)
+        let change = self.drift - self.velocity;
+        if change == DVec3::ZERO { change } else { change * (2.0 / h) }
     }
 }
 
@@ -123,6 +129,8 @@ pub struct RigidWorld {
     pub solver: ContactSolver,
     /// State that persists from step to step.
     pub state: RigidState,
+    /// Pairs that are near each other.
+    near: NearPairs,
     /// Groups of the present step, and cleared ones.
     islands: Vec<Island>,
     spare: Vec<Island>,

@@ -1,9 +1,9 @@
 //! Overlaps of bodies at the start.
 
+use super::members::StepMembers;
+use super::near::NearPairs;
 use super::{CenterMotion, RigidWorld};
 use crate::collision;
-use crate::mover::Mover;
-use crate::surface::Surface;
 
 /// Overlap of two bodies at the start.
 #[derive(Debug, Clone)]
@@ -19,17 +19,13 @@ pub struct Overlap {
 impl RigidWorld {
     /// Overlaps of bodies with each other and with walls.
     pub fn overlaps(&self, motions: &[CenterMotion]) -> Vec<Overlap> {
-        let count = self.bodies.len();
-        let mut movers: Vec<Mover> = motions.iter().enumerate().map(|(body, motion)| self.mover(body, motion, 1.0)).collect();
-        let mut surfaces: Vec<Surface> = self.bodies.iter().map(|solid| solid.surface).collect();
-        movers.extend(self.walls.iter().map(|wall| wall.mover));
-        surfaces.extend(self.walls.iter().map(|wall| wall.surface));
+        let members = StepMembers { world: self, bodies: motions, points: &[], motions: &[], h: 0.0 };
         let dimension = if self.planar { 2 } else { 3 };
-        let name = |index: usize| self.names.get(index).unwrap_or_else(|| &self.wall_names[index - count]).clone();
+        let name = |index: usize| self.names.get(index).unwrap_or_else(|| &self.wall_names[index - self.bodies.len()]).clone();
         let mut overlaps = Vec::new();
-        for pair in self.pairs(&movers, &surfaces, count, 0.0) {
+        for pair in members.pairs(&mut NearPairs::default()) {
             let [one, other] = pair.map(|end| end as usize);
-            let sides = [one, other].map(|end| (&self.shapes[surfaces[end].shape], movers[end].pose()));
+            let sides = [one, other].map(|end| (&self.shapes[members.surface(end).shape], members.pose(end)));
             let (gap, _) = collision::separation((sides[0].0, &sides[0].1), (sides[1].0, &sides[1].1), dimension);
             if gap < 0.0 {
                 let size = sides[0].0.reach().min(sides[1].0.reach());

@@ -5,7 +5,8 @@
 
 use glam::DVec3;
 
-use super::{CenterMotion, FreePoint, RigidWorld, WORLD};
+use super::members::StepMembers;
+use super::{CenterMotion, FreePoint, RigidWorld};
 use crate::joints::{DampedSpring, Joint, SpringForce};
 use crate::mover::Mover;
 use crate::pose::Pose;
@@ -37,9 +38,14 @@ impl SpringStep {
         self.acting.is_empty()
     }
 
-    /// Marks the bodies and particles on which springs act.
-    pub fn mark(&self, moved: &mut [bool]) {
-        self.acting.iter().flat_map(|spring| spring.ends).flatten().for_each(|end| moved[end] = true);
+    /// Bodies and particles on which springs act.
+    pub fn ends(&self) -> impl Iterator<Item = usize> {
+        self.acting.iter().flat_map(|spring| spring.ends).flatten()
+    }
+
+    /// Acceleration and torque of a body or particle by the springs; None if no spring acts on any.
+    pub fn load(&self, index: usize) -> Option<[DVec3; 2]> {
+        self.loads.get(index).copied()
     }
 }
 
@@ -55,32 +61,25 @@ impl RigidWorld {
         whole.filter_map(|(index, each)| each.joint.spring().map(|spring| (index, each.ends, &each.joint, spring)))
     }
 
-    /// Adds the forces of the springs to the movers of a step, at its start.
-    pub(super) fn begin_springs(&mut self, movers: &mut [Mover], points: &[FreePoint]) {
-        let bodies = self.bodies.len();
+    /// Springs that act in a step, with their forces at its start.
+    pub(super) fn begin_springs(&mut self, h: f64, bodies: &[CenterMotion], points: &[FreePoint], motions: &[CenterMotion]) {
+        let members = StepMembers { world: self, bodies, points, motions, h };
         let mut step = SpringStep::default();
         for (index, ends, joint, spring) in self.whole_springs() {
-            let place = |end: usize| match end {
-                WORLD => Some(None),
-                end if end < bodies => Some(Some(end)),
-                end => points.binary_search_by_key(&(end - bodies), |point| point.index).ok().map(|place| Some(bodies + place)),
-            };
-            let [Some(one), Some(other)] = ends.map(place) else { continue };
-            let ends = [one, other];
-            let [first, second] = ends_in(ends, movers);
-            step.acting.push(ActingSpring { joint: index, ends, start: joint.spring_force(spring, [&first, &second]) });
-        }
-        if !step.is_empty() {
-            step.loads.resize(bodies + points.len(), [DVec3::ZERO; 2]);
-            step.inverse_masses.extend(points.iter().map(|point| point.inverse_mass));
-        }
-        for ActingSpring { ends, start, .. } in &step.acting {
-            for (side, end) in ends.iter().enumerate().filter_map(|(side, end)| end.map(|end| (side, end))) {
-                let (mover, force) = (&mut movers[end], start.on(side));
-                mover.load(force, start.arms[side]);
-                step.loads[end][0] += mover.inverse_mass * force;
-                step.loads[end][1] += start.arms[side].cross(force);
+            let [Some(one), Some(other)] = ends.map(|end| members.place(end)) else { continue };
+            let [first, second] = [one, other].map(|end| members.unsprung(end));
+            let start = joint.spring_force(spring, [&first, &second]);
+            let ends = [one, other].map(|end| (end < members.free()).then_some(end));
+            if step.is_empty() {
+                step.loads.resize(members.free(), [DVec3::ZERO; 2]);
+                step.inverse_masses.extend(points.iter().map(|point| point.inverse_mass));
             }
+            for (side, mover) in [&first, &second].into_iter().enumerate() {
+                let Some(end) = ends[side] else { continue };
+                step.loads[end][0] += mover.inverse_mass * start.on(side);
+                step.loads[end][1] += start.arms[side].cross(start.on(side));
+            }
+            step.acting.push(ActingSpring { joint: index, ends, start });
         }
         self.springs = step;
     }

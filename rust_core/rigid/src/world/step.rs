@@ -3,12 +3,11 @@
 use glam::DVec3;
 use physcore_base::parallel::{BlockedSlice, Executor};
 
+use super::members::StepMembers;
 use super::{CenterMotion, FreePoint, RigidWorld, Turn};
 use crate::island::{Accuracy, Island, Meters};
 use crate::mover::Mover;
-use crate::pose::Pose;
 use crate::rotation::Inertia;
-use crate::surface::Surface;
 
 impl RigidWorld {
     /// Moves bodies and particles through a step of `h` seconds, with their contacts and joints; returns which of them these
@@ -21,27 +20,12 @@ impl RigidWorld {
         motions: &mut [CenterMotion],
         executor: &Executor,
     ) -> Vec<bool> {
-        let count = self.bodies.len();
-        let mut movers: Vec<Mover> = bodies.iter().enumerate().map(|(body, motion)| self.mover(body, motion, h)).collect();
-        let mut surfaces: Vec<Surface> = self.bodies.iter().map(|solid| solid.surface).collect();
-        for (point, motion) in points.iter().zip(&*motions) {
-            movers.push(Mover {
-                position: motion.position,
-                velocity: motion.velocity,
-                acceleration: motion.acceleration(h),
-                inverse_mass: point.inverse_mass,
-                ..Mover::wall(&Pose::WORLD)
-            });
-            surfaces.push(point.surface);
-        }
-        self.begin_springs(&mut movers, points);
-        movers.extend(self.walls.iter().map(|wall| wall.mover));
-        surfaces.extend(self.walls.iter().map(|wall| wall.surface));
-        let pairs = self.pairs(&movers, &surfaces, count + points.len(), h);
-        // Other end of joints to the world.
-        movers.push(Mover::wall(&Pose::WORLD));
-        surfaces.push(Surface { shape: 0, friction: None, restitution: 0.0 });
-        self.islands = self.groups(&movers, &surfaces, &pairs, points);
+        self.begin_springs(h, bodies, points, motions);
+        let (mut near, mut spare) = (std::mem::take(&mut self.near), std::mem::take(&mut self.spare));
+        let members = StepMembers { world: self, bodies, points, motions, h };
+        let pairs = members.pairs(&mut near);
+        let islands = members.groups(&pairs, &mut spare);
+        (self.near, self.spare, self.islands) = (near, spare, islands);
         let (shapes, solver) = (&self.shapes, self.solver);
         executor.for_each_block(BlockedSlice::new(&mut self.islands, 1), &|block: BlockedSlice<'_, Island>| {
             for island in block.items {
@@ -55,31 +39,37 @@ impl RigidWorld {
                 }
             }
         });
-        // Bodies without contacts and joints, and fixed ones.
-        let mut alone = vec![true; movers.len()];
+        let members = StepMembers { world: self, bodies, points, motions, h };
+        let mut moved = vec![false; members.free()];
+        let mut results = Vec::new();
         for island in &self.islands {
-            island.members.iter().zip(&island.movers).filter(|(_, mover)| !mover.is_fixed()).for_each(|(&member, mover)| {
-                alone[member] = false;
-                movers[member] = *mover;
-                movers[member].velocity -= 0.5 * (h - island.open) * mover.acceleration;
-                movers[member].spin -= 0.5 * (h - island.open) * mover.torque;
-            });
+            for (&member, mover) in island.members.iter().zip(&island.movers).filter(|(_, mover)| !mover.is_fixed()) {
+                let mut mover = *mover;
+                mover.velocity -= 0.5 * (h - island.open) * mover.acceleration;
+                mover.spin -= 0.5 * (h - island.open) * mover.torque;
+                moved[member] = true;
+                results.push((member, mover));
+            }
         }
-        for (mover, _) in movers.iter_mut().zip(&alone).filter(|(_, alone)| **alone) {
-            mover.kick(0.5 * h);
-            mover.drift(h);
+        for end in self.springs.ends() {
+            if !std::mem::replace(&mut moved[end], true) {
+                let mut mover = members.mover(end);
+                mover.kick(0.5 * h);
+                mover.drift(h);
+                results.push((end, mover));
+            }
         }
-        let mut moved: Vec<bool> = alone.iter().map(|alone| !alone).collect();
-        self.springs.mark(&mut moved);
-        for (index, mover) in movers.iter().enumerate().take(count) {
-            self.state.turns[index] = Turn { orientation: mover.orientation, spin: mover.spin };
+        let count = self.bodies.len();
+        for (index, mover) in results {
+            if index < count {
+                self.state.turns[index] = Turn { orientation: mover.orientation, spin: mover.spin };
+            }
+            if !mover.is_fixed() {
+                let motion = if index < count { &mut bodies[index] } else { &mut motions[index - count] };
+                (motion.position, motion.drift) = (mover.position, mover.velocity);
+            }
         }
-        let (first, others) = movers.split_at(count);
-        let all = bodies.iter_mut().zip(first).chain(motions.iter_mut().zip(others)).zip(&moved);
-        for ((motion, mover), _) in all.filter(|((_, mover), moved)| **moved && !mover.is_fixed()) {
-            (motion.position, motion.drift) = (mover.position, mover.velocity);
-        }
-        moved.truncate(count + points.len());
+        self.turn_free(h, bodies, &moved, executor);
         moved
     }
 

@@ -106,6 +106,10 @@ impl<V: Vector, K: KernelShape, const MIXED: bool> Force<V> for WeaklyCompressib
         }
     }
 
+    fn meets_solids(&self) -> bool {
+        self.solids.count() > 0
+    }
+
     fn torques(&self, torques: &mut [DVec3]) {
         self.solids.add_torques(torques);
     }

@@ -169,6 +169,10 @@ impl<V: Vector> Force<V> for SolidWind {
         }
     }
 
+    fn meets_solids(&self) -> bool {
+        true
+    }
+
     fn torques(&self, torques: &mut [DVec3]) {
         self.sails.iter().zip(&self.loads).for_each(|(sail, load)| torques[sail.solid] += load.torque);
     }

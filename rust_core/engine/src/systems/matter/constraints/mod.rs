@@ -80,6 +80,11 @@ impl<'a, V: Space> ConstrainedStep<'a, V> {
         }
     }
 
+    /// Whether forces depend on the rotations of the rigid bodies, or turn them.
+    pub fn meets_solids(&self) -> bool {
+        self.forces.iter().any(|force| force.meets_solids())
+    }
+
     /// Torques of the forces on the rigid bodies at their last evaluation [N·m].
     pub fn torques(&self) -> Vec<DVec3> {
         let mut torques = vec![DVec3::ZERO; self.matter.solids.len()];

@@ -236,7 +236,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
             motion.drift = step.drift_velocity(*particle as usize);
         }
         self.choose(step.h);
-        let before: Vec<Turn> = self.world.state.turns.clone();
+        let is_seen = step.meets_solids();
+        let before: Vec<Turn> = if is_seen { self.world.state.turns.clone() } else { Vec::new() };
         let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
         let moved = self.world.drift(step.h, &mut self.motions, &points, &mut others, step.executor);
@@ -259,20 +260,27 @@ impl<V: Space> Constraint<V> for RigidBodies {
             tied.place(step, &self.world, motion, [start.drift - start.velocity, turn]);
             self.world.state.torques[tied.body] = start.torque;
         }
-        step.matter.solids = self.motions_after(0.5 * step.h);
-        let solids = step.matter.solids.iter_mut().zip(before);
-        solids.for_each(|(solid, turn)| solid.before = turn.orientation.quaternion);
+        if is_seen {
+            step.matter.solids = self.motions_after(0.5 * step.h);
+            let solids = step.matter.solids.iter_mut().zip(before);
+            solids.for_each(|(solid, turn)| solid.before = turn.orientation.quaternion);
+        }
         Ok(true)
     }
 
     fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
         let at = |particle: u32| motion(step, particle as usize);
-        self.motions.clear();
-        let turned = self.world.work_of_turning(step.h);
-        self.world.state.torques = step.torques();
-        let turned = turned + self.world.work_of_turning(step.h);
-        let torques = self.particles.iter().zip(&self.world.state.torques);
-        self.motions.extend(torques.map(|(&particle, &torque)| CenterMotion { torque, ..at(particle) }));
+        let is_seen = step.meets_solids();
+        let mut turned = 0.0;
+        if is_seen || !self.tied.is_empty() {
+            turned = self.world.work_of_turning(step.h);
+            self.world.state.torques = step.torques();
+            turned += self.world.work_of_turning(step.h);
+        }
+        let torques = self.world.state.torques.iter();
+        for ((motion, &particle), &torque) in self.motions.iter_mut().zip(&self.particles).zip(torques) {
+            *motion = CenterMotion { torque, ..at(particle) };
+        }
         for tied in &mut self.tied {
             let torque = self.world.state.torques[tied.body];
             self.motions[tied.body] = tied.end(step, &self.world.rotation(tied.body), torque);
@@ -289,7 +297,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
             meters.work += tied.release(step, &self.world, self.motions[tied.body].velocity, &mut forces);
             self.world.state.ties = forces;
         }
-        step.matter.solids = self.motions_after(0.0);
+        if is_seen {
+            step.matter.solids = self.motions_after(0.0);
+        }
         let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
             tally.add(EnergySink::Contact, meters.dissipated);

@@ -1,0 +1,237 @@
+//! Vectors of rows: in the plane without the components that vanish there.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+use glam::{DMat3, DVec2, DVec3};
+
+use super::BodyVelocities;
+use crate::mover::perpendicular;
+
+/// Vector of a row, or the number that remains of one in the plane.
+pub trait RowVector:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + SubAssign
+    + Neg<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// Scalar product.
+    fn dot(self, other: Self) -> f64;
+
+    /// Vector of the same direction, not longer than `most`.
+    #[inline(always)]
+    #[must_use]
+    fn limited(self, most: f64) -> Self {
+        let squared = RowVector::dot(self, self);
+        if squared > most * most { self / squared.sqrt() * most } else { self }
+    }
+}
+
+impl RowVector for f64 {
+    #[inline(always)]
+    fn dot(self, other: Self) -> f64 {
+        self * other
+    }
+}
+
+impl RowVector for DVec2 {
+    #[inline(always)]
+    fn dot(self, other: Self) -> f64 {
+        self.dot(other)
+    }
+}
+
+impl RowVector for DVec3 {
+    #[inline(always)]
+    fn dot(self, other: Self) -> f64 {
+        self.dot(other)
+    }
+}
+
+/// Plane or space.
+pub trait RowSpace: Copy + Debug + Default {
+    /// Velocity, arm or impulse.
+    type Vector: RowVector;
+    /// Angular velocity or moment.
+    type Turn: RowVector;
+    /// Inverse of an inertia tensor.
+    type Inverse: Copy + Debug + Default;
+
+    /// Vector of the space.
+    fn vector(vector: DVec3) -> Self::Vector;
+    /// Vector as one in space.
+    fn widen(vector: Self::Vector) -> DVec3;
+    /// Angular velocity or moment of the space.
+    fn turn(turn: DVec3) -> Self::Turn;
+    /// Angular velocity or moment as one in space.
+    fn widen_turn(turn: Self::Turn) -> DVec3;
+    /// Inverse of an inertia tensor.
+    fn inverse(inverse: &DMat3) -> Self::Inverse;
+
+    /// Moment of an impulse at an arm.
+    fn moment(arm: Self::Vector, impulse: Self::Vector) -> Self::Turn;
+    /// Velocity of the end of an arm.
+    fn swept(turn: Self::Turn, arm: Self::Vector) -> Self::Vector;
+    /// Change of the angular velocity by a moment.
+    fn turned(inverse: &Self::Inverse, moment: Self::Turn) -> Self::Turn;
+    /// Part of a turn about a normal.
+    fn about(normal: Self::Vector, turn: Self::Turn) -> Self::Turn;
+    /// Largest response to a unit impulse across a normal.
+    fn across(normal: Self::Vector, response: impl Fn(Self::Vector) -> Self::Vector) -> f64;
+    /// Sums of inverse moments of inertia: about a normal, and a bound across it.
+    fn inverse_moments(normal: Self::Vector, one: &Self::Inverse, other: &Self::Inverse) -> [f64; 2];
+
+    /// Velocities in space; None in the plane. Joints act on them.
+    fn in_space(v: &mut BodyVelocities<Self>) -> Option<&mut BodyVelocities<InSpace>>;
+}
+
+/// The plane z = 0.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct InPlane;
+
+/// Space.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct InSpace;
+
+impl RowSpace for InPlane {
+    type Vector = DVec2;
+    type Turn = f64;
+    type Inverse = f64;
+
+    #[inline(always)]
+    fn vector(vector: DVec3) -> DVec2 {
+        vector.truncate()
+    }
+
+    #[inline(always)]
+    fn widen(vector: DVec2) -> DVec3 {
+        vector.extend(0.0)
+    }
+
+    #[inline(always)]
+    fn turn(turn: DVec3) -> f64 {
+        turn.z
+    }
+
+    #[inline(always)]
+    fn widen_turn(turn: f64) -> DVec3 {
+        DVec3::new(0.0, 0.0, turn)
+    }
+
+    #[inline(always)]
+    fn inverse(inverse: &DMat3) -> f64 {
+        inverse.z_axis.z
+    }
+
+    #[inline(always)]
+    fn moment(arm: DVec2, impulse: DVec2) -> f64 {
+        arm.perp_dot(impulse)
+    }
+
+    #[inline(always)]
+    fn swept(turn: f64, arm: DVec2) -> DVec2 {
+        DVec2::new(-turn * arm.y, turn * arm.x)
+    }
+
+    #[inline(always)]
+    fn turned(inverse: &f64, moment: f64) -> f64 {
+        inverse * moment
+    }
+
+    #[inline(always)]
+    fn about(_normal: DVec2, _turn: f64) -> f64 {
+        0.0
+    }
+
+    #[inline(always)]
+    fn across(normal: DVec2, response: impl Fn(DVec2) -> DVec2) -> f64 {
+        let tangent = normal.perp();
+        tangent.dot(response(tangent))
+    }
+
+    #[inline(always)]
+    fn inverse_moments(_normal: DVec2, one: &f64, other: &f64) -> [f64; 2] {
+        [0.0, one + other]
+    }
+
+    #[inline(always)]
+    fn in_space(_v: &mut BodyVelocities<Self>) -> Option<&mut BodyVelocities<InSpace>> {
+        None
+    }
+}
+
+impl RowSpace for InSpace {
+    type Vector = DVec3;
+    type Turn = DVec3;
+    type Inverse = DMat3;
+
+    #[inline(always)]
+    fn vector(vector: DVec3) -> DVec3 {
+        vector
+    }
+
+    #[inline(always)]
+    fn widen(vector: DVec3) -> DVec3 {
+        vector
+    }
+
+    #[inline(always)]
+    fn turn(turn: DVec3) -> DVec3 {
+        turn
+    }
+
+    #[inline(always)]
+    fn widen_turn(turn: DVec3) -> DVec3 {
+        turn
+    }
+
+    #[inline(always)]
+    fn inverse(inverse: &DMat3) -> DMat3 {
+        *inverse
+    }
+
+    #[inline(always)]
+    fn moment(arm: DVec3, impulse: DVec3) -> DVec3 {
+        arm.cross(impulse)
+    }
+
+    #[inline(always)]
+    fn swept(turn: DVec3, arm: DVec3) -> DVec3 {
+        turn.cross(arm)
+    }
+
+    #[inline(always)]
+    fn turned(inverse: &DMat3, moment: DVec3) -> DVec3 {
+        *inverse * moment
+    }
+
+    #[inline(always)]
+    fn about(normal: DVec3, turn: DVec3) -> DVec3 {
+        normal.dot(turn) * normal
+    }
+
+    fn across(normal: DVec3, response: impl Fn(DVec3) -> DVec3) -> f64 {
+        let [first, second] = perpendicular(normal);
+        let [a, b] = [response(first), response(second)];
+        let [xx, yy, xy] = [first.dot(a), second.dot(b), first.dot(b)];
+        0.5 * (xx + yy) + (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt()
+    }
+
+    fn inverse_moments(normal: DVec3, one: &DMat3, other: &DMat3) -> [f64; 2] {
+        let sum = *one + *other;
+        let about = normal.dot(sum * normal);
+        [about, sum.x_axis.x + sum.y_axis.y + sum.z_axis.z - about]
+    }
+
+    #[inline(always)]
+    fn in_space(v: &mut BodyVelocities<Self>) -> Option<&mut BodyVelocities<InSpace>> {
+        Some(v)
+    }
+}

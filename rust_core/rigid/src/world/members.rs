@@ -1,0 +1,172 @@
+//! Bodies, particles and walls of a step, by one index: bodies, then particles, walls, and the world.
+
+use glam::DVec3;
+
+use super::{CenterMotion, FreePoint, RigidWorld, WORLD};
+use crate::mover::Mover;
+use crate::pose::Pose;
+use crate::shapes::BoundingBox;
+use crate::surface::Surface;
+
+/// Bodies, particles and walls of a step of `h` seconds.
+#[derive(Clone, Copy)]
+pub(super) struct StepMembers<'a> {
+    pub world: &'a RigidWorld,
+    pub bodies: &'a [CenterMotion],
+    pub points: &'a [FreePoint],
+    pub motions: &'a [CenterMotion],
+    pub h: f64,
+}
+
+impl StepMembers<'_> {
+    /// Number of bodies and particles.
+    pub fn free(&self) -> usize {
+        self.bodies.len() + self.points.len()
+    }
+
+    /// Number of all but the world.
+    pub fn count(&self) -> usize {
+        self.free() + self.world.walls.len()
+    }
+
+    /// Index of an end of a joint; None for a particle that takes no part.
+    pub fn place(&self, end: usize) -> Option<usize> {
+        let bodies = self.bodies.len();
+        match end {
+            WORLD => Some(self.count()),
+            end if end < bodies => Some(end),
+            end => self.points.binary_search_by_key(&(end - bodies), |point| point.index).ok().map(|place| bodies + place),
+        }
+    }
+
+    /// Number of a member that is the same in all steps.
+    pub fn name(&self, index: usize) -> u32 {
+        let bodies = self.bodies.len();
+        if index < bodies {
+            index as u32
+        } else if index < self.free() {
+            (bodies + self.points[index - bodies].index) as u32
+        } else {
+            u32::MAX - (self.count() + 1 - index) as u32
+        }
+    }
+
+    /// Whether impulses leave a member as it is.
+    pub fn is_fixed(&self, index: usize) -> bool {
+        if index < self.bodies.len() {
+            self.world.bodies[index].inverse_mass == 0.0
+        } else {
+            index >= self.free() || self.points[index - self.bodies.len()].inverse_mass == 0.0
+        }
+    }
+
+    /// Whether two members may touch: contacts resolve particles at walls.
+    pub fn can_meet(&self, one: usize, other: usize) -> bool {
+        one.min(other) < self.bodies.len()
+    }
+
+    /// Surface of a member.
+    pub fn surface(&self, index: usize) -> Surface {
+        if index < self.bodies.len() {
+            self.world.bodies[index].surface
+        } else if index < self.free() {
+            self.points[index - self.bodies.len()].surface
+        } else {
+            let wall = self.world.walls.get(index - self.free());
+            wall.map_or(Surface { shape: 0, friction: None, restitution: 0.0 }, |wall| wall.surface)
+        }
+    }
+
+    /// Member without the forces of springs.
+    pub fn unsprung(&self, index: usize) -> Mover {
+        if index < self.bodies.len() {
+            self.world.mover(index, &self.bodies[index], self.h)
+        } else if index < self.free() {
+            let place = index - self.bodies.len();
+            let motion = &self.motions[place];
+            Mover {
+                position: motion.position,
+                velocity: motion.velocity,
+                acceleration: motion.acceleration(self.h),
+                inverse_mass: self.points[place].inverse_mass,
+                ..Mover::wall(&Pose::WORLD)
+            }
+        } else {
+            self.world.walls.get(index - self.free()).map_or_else(|| Mover::wall(&Pose::WORLD), |wall| wall.mover)
+        }
+    }
+
+    /// Member.
+    pub fn mover(&self, index: usize) -> Mover {
+        let mut mover = self.unsprung(index);
+        if let Some([acceleration, torque]) = self.world.springs.load(index).filter(|_| !mover.is_fixed()) {
+            mover.acceleration += acceleration;
+            mover.torque += torque;
+        }
+        mover
+    }
+
+    /// Position [m].
+    pub fn position(&self, index: usize) -> DVec3 {
+        if index < self.bodies.len() {
+            self.bodies[index].position
+        } else if index < self.free() {
+            self.motions[index - self.bodies.len()].position
+        } else {
+            self.world.walls[index - self.free()].mover.position
+        }
+    }
+
+    /// Largest distance of a surface point from the center [m].
+    pub fn reach(&self, index: usize) -> f64 {
+        self.world.shapes[self.surface(index).shape].reach()
+    }
+
+    /// Box around a member.
+    pub fn bounds(&self, index: usize) -> BoundingBox {
+        self.world.shapes[self.surface(index).shape].bounds(&self.pose(index))
+    }
+
+    /// Acceleration by forces [m/s²].
+    fn acceleration(&self, index: usize) -> DVec3 {
+        let motion = if index < self.bodies.len() { &self.bodies[index] } else { &self.motions[index - self.bodies.len()] };
+        motion.acceleration(self.h) + self.world.springs.load(index).map_or(DVec3::ZERO, |load| load[0])
+    }
+
+    /// Bounds on the speed of surface points of a member within the step [m/s]: the whole, and that of turning.
+    #[inline]
+    pub fn speed(&self, index: usize) -> [f64; 2] {
+        if index >= self.free() {
+            let Mover { velocity, spin, arm, .. } = self.world.walls[index - self.free()].mover;
+            let turning = arm * spin.length();
+            return [velocity.length() + turning, turning];
+        }
+        let forced = self.h * if self.is_fixed(index) { 0.0 } else { self.acceleration(index).length() };
+        if index >= self.bodies.len() {
+            return [self.motions[index - self.bodies.len()].velocity.length() + forced, 0.0];
+        }
+        let (body, turn) = (&self.world.bodies[index], &self.world.state.turns[index]);
+        let rate = if body.inverse_mass == 0.0 { turn.spin.length() } else { body.inertia.rate(&turn.orientation, turn.spin) };
+        let shape = &self.world.shapes[body.surface.shape];
+        let turning = if shape.is_round() { 0.0 } else { shape.reach() * rate };
+        [self.bodies[index].velocity.length() + turning + forced, turning]
+    }
+
+    /// Speed of the rim of a round body, which friction may pass on to its center [m/s]; 0 of others.
+    pub fn rim_speed(&self, index: usize) -> f64 {
+        if index >= self.bodies.len() || self.is_fixed(index) || !self.world.shapes[self.surface(index).shape].is_round() {
+            return 0.0;
+        }
+        let turn = &self.world.state.turns[index];
+        self.reach(index) * self.world.bodies[index].inertia.rate(&turn.orientation, turn.spin)
+    }
+
+    /// Pose.
+    pub fn pose(&self, index: usize) -> Pose {
+        if index < self.bodies.len() {
+            Pose { position: self.bodies[index].position, rotation: self.world.rotation(index) }
+        } else {
+            self.unsprung(index).pose()
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Pairs that are near each other, kept from step to step.
+//!
+//! Pairs are those whose boxes overlap, which hold all of a member during a step. They are sought among pairs of fat boxes, found
+//! anew as soon as a member leaves its own. The pairs of a step therefore do not depend on the steps before.
+
+use super::members::StepMembers;
+use crate::broad;
+use crate::shapes::BoundingBox;
+
+/// Margin of a fat box: part of the size, and number of steps at the present speed.
+const PART: f64 = 0.1;
+const STEPS: f64 = 4.0;
+/// Number of steps in which a body may turn beyond the margin, from which on its box holds it in all orientations.
+const TURNING: f64 = 32.0;
+
+/// Pairs of fat boxes.
+#[derive(Debug, Default)]
+pub(super) struct NearPairs {
+    /// Particles for which the boxes were made, by their indices.
+    points: Vec<usize>,
+    boxes: Vec<BoundingBox>,
+    pairs: Vec<[u32; 2]>,
+    /// Whether a member is in a pair.
+    is_paired: Vec<bool>,
+    /// Bounds of the members in the present step: only of those in a pair.
+    bounds: Vec<BoundingBox>,
+    /// Largest speeds of surface points in the present step [m/s], and the part of turning.
+    speeds: Vec<[f64; 2]>,
+}
+
+impl NearPairs {
+    /// Pairs of members that may touch within a step, in ascending order, and whether some member may be thrown farther than its
+    /// size.
+    pub fn of_step(&mut self, members: &StepMembers) -> (Vec<[u32; 2]>, bool) {
+        self.speeds.clear();
+        self.speeds.extend((0..members.count()).map(|index| members.speed(index)));
+        let fastest = self.speeds.iter().map(|speed| speed[0]).fold(0.0, f64::max);
+        if !self.holds(members, fastest) {
+            self.renew(members, fastest);
+        }
+        let overlap = |[one, other]: &&[u32; 2]| self.bounds[*one as usize].overlaps(&self.bounds[*other as usize]);
+        let is_thrown = |index: usize| members.h * fastest > members.reach(index);
+        (self.pairs.iter().filter(overlap).copied().collect(), (0..members.free()).any(is_thrown))
+    }
+
+    /// Way of a member within a step [m].
+    fn way(&self, members: &StepMembers, index: usize, fastest: f64) -> f64 {
+        let (h, [speed, _]) = (members.h, self.speeds[index]);
+        // An impact may pass the largest speed on to any body.
+        if members.is_fixed(index) { h * speed } else { h * speed.max(fastest.min(members.reach(index) / h)) }
+    }
+
+    /// Bounds the members of pairs; returns whether all members are within their fat boxes.
+    fn holds(&mut self, members: &StepMembers, fastest: f64) -> bool {
+        let same = members.points.iter().map(|point| point.index).eq(self.points.iter().copied());
+        if !same || self.boxes.len() != members.count() {
+            return false;
+        }
+        for index in 0..members.count() {
+            let way = self.way(members, index, fastest);
+            let ball = BoundingBox::around(members.position(index), members.reach(index) + way);
+            let is_within = self.boxes[index].contains(&ball);
+            if self.is_paired[index] || !is_within {
+                self.bounds[index] = members.bounds(index).grown(way);
+                if !is_within && !self.boxes[index].contains(&self.bounds[index]) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Makes all boxes anew.
+    fn renew(&mut self, members: &StepMembers, fastest: f64) {
+        self.points.clear();
+        self.points.extend(members.points.iter().map(|point| point.index));
+        self.bounds.clear();
+        self.boxes.clear();
+        for index in 0..members.count() {
+            let (way, bounds, reach) = (self.way(members, index, fastest), members.bounds(index), members.reach(index));
+            self.bounds.push(bounds.grown(way));
+            let slack = if members.is_fixed(index) { 0.0 } else { PART * reach };
+            let turns = TURNING * members.h * self.speeds[index][1] > slack;
+            let whole = if turns { BoundingBox::around(members.position(index), reach) } else { bounds };
+            self.boxes.push(whole.grown(slack + (1.0 + STEPS) * way));
+        }
+        let moves: Vec<bool> = (0..members.count()).map(|index| !members.is_fixed(index)).collect();
+        broad::pairs(&self.boxes, &moves, &mut self.pairs);
+        self.pairs.retain(|[one, other]| members.can_meet(*one as usize, *other as usize));
+        self.is_paired.clear();
+        self.is_paired.resize(members.count(), false);
+        self.pairs.iter().flatten().for_each(|&index| self.is_paired[index as usize] = true);
+    }
+}
