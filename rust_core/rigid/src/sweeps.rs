@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::island::{Accuracy, CLOSED, FirstHalf, Island, lost, pushed};
 use crate::rotation::Inertia;
-use crate::rows::{BodyVelocities, ContactImpulse, Rows};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, Rows};
 use crate::shapes::SolidShape;
 
 /// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
@@ -98,6 +98,12 @@ impl Island {
         }
     }
 
+    /// Impulses of the second half of the open piece of a sweep, from the velocities after the kick.
+    pub fn close_sweep(&self, sweep: &GroupSweep) -> Rows {
+        let GroupSweep { half, touching, .. } = sweep;
+        self.solve_second_half(half.rows.contacts.clone(), half, touching, &mut BodyVelocities::of(&self.movers))
+    }
+
     /// Rows of all contacts.
     fn start_sweep(&mut self) -> GroupSweep {
         let mut sweep = self.take_sweep();
@@ -182,25 +188,8 @@ impl Island {
     fn second_half(&mut self, sweep: &mut GroupSweep, length: f64) {
         let GroupSweep { half, touching, v, start } = sweep;
         let joined = !self.joints.is_empty();
-        let mut rows = Rows { planar: self.planar, ..Rows::default() };
-        if joined {
-            self.hold_joint_velocities(half, v, &mut rows);
-        }
-        rows.contacts = std::mem::take(&mut half.rows.contacts);
-        for (row, contact) in rows.contacts.iter_mut().zip(touching.iter()) {
-            row.before = row.impulse;
-            row.yields = 0.0;
-            row.least = match row.before.normal > 0.0 {
-                true => contact.rebound,
-                // A gap that is open may close in the next piece.
-                false if contact.gap > 0.0 => f64::NEG_INFINITY,
-                false => 0.0,
-            };
-        }
-        rows.start(v);
-        for iteration in 0..self.accuracy.iterations {
-            rows.relax_all(iteration, v);
-        }
+        let contacts = std::mem::take(&mut half.rows.contacts);
+        let rows = self.solve_second_half(contacts, half, touching, v);
         for (row, contact) in rows.contacts.iter().zip(touching.iter_mut()) {
             contact.load = row.before.plus(&row.impulse).scaled(1.0 / length);
             self.meters.pushed += if contact.pushes { pushed(row, contact.slip.0) } else { 0.0 };
@@ -219,6 +208,36 @@ impl Island {
         // A sum below 0 is an error of the piece, which is left to the drift.
         self.meters.dissipated += half.lost.max(0.0);
         self.take_velocities(v);
+    }
+
+    /// Impulses of the second half of a piece, given the rows of contacts in the first. Changes the velocities after the kick.
+    fn solve_second_half(
+        &self,
+        contacts: Vec<ContactRow>,
+        half: &FirstHalf,
+        touching: &[Touching],
+        v: &mut BodyVelocities,
+    ) -> Rows {
+        let mut rows = Rows { planar: self.planar, ..Rows::default() };
+        if !self.joints.is_empty() {
+            self.hold_joint_velocities(half, v, &mut rows);
+        }
+        rows.contacts = contacts;
+        for (row, contact) in rows.contacts.iter_mut().zip(touching) {
+            row.before = row.impulse;
+            row.yields = 0.0;
+            row.least = match row.before.normal > 0.0 {
+                true => contact.rebound,
+                // A gap that is open may close in the next piece.
+                false if contact.gap > 0.0 => f64::NEG_INFINITY,
+                false => 0.0,
+            };
+        }
+        rows.start(v);
+        for iteration in 0..self.accuracy.iterations {
+            rows.relax_all(iteration, v);
+        }
+        rows
     }
 
     /// Whether a fixed body moves.

@@ -12,10 +12,10 @@ use crate::surface::Surface;
 
 impl RigidWorld {
     /// Moves bodies and particles through a step of `h` seconds, with their contacts and joints; returns which of them these
-    /// have moved.
+    /// have moved. If `predicts`, the velocities that are predicted for its end obey contacts and joints.
     pub fn drift(
         &mut self,
-        h: f64,
+        (h, predicts): (f64, bool),
         bodies: &mut [CenterMotion],
         points: &[FreePoint],
         motions: &mut [CenterMotion],
@@ -42,7 +42,7 @@ impl RigidWorld {
         movers.push(Mover::wall(&Pose::WORLD));
         surfaces.push(Surface { shape: 0, friction: None, restitution: 0.0 });
         self.islands = self.groups(&movers, &surfaces, &pairs, points);
-        let (shapes, solver) = (&self.shapes, self.solver);
+        let (shapes, solver, predicts) = (&self.shapes, self.solver, predicts || self.has_damped_springs());
         executor.for_each_block(BlockedSlice::new(&mut self.islands, 1), &|block: BlockedSlice<'_, Island>| {
             for island in block.items {
                 let sized = |mover: &&Mover| !mover.is_fixed() && mover.inertia != Inertia::NONE;
@@ -53,16 +53,21 @@ impl RigidWorld {
                 } else {
                     island.sweep(shapes, h, sweep);
                 }
+                island.ahead.resize(island.movers.len(), [DVec3::ZERO; 2]);
+                if predicts {
+                    island.predict();
+                }
             }
         });
         // Bodies without contacts and joints, and fixed ones.
         let mut alone = vec![true; movers.len()];
         for island in &self.islands {
-            island.members.iter().zip(&island.movers).filter(|(_, mover)| !mover.is_fixed()).for_each(|(&member, mover)| {
+            let members = island.members.iter().zip(&island.movers).zip(&island.ahead);
+            members.filter(|((_, mover), _)| !mover.is_fixed()).for_each(|((&member, mover), ahead)| {
                 alone[member] = false;
                 movers[member] = *mover;
-                movers[member].velocity -= 0.5 * (h - island.open) * mover.acceleration;
-                movers[member].spin -= 0.5 * (h - island.open) * mover.torque;
+                movers[member].velocity += ahead[0] - 0.5 * (h - island.open) * mover.acceleration;
+                movers[member].spin += ahead[1] - 0.5 * (h - island.open) * mover.torque;
             });
         }
         for (mover, _) in movers.iter_mut().zip(&alone).filter(|(_, alone)| **alone) {
@@ -76,8 +81,13 @@ impl RigidWorld {
         }
         let (first, others) = movers.split_at(count);
         let all = bodies.iter_mut().zip(first).chain(motions.iter_mut().zip(others)).zip(&moved);
-        for ((motion, mover), _) in all.filter(|((_, mover), moved)| **moved && !mover.is_fixed()) {
-            (motion.position, motion.drift) = (mover.position, mover.velocity);
+        for ((motion, mover), &moved) in all {
+            let mut end = *mover;
+            end.kick(0.5 * h);
+            (motion.velocity, motion.turning) = (end.velocity, end.angular_velocity());
+            if moved && !mover.is_fixed() {
+                (motion.position, motion.drift) = (mover.position, mover.velocity);
+            }
         }
         moved.truncate(count + points.len());
         moved
@@ -95,11 +105,13 @@ impl RigidWorld {
         let count = self.bodies.len();
         let free = count + others.len();
         for island in &mut self.islands {
-            for (mover, &member) in island.movers.iter_mut().zip(&island.members).filter(|(mover, _)| !mover.is_fixed()) {
+            let members = island.movers.iter_mut().zip(&island.members).zip(&island.ahead);
+            for ((mover, &member), ahead) in members.filter(|((mover, _), _)| !mover.is_fixed()) {
                 if member < count {
-                    (mover.velocity, mover.spin) = (bodies[member].velocity, self.state.turns[member].spin);
+                    mover.velocity = bodies[member].velocity - ahead[0];
+                    mover.spin = self.state.turns[member].spin - ahead[1];
                 } else {
-                    mover.velocity = others[member - count].velocity;
+                    mover.velocity = others[member - count].velocity - ahead[0];
                 }
             }
         }

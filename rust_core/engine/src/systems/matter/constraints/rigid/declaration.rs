@@ -62,6 +62,7 @@ impl RigidBodies {
             points,
             joined,
             tied: ties.bodies,
+            starts: Vec::new(),
             motions: Vec::new(),
             others: Vec::new(),
             near: Vec::new(),

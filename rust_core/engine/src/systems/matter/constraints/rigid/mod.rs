@@ -49,6 +49,8 @@ pub struct RigidBodies {
     joined: Vec<bool>,
     /// Bodies with the particles that are tied to them. Their motions are those of the common centers of mass.
     tied: Vec<TiedBody>,
+    /// Positions of the bodies at the start of the present step, relative to the origin [m].
+    starts: Vec<DVec3>,
     /// Motions of the bodies in the present step.
     motions: Vec<CenterMotion>,
     /// Motions of all points in the present step.
@@ -114,12 +116,12 @@ impl RigidBodies {
         }
     }
 
-    /// Rotations of the bodies, after their torques have acted for `h` seconds more.
-    fn motions_after(&self, h: f64) -> Vec<SolidMotion> {
+    /// Motions of the bodies in the present state, as forces see them.
+    fn solid_motions(&self) -> Vec<SolidMotion> {
         let of = |(body, &particle): (usize, &u32)| {
-            let (orientation, torque) = (self.world.state.turns[body].orientation, self.world.state.torques[body]);
-            let angular_velocity = self.world.angular_velocity(body) + self.world.angular_velocity_by(body, h * torque);
-            SolidMotion { particle, orientation: orientation.quaternion, before: orientation.quaternion, angular_velocity }
+            let orientation = self.world.state.turns[body].orientation.quaternion;
+            let angular_velocity = self.world.angular_velocity(body);
+            SolidMotion { particle, orientation, angular_velocity, before: orientation, moved: DVec3::ZERO }
         };
         self.particles.iter().enumerate().map(of).collect()
     }
@@ -215,11 +217,13 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn solids(&self) -> Vec<SolidMotion> {
-        self.motions_after(0.0)
+        self.solid_motions()
     }
 
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
         self.begin_motions(step);
+        self.starts.clear();
+        self.starts.extend(self.particles.iter().map(|&particle| step.matter.exact_position(particle as usize)));
         self.others.clear();
         self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize)));
     }
@@ -231,7 +235,6 @@ impl<V: Space> Constraint<V> for RigidBodies {
         for tied in &mut self.tied {
             tied.kick(step, &self.world.rotation(tied.body), &mut self.motions[tied.body]);
         }
-        let starts: Vec<CenterMotion> = self.tied.iter().map(|tied| self.motions[tied.body]).collect();
         for (motion, (particle, _)) in self.others.iter_mut().zip(&self.points) {
             motion.drift = step.drift_velocity(*particle as usize);
         }
@@ -239,29 +242,31 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let before: Vec<Turn> = self.world.state.turns.clone();
         let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
-        let moved = self.world.drift(step.h, &mut self.motions, &points, &mut others, step.executor);
+        let moved = self.world.drift((step.h, step.predicts), &mut self.motions, &points, &mut others, step.executor);
         step.executor.check()?;
         let bodies = self.particles.iter().zip(&self.motions).zip(&moved[..self.particles.len()]);
         let near = self.near.iter().map(|&index| &self.points[index].0);
         let points = near.zip(&others).zip(&moved[self.particles.len()..]);
         for ((&particle, motion), _) in bodies.chain(points).filter(|(_, moved)| **moved) {
             step.matter.set_exact_position(particle as usize, motion.position);
+            step.matter.velocity.set(particle as usize, V::narrow(motion.velocity));
             if let DriftVelocity::Register(register) = step.drift {
                 step.matter.registers[register].set(particle as usize, V::narrow(motion.drift));
             }
         }
-        for (tied, start) in self.tied.iter().zip(&starts) {
+        for tied in &self.tied {
             let motion = &mut self.motions[tied.body];
             if tied.is_fixed || !moved[tied.body] {
                 motion.position += step.h * motion.drift;
             }
-            let turn = self.world.angular_velocity_by(tied.body, 0.5 * step.h * start.torque);
-            tied.place(step, &self.world, motion, [start.drift - start.velocity, turn]);
-            self.world.state.torques[tied.body] = start.torque;
+            tied.place(step, &self.world, motion);
         }
-        step.matter.solids = self.motions_after(0.5 * step.h);
-        let solids = step.matter.solids.iter_mut().zip(before);
-        solids.for_each(|(solid, turn)| solid.before = turn.orientation.quaternion);
+        let mut solids = self.solid_motions();
+        for (((solid, motion), start), turn) in solids.iter_mut().zip(&self.motions).zip(&self.starts).zip(before) {
+            (solid.angular_velocity, solid.before) = (motion.turning, turn.orientation.quaternion);
+            solid.moved = step.matter.exact_position(solid.particle as usize) - *start;
+        }
+        step.matter.solids = solids;
         Ok(true)
     }
 
@@ -289,7 +294,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
             meters.work += tied.release(step, &self.world, self.motions[tied.body].velocity, &mut forces);
             self.world.state.ties = forces;
         }
-        step.matter.solids = self.motions_after(0.0);
+        step.matter.solids = self.solid_motions();
         let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
             tally.add(EnergySink::Contact, meters.dissipated);
