@@ -247,8 +247,8 @@ mod tests {
         }
     }
 
-    /// Parts that overlap count once, also where their faces coincide. A cut is found within half of a fine piece, which is `size`
-    /// over 16 long or a fine part of a turn, and the sum of the normals vanishes as well.
+    /// Parts that overlap count once, also where their faces coincide. A cut is found within half of a fine piece, of `size`
+    /// over 16 or a fine part of a turn. The sum of the normals vanishes as well.
     #[test]
     fn overlapping_parts_have_the_surface_of_their_union() {
         let moved = |part: Part, x: f64, y: f64| part.moved(&Pose { position: DVec3::new(x, y, 0.0), ..Pose::WORLD });

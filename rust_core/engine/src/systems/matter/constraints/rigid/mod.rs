@@ -5,6 +5,7 @@
 
 mod anchors;
 mod declaration;
+mod fields;
 mod history;
 mod overlaps;
 mod ties;
@@ -12,7 +13,6 @@ mod ties;
 use glam::DVec3;
 use physcore_rigid::mover::Mover;
 use physcore_rigid::pose::Pose;
-use physcore_rigid::rotation::Orientation;
 use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
 
 pub use overlaps::{RigidPose, overlaps};
@@ -21,10 +21,9 @@ use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, 
 use crate::error::{Error, Result};
 use crate::forces::{Space, StateView};
 use crate::ledger::{Class, Ledger};
-use crate::math::AXES;
 use crate::matter::{EnergySink, SolidMotion};
 use crate::stability::{Horizon, SpectralBound};
-use crate::systems::{FieldInfo, Location};
+use crate::systems::FieldInfo;
 use ties::TiedBody;
 
 /// Largest accurate angle by which a body turns in a step [rad].
@@ -341,74 +340,15 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn fields(&self) -> Vec<FieldInfo> {
-        let (count, joints, planar) = (self.particles.len(), self.world.state.joints.len(), self.world.planar);
-        let shape = |count: usize, components: usize| if planar { vec![count] } else { vec![count, components] };
-        let info = |name: &str, unit, location, shape, state| FieldInfo {
-            name: name.to_owned(),
-            unit,
-            location,
-            shape,
-            rate: None,
-            state,
-        };
-        let turn = if planar { ("angles", "rad") } else { ("orientations", "1") };
-        let mut fields = vec![
-            info(turn.0, turn.1, Location::Bodies, shape(count, 4), true),
-            info("angular_velocities", "rad/s", Location::Bodies, shape(count, AXES), true),
-        ];
-        if joints > 0 {
-            fields.push(info("joint_forces", "N", Location::Joints, vec![joints, V::DIMENSION], false));
-            fields.push(info("joint_torques", "N·m", Location::Joints, shape(joints, AXES), false));
-        }
-        let ties = self.world.state.ties.len();
-        if ties > 0 {
-            fields.push(info("tie_forces", "N", Location::Ties, vec![ties, V::DIMENSION], false));
-            fields.push(info("tie_torques", "N·m", Location::Ties, shape(ties, AXES), false));
-        }
-        fields
+        self.listed(V::DIMENSION)
     }
 
     fn read(&self, field: usize, _state: &ForcedState<'_, V>) -> Vec<f64> {
-        let (state, planar) = (&self.world.state, self.world.planar);
-        let forces = |vectors: &mut dyn Iterator<Item = DVec3>| {
-            vectors.flat_map(|force| force.to_array().into_iter().take(V::DIMENSION)).collect()
-        };
-        let turns = |vectors: &mut dyn Iterator<Item = DVec3>| {
-            vectors.flat_map(|turn| turn.to_array().into_iter().skip(if planar { AXES - 1 } else { 0 })).collect()
-        };
-        let name = Constraint::<V>::fields(self).swap_remove(field).name;
-        match name.as_str() {
-            "angles" => state.turns.iter().map(|turn| turn.orientation.angle).collect(),
-            "orientations" => state.turns.iter().flat_map(|turn| turn.orientation.components()).collect(),
-            "angular_velocities" => turns(&mut (0..self.particles.len()).map(|body| self.world.angular_velocity(body))),
-            "joint_forces" => forces(&mut state.joints.iter().map(|joint| joint.reaction[0])),
-            "joint_torques" => turns(&mut state.joints.iter().map(|joint| joint.reaction[1])),
-            "tie_forces" => forces(&mut state.ties.iter().copied()),
-            _ => {
-                let mut torques = vec![DVec3::ZERO; state.ties.len()];
-                let all = self.tied.iter().flat_map(|tied| tied.torques(&self.world, &state.ties));
-                all.for_each(|(row, torque)| torques[row] = torque);
-                turns(&mut torques.into_iter())
-            }
-        }
+        self.values(&self.listed(V::DIMENSION)[field].name, V::DIMENSION)
     }
 
     fn adopt(&mut self, field: &str, values: &[f64]) {
-        for body in 0..self.particles.len() {
-            let mut turning = self.world.angular_velocity(body);
-            let mut orientation = self.world.state.turns[body].orientation;
-            match (field, self.world.planar) {
-                ("angles", _) => orientation = Orientation::planar(values[body]),
-                ("orientations", _) => {
-                    let [w, x, y, z] = std::array::from_fn(|component| values[4 * body + component]);
-                    orientation = Orientation::spatial(glam::DQuat::from_xyzw(x, y, z, w).normalize());
-                }
-                ("angular_velocities", true) => turning = DVec3::new(0.0, 0.0, values[body]),
-                ("angular_velocities", false) => turning = DVec3::from_slice(&values[AXES * body..]),
-                _ => return,
-            }
-            self.world.turn(body, orientation, turning);
-        }
+        self.replace(field, values);
     }
 }
 
