@@ -1,0 +1,109 @@
+"""Directives for code that runs when the site is built.
+
+`{run}` shows a block of code, what it printed, and the pictures that it wrote. The blocks of a page are one script.
+`{films}` shows a card for each page of a list: a frame of its film, and the film itself under the pointer.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from pages import Page, executed
+from PIL import Image
+from sphinx.application import Sphinx
+from sphinx.util import logging
+from sphinx.util.docutils import SphinxDirective
+
+logger = logging.getLogger(__name__)
+POSTER = 0.6
+"""Which part of a film has passed at the frame that stands for it."""
+
+
+def page_of(directive: SphinxDirective, name: str) -> Page:
+    """The executed page of this name."""
+    path = Path(directive.env.doc2path(name))
+    directive.env.note_dependency(str(path))
+    return executed(path, Path(directive.config.runs_folder))
+
+
+def picture(directive: SphinxDirective, path: Path, alt: str, classes: list[str]) -> nodes.image:
+    """A picture of a run."""
+    source = Path(directive.env.doc2path(directive.env.docname)).parent
+    return nodes.image(uri=os.path.relpath(path, source), alt=alt, loading="lazy", classes=classes)
+
+
+class Run(SphinxDirective):
+    """A block of code with its results."""
+
+    has_content = True
+    option_spec = {"alt": directives.unchanged_required, "hide-code": directives.flag}  # noqa: RUF012
+
+    def run(self) -> list[nodes.Node]:
+        """Show code, text and pictures; an exception of the code is an error of the build."""
+        number = self.env.temp_data.get("runs", 0)
+        self.env.temp_data["runs"] = number + 1
+        page = page_of(self, self.env.docname)
+        code = "\n".join(self.content)
+        shown: list[nodes.Node] = []
+        if "hide-code" not in self.options:
+            shown.append(nodes.literal_block(code, code, language="python"))
+        if number >= len(page.outcomes):  # A block before it failed.
+            return shown
+        outcome = page.outcomes[number]
+        if outcome.error:
+            logger.error("this code failed:\n%s", outcome.error, location=self.get_location())
+        if outcome.text:
+            text = outcome.text.rstrip("\n")
+            shown.append(nodes.literal_block(text, text, language="text", classes=["printed"]))
+        if outcome.pictures and "alt" not in self.options:
+            logger.warning("a picture needs its :alt: text", location=self.get_location())
+        for name in outcome.pictures:
+            shown.append(picture(self, page.folder / name, self.options.get("alt", ""), ["run"]))
+        return shown
+
+
+class Films(SphinxDirective):
+    """Cards of pages, one a line: the name of the page, and the words under its picture."""
+
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        """Show a grid of cards, which link to the pages."""
+        grid = nodes.container(classes=["films"])
+        for line in self.content:
+            name, _, words = line.partition(" ")
+            page = page_of(self, name)
+            film = next((page.folder / each for run in page.outcomes for each in run.pictures), None)
+            if film is None:
+                logger.warning("%s has no film", name, location=self.get_location())
+                continue
+            link = nodes.reference(refuri=self.env.app.builder.get_relative_uri(self.env.docname, name))
+            link += picture(self, poster(film), words, ["poster"])
+            link += picture(self, film, "", ["film"])
+            link += nodes.inline(words, words)
+            card = nodes.container(classes=["card"])
+            card += nodes.paragraph("", "", link)
+            grid += card
+        return [grid]
+
+
+def poster(film: Path) -> Path:
+    """One frame of a film, as a PNG beside it."""
+    path = film.parent / "posters" / f"{film.stem}.png"
+    if not path.exists():
+        path.parent.mkdir(exist_ok=True)
+        with Image.open(film) as frames:
+            frames.seek(int(POSTER * (getattr(frames, "n_frames", 1) - 1)))
+            frames.convert("RGB").save(path)
+    return path
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the directives."""
+    app.add_config_value("runs_folder", "runs", "env")
+    app.add_directive("run", Run)
+    app.add_directive("films", Films)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
