@@ -88,7 +88,7 @@ tradeoff: $(VENV)/tools.stamp ## measure error against time and the extremes, an
 
 # Scripts of pages run again only if they or the package have changed.
 docs: $(VENV)/docs.stamp ## build the documentation into out/docs/site, with its films, in five minutes
-	$(BIN)/python -m sphinx --fail-on-warning --keep-going --nitpicky --jobs auto --quiet docs $(OUT)/docs/site
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --nitpicky --jobs auto --quiet --doctree-dir $(OUT)/docs/doctrees docs $(OUT)/docs/site
 	@echo 'The first page is $(OUT)/docs/site/index.html.'
 
 lint: $(VENV)/tools.stamp ## check format, style, types and licenses, Rust and Python

@@ -6,6 +6,8 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+from sphinx.application import Sphinx
+
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "extension"))
 
@@ -17,7 +19,6 @@ release = version = metadata.version("physcore")
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "api",
     "formulas",
@@ -31,6 +32,10 @@ html_math_renderer = "mathml"
 html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#1f6f8b", "color-brand-content": "#1f6f8b"},
+    "dark_css_variables": {"color-brand-primary": "#7cc4dc", "color-brand-content": "#7cc4dc"},
+}
 html_show_sphinx = False
 html_copy_source = False
 pygments_style = "friendly"
@@ -44,9 +49,15 @@ nitpicky = True
 nitpick_ignore_regex = [("py:class", r".*"), ("py:data", r"typing\..*")]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-napoleon_google_docstring = True
-napoleon_numpy_docstring = False
-napoleon_use_rtype = False
-napoleon_custom_sections = [("Sources", "notes_style"), ("Source", "notes_style")]
 
 runs_folder = str(HERE.parent / "out" / "docs" / "runs")
+
+
+def setup(app: Sphinx) -> None:
+    """Tell browsers the language of the pages in Chinese, by which they choose the shapes of characters."""
+
+    def language(app: Sphinx, page: str, template: str, context: dict[str, object], tree: object) -> None:
+        if page.startswith("zh/"):
+            context["language"] = "zh-Hans"
+
+    app.connect("html-page-context", language)

@@ -6,8 +6,10 @@ have examples as indented blocks and names in single backticks, which are writte
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
+import textwrap
 
 from docutils import nodes
 from docutils.parsers.rst import directives
@@ -20,8 +22,9 @@ from sphinx.util.docutils import SphinxDirective
 
 import physcore
 
-CODE = re.compile(r"(?<![`:\w])`([^`\n]+(?:\n[^`\n]+)?)`(?!`)")
 SECTION = re.compile(r"[A-Z][\w ]*:$")
+FIELDS = {"Args": "param", "Returns": "returns", "Yields": "returns", "Raises": "raises"}
+"""Sections of docstrings that are lists, and the fields of reStructuredText for their entries."""
 
 
 class Api(SphinxDirective):
@@ -65,31 +68,71 @@ def parsed(directive: SphinxDirective, lines: list[str]) -> list[nodes.Node]:
 
 
 def written(app: Sphinx, what: str, name: str, value: object, options: object, lines: list[str]) -> None:
-    """Rewrite the lines of a docstring in place: examples as blocks of code, names as links or code."""
+    """Rewrite the lines of a docstring in place, as reStructuredText."""
+    lines[:] = restructured(lines)
+
+
+def restructured(lines: list[str]) -> list[str]:
+    """A docstring of this package as reStructuredText: blocks of code, fields of arguments, links to public names."""
     result: list[str] = []
-    sectioned = False
-    for index, line in enumerate(lines):
-        before = lines[index - 1] if index else ""
-        sectioned = sectioned or (SECTION.match(line) is not None and line in {"Args:", "Returns:", "Raises:"})
-        begins = line.startswith("    ") and not before.strip() and not sectioned
-        if begins and not _within(result):
-            result += [".. code-block:: python", ""]
-        if line.startswith("    ") and not sectioned:
-            result.append(line)
+    rest = [*lines, ""]
+    while rest:
+        line = rest.pop(0)
+        if SECTION.match(line):
+            result += _section(line.rstrip(":"), textwrap.dedent("\n".join(_indented(rest))))
+        elif line.startswith("    "):
+            code = textwrap.dedent("\n".join([line, *_indented(rest)])).strip("\n")
+            result += [f".. code-block:: {_language(code)}", "", textwrap.indent(code, "   "), ""]
         else:
-            result.append(CODE.sub(_marked, line))
-    lines[:] = result
+            result.append(_prose(line))
+    return "\n".join(result).splitlines()
 
 
-def _within(result: list[str]) -> bool:
-    """Whether the last line that is not empty belongs to an indented block."""
-    last = next((line for line in reversed(result) if line.strip()), "")
-    return last.startswith("    ")
+def _indented(rest: list[str]) -> list[str]:
+    """Take the lines of an indented block from the beginning of a list."""
+    end = next((k for k, line in enumerate(rest) if line.strip() and not line.startswith(" ")), len(rest))
+    taken, rest[:end] = rest[:end], []
+    return taken
 
 
-def _marked(match: re.Match[str]) -> str:
+def _section(title: str, text: str) -> list[str]:
+    """A section of a docstring: its entries as fields, or its text under a title."""
+    field = FIELDS.get(title)
+    if field is None:
+        return [f"**{title}**", "", *restructured(text.splitlines()), ""]
+    entries: list[str] = []
+    for line in text.splitlines():
+        if line.startswith(" ") or not line:
+            entries[-1:] = [f"{' '.join(entries[-1:])} {line.strip()}".rstrip()]
+        else:
+            entries.append(line)
+    fields = []
+    for entry in entries:
+        name, colon, words = entry.partition(": ")
+        name = name.replace(", ", ",")  # Before a space, Sphinx would read a type.
+        plain = field.endswith("returns") or not colon
+        fields.append(f":{field}: {_prose(entry)}" if plain else f":{field} {name}: {_prose(words)}")
+    return ["", *fields, ""]
+
+
+def _language(code: str) -> str:
+    """Which language a block is in: Python, or a formula."""
+    try:
+        ast.parse(code)
+    except SyntaxError:
+        return "text"
+    return "python"
+
+
+def _prose(line: str) -> str:
+    """A line of text: code and links marked, and signs that reStructuredText has a meaning for escaped."""
+    parts = re.split(r"(`[^`]+`)", line)
+    return "".join(_marked(part) if part.startswith("`") else re.sub(r"([|*_`\\])", r"\\\1", part) for part in parts)
+
+
+def _marked(code: str) -> str:
     """A link to a public name, or code."""
-    text = match[1]
+    text = code.strip("`")
     name = text.removeprefix("pc.").removeprefix("physcore.")
     return f":py:obj:`{text} <physcore.{name}>`" if name in physcore.__all__ else f"``{text}``"
 
@@ -106,6 +149,6 @@ def resolve(app: Sphinx, env: BuildEnvironment, node: pending_xref, content: nod
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register the directive."""
     app.add_directive("api", Api)
-    app.connect("autodoc-process-docstring", written, priority=400)  # before napoleon
+    app.connect("autodoc-process-docstring", written)
     app.connect("missing-reference", resolve)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -60,7 +60,9 @@ def executed(path: Path, folder: Path) -> Page:
         fcntl.flock(lock, fcntl.LOCK_EX)
         found = target / "outcome.json"
         if not found.exists():
-            subprocess.run([sys.executable, __file__, str(target)], input=json.dumps(code), text=True, check=True)
+            command = [sys.executable, __file__, str(target)]
+            drawing = {"MPLBACKEND": "agg", "MATPLOTLIBRC": str(Path(__file__).with_name("matplotlibrc"))}
+            subprocess.run(command, input=json.dumps(code), text=True, check=True, env=os.environ | drawing)
         outcomes = [Outcome(**values) for values in json.loads(found.read_text(encoding="utf-8"))]
         if any(outcome.error for outcome in outcomes):
             found.unlink()

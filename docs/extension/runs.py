@@ -18,7 +18,7 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 logger = logging.getLogger(__name__)
-POSTER = 0.6
+POSTER = 0.7
 """Which part of a film has passed at the frame that stands for it."""
 
 
