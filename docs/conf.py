@@ -13,7 +13,7 @@ sys.path.insert(0, str(HERE / "extension"))
 
 project = "physcore"
 author = "The physcore developers"
-copyright = "the physcore developers, MIT or Apache-2.0"  # noqa: A001
+copyright = "the physcore developers, MIT or Apache-2.0"
 release = version = metadata.version("physcore")
 
 extensions = [
@@ -21,8 +21,8 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx_copybutton",
     "api",
+    "examples",
     "formulas",
-    "notebooks",
     "runs",
 ]
 root_doc = "index"
@@ -33,7 +33,11 @@ html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_theme_options = {
-    "light_css_variables": {"color-brand-primary": "#1f6f8b", "color-brand-content": "#1f6f8b"},
+    "light_css_variables": {
+        "color-brand-primary": "#1f6f8b",
+        "color-brand-content": "#1f6f8b",
+        "code-font-size": "0.74rem",  # A hundred characters in a line.
+    },
     "dark_css_variables": {"color-brand-primary": "#7cc4dc", "color-brand-content": "#7cc4dc"},
 }
 html_show_sphinx = False

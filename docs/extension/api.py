@@ -1,7 +1,7 @@
 """The directive `{api}`: the pages of public names, from their docstrings.
 
-A block lists names of `physcore`, one a line; with `:members:` classes show their methods and properties. Docstrings here
-have examples as indented blocks and names in single backticks, which are written as reStructuredText understands them.
+A block lists names of `physcore`, one a line. With `:members:`, classes show their methods and properties. Docstrings
+of this package have examples as indented blocks, and names in single backticks; both are rewritten as reStructuredText.
 """
 
 from __future__ import annotations

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
+from importlib.resources import files
+from pathlib import Path
+
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
@@ -20,7 +24,15 @@ def block(translator: HTML5Translator, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def copy_font(app: Sphinx, error: Exception | None) -> None:
+    """Copy the face STIX Two Math (OFL), for browsers on machines that have no mathematical one."""
+    if error is None:
+        font = files("ziamath") / "fonts" / "STIXTwoMath-Regular.ttf"
+        shutil.copy(str(font), Path(app.outdir) / "_static")
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register the renderer."""
+    app.connect("build-finished", copy_font)
     app.add_html_math_renderer("mathml", inline_renderers=(inline, None), block_renderers=(block, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

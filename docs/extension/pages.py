@@ -1,6 +1,6 @@
 """Execution of a page: its blocks of code run one after the other in a process of their own, as one script.
 
-    python pages.py FOLDER < blocks.json     run blocks in a folder, and write its outcome.json
+`python pages.py FOLDER < blocks.json` is that process: it runs blocks in a folder, and writes its outcome.json.
 """
 
 from __future__ import annotations

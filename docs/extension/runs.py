@@ -1,12 +1,14 @@
 """Directives for code that runs when the site is built.
 
-`{run}` shows a block of code, what it printed, and the pictures that it wrote. The blocks of a page are one script.
-`{films}` shows a card for each page of a list: a frame of its film, and the film itself under the pointer.
+`{run}` shows a block of code, what it printed, and the pictures that it wrote.
+
+`{films}` shows a card for each page of a chapter: a frame of its film, and the film itself under the pointer.
 """
 
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 from docutils import nodes
@@ -60,34 +62,40 @@ class Run(SphinxDirective):
             shown.append(nodes.literal_block(text, text, language="text", classes=["printed"]))
         if outcome.pictures and "alt" not in self.options:
             logger.warning("a picture needs its :alt: text", location=self.get_location())
-        for name in outcome.pictures:
-            shown.append(picture(self, page.folder / name, self.options.get("alt", ""), ["run"]))
-        return shown
+        alt = self.options.get("alt", "")
+        return shown + [picture(self, page.folder / name, alt, ["run"]) for name in outcome.pictures]
 
 
 class Films(SphinxDirective):
-    """Cards of pages, one a line: the name of the page, and the words under its picture."""
+    """A card for each page in the table of contents of a page: a frame of its film, and its title."""
 
-    has_content = True
+    required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
         """Show a grid of cards, which link to the pages."""
         grid = nodes.container(classes=["films"])
-        for line in self.content:
-            name, _, words = line.partition(" ")
+        for name in contents(Path(self.env.doc2path(self.arguments[0])), self.arguments[0]):
             page = page_of(self, name)
+            title = Path(self.env.doc2path(name)).read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
             film = next((page.folder / each for run in page.outcomes for each in run.pictures), None)
             if film is None:
                 logger.warning("%s has no film", name, location=self.get_location())
                 continue
             link = nodes.reference(refuri=self.env.app.builder.get_relative_uri(self.env.docname, name))
-            link += picture(self, poster(film), words, ["poster"])
+            link += picture(self, poster(film), title, ["poster"])
             link += picture(self, film, "", ["film"])
-            link += nodes.inline(words, words)
+            link += nodes.inline(title, title)
             card = nodes.container(classes=["card"])
             card += nodes.paragraph("", "", link)
             grid += card
         return [grid]
+
+
+def contents(path: Path, name: str) -> list[str]:
+    """The names of the pages in the table of contents of a page."""
+    (entries,) = re.findall(r"```\{toctree\}\n(?::.*\n)*((?:.+\n)*)```", path.read_text(encoding="utf-8"))
+    folder = name.rpartition("/")[0]
+    return [f"{folder}/{entry}" for entry in entries.split()]
 
 
 def poster(film: Path) -> Path:
