@@ -131,10 +131,11 @@ def _prose(line: str) -> str:
 
 
 def _marked(code: str) -> str:
-    """A link to a public name, or code."""
+    """A link to a public name, or code. Without `pc.`, a name in small letters may be one of the example."""
     text = code.strip("`")
     name = text.removeprefix("pc.").removeprefix("physcore.")
-    return f":py:obj:`{text} <physcore.{name}>`" if name in physcore.__all__ else f"``{text}``"
+    public = name in physcore.__all__ and (name != text or not name.islower())
+    return f":py:obj:`{text} <physcore.{name}>`" if public else f"``{text}``"
 
 
 def resolve(app: Sphinx, env: BuildEnvironment, node: pending_xref, content: nodes.Element) -> nodes.Node | None:
