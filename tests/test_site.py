@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import sys
 from collections import Counter
@@ -19,6 +20,7 @@ PAGES = sorted(path for path in DOCS.rglob("*.md"))
 FILMS = sorted(path for path in (DOCS / "eighteen").glob("*.md") if path.stem != "index")
 
 sys.path.insert(0, str(DOCS / "extension"))
+from docstrings import restructured  # noqa: E402
 from notebooks import EXAMPLES, notebook  # noqa: E402
 from pages import BLOCK, blocks  # noqa: E402
 
@@ -47,16 +49,25 @@ def test_every_page_is_once_in_a_table_of_contents():
 
 
 def test_the_pages_of_the_api_have_every_public_name_once():
-    blocks_of_names = [
-        block
-        for path in DOCS.glob("api/*.md")
-        for block in re.findall(r"```\{api\}\n(.*?)```", text_of(path), re.DOTALL)
-    ]
-    names = [line for block in blocks_of_names for line in block.split() if not line.startswith(":")]
+    pages = "".join(text_of(path) for path in DOCS.glob("api/*.md"))
+    listed = "".join(re.findall(r"```\{api\}\n(.*?)```", pages, re.DOTALL)).split()
+    names = [name for name in listed if not name.startswith(":")]
     assert sorted(names) == sorted(pc.__all__)
     linked = re.findall(r"\{py:obj\}`(\w+) <physcore\.(\w+)>`", text_of(DOCS / "api" / "index.md"))
     assert sorted(name for name, _ in linked) == sorted(pc.__all__)
     assert all(name == target for name, target in linked)
+
+
+def test_docstrings_become_restructured_text():
+    lines = restructured(inspect.cleandoc(pc.Drag.__doc__).splitlines())
+    text = "\n".join(lines)
+    assert ".. code-block:: python\n\n   ball = pc.Particles([[0.0, 0.0]]" in text
+    assert r"F = −(b + c \|u\|) u" in text  # In reStructuredText |u| is a substitution.
+    assert ":param linear: b [N·s/m], at least zero." in lines
+    (wind,) = (line for line in lines if line.startswith(":param wind:"))
+    assert "``wind(time)`` returns one velocity." in wind  # from its third line
+    assert ":py:obj:`pc.Flow <physcore.Flow>`" in wind
+    assert any(line.startswith(":raises SceneError: a coefficient is negative") for line in lines)
 
 
 def test_there_are_eighteen_films():
@@ -82,7 +93,7 @@ def test_a_film_has_its_parts(path):
 @pytest.mark.parametrize(
     ("page", "kinds"),
     [("styles", STYLES), ("forces", FORCES), ("integrators", INTEGRATORS)],
-    ids=lambda value: str(value)[:11],
+    ids=["styles", "forces", "integrators"],
 )
 def test_the_catalog_has_everything_of_a_kind(page, kinds):
     text = text_of(DOCS / "catalog" / f"{page}.md")

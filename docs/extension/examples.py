@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import os
 import subprocess
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import notebooks
 from docutils import nodes
+from pages import package
 from sphinx.addnodes import download_reference
 from sphinx.application import Sphinx
 from sphinx.util import logging
@@ -20,36 +20,46 @@ logger = logging.getLogger(__name__)
 
 
 class Examples(SphinxDirective):
-    """A section for each script: its code, and links to download the script and its notebook."""
+    """A section for each script: its code, what its notebook printed, and both for download."""
 
     def run(self) -> list[nodes.Node]:
         """Run what has changed."""
-        folder = Path(self.config.runs_folder) / "notebooks"
+        return [self._section(script) for script in sorted(notebooks.EXAMPLES.glob("*.py"))]
+
+    def _section(self, script: Path) -> nodes.section:
+        """The section of a script. A notebook that fails is an error of the build."""
+        self.env.note_dependency(str(script))
+        source = script.read_text(encoding="utf-8")
+        notebook = self._notebook(script, source)
+        title = notebooks.title(source)
+        section = nodes.section("", nodes.title(title, title), ids=[script.stem], names=[script.stem])
+        code = source.partition('"""\n\n')[2]
+        section += nodes.literal_block(code, code, language="python")
+        if notebook.exists():
+            text = notebooks.printed(notebook)
+            section += [nodes.literal_block(text, text, language="text", classes=["printed"])] if text else []
+            section += nodes.paragraph("", "", self._link(script), nodes.Text(" "), self._link(notebook))
+        return section
+
+    def _notebook(self, script: Path, source: str) -> Path:
+        """The notebook of a script, which is run unless this has been done with the same package."""
+        key = hashlib.sha256(f"{source}{package()}".encode()).hexdigest()[:16]
+        path = Path(self.config.runs_folder) / f"notebook-{key}" / f"{script.stem}.ipynb"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists():
+            command = [sys.executable, notebooks.__file__, str(script), str(path)]
+            finished = subprocess.run(command, capture_output=True, text=True, check=False)
+            if finished.returncode:
+                logger.error("%s failed:\n%s", script.name, finished.stderr, location=self.get_location())
+        return path
+
+    def _link(self, path: Path) -> nodes.Node:
+        """A link to download a file."""
         here = Path(self.env.doc2path(self.env.docname)).parent
-        shown: list[nodes.Node] = []
-        for script in sorted(notebooks.EXAMPLES.glob("*.py")):
-            self.env.note_dependency(str(script))
-            source = script.read_text(encoding="utf-8")
-            target = folder / hashlib.sha256(source.encode()).hexdigest()[:16] / f"{script.stem}.ipynb"
-            target.parent.mkdir(parents=True, exist_ok=True)
-            command = [sys.executable, notebooks.__file__, str(script), str(target)]
-            if not target.exists() and subprocess.run(command, check=False).returncode:
-                logger.error("%s failed as a notebook", script.name, location=self.get_location())
-                continue
-            title = ast.get_docstring(ast.parse(source)) or script.stem
-            section = nodes.section(ids=[script.stem], names=[script.stem])
-            section += nodes.title(title, title.partition("\n")[0].rstrip("."))
-            code = source.partition('"""\n\n')[2]
-            section += nodes.literal_block(code, code, language="python")
-            links = nodes.paragraph()
-            for path in (script, target):
-                relative = os.path.relpath(path, here)
-                link = download_reference(reftarget=relative, refdoc=self.env.docname, refdomain="", refexplicit=False)
-                link += nodes.literal(path.name, path.name)
-                links += [link, nodes.Text(" ")]
-            section += links
-            shown.append(section)
-        return shown
+        target = os.path.relpath(path, here)
+        link = download_reference(reftarget=target, refdoc=self.env.docname, refdomain="", refexplicit=False)
+        link += nodes.literal(path.name, path.name)
+        return link
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

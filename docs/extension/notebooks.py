@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import ast
+import json
 import sys
 from pathlib import Path
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LONGEST = 600
 """Time after which a notebook has failed [s]."""
+
+
+def title(source: str) -> str:
+    """The first line of a script's docstring."""
+    return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0].rstrip(".")
+
+
+def printed(path: Path) -> str:
+    """Text that the cells of a notebook printed, without progress bars, which go to standard error."""
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    outputs = [output for cell in cells for output in cell.get("outputs", ()) if output.get("name") == "stdout"]
+    return "".join("".join(output["text"]) for output in outputs).rstrip("\n")
 
 
 def notebook(source: str) -> dict:

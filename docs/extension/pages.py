@@ -53,7 +53,7 @@ def executed(path: Path, folder: Path) -> Page:
     A lock keeps processes that build in parallel from doing it twice.
     """
     code = blocks(path.read_text(encoding="utf-8"))
-    key = hashlib.sha256(json.dumps([code, _package()]).encode()).hexdigest()[:16]
+    key = hashlib.sha256(json.dumps([code, package()]).encode()).hexdigest()[:16]
     target = folder / f"{path.stem}-{key}"
     target.mkdir(parents=True, exist_ok=True)
     with (target / "lock").open("w") as lock:
@@ -70,7 +70,7 @@ def executed(path: Path, folder: Path) -> Page:
 
 
 @cache
-def _package() -> str:
+def package() -> str:
     """A digest of the installed package, the engine included."""
     import physcore
 
