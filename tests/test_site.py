@@ -113,6 +113,11 @@ def test_code_compiles_and_pictures_have_a_description(path):
         assert bool(draws and "def draw" not in code) == (":alt: " in match[0]), code
 
 
+def test_scripts_for_download_hide_no_module_of_python():
+    """A script is found before the module of this name, also by NumPy."""
+    assert not sys.stdlib_module_names & {path.stem for path in PAGES if blocks(text_of(path))}
+
+
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(DOCS)))
 def test_links_between_pages_lead_somewhere(path):
     for target in re.findall(r"\]\(([^)#\s]+)", re.sub(r"```.*?```", "", text_of(path), flags=re.DOTALL)):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +10,7 @@ from pathlib import Path
 import notebooks
 from docutils import nodes
 from pages import package
-from sphinx.addnodes import download_reference
+from runs import download
 from sphinx.application import Sphinx
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
@@ -38,7 +37,7 @@ class Examples(SphinxDirective):
         if notebook.exists():
             text = notebooks.printed(notebook)
             section += [nodes.literal_block(text, text, language="text", classes=["printed"])] if text else []
-            section += nodes.paragraph("", "", self._link(script), nodes.Text(" "), self._link(notebook))
+            section += nodes.paragraph("", "", download(self, script), nodes.Text(" "), download(self, notebook))
         return section
 
     def _notebook(self, script: Path, source: str) -> Path:
@@ -52,14 +51,6 @@ class Examples(SphinxDirective):
             if finished.returncode:
                 logger.error("%s failed:\n%s", script.name, finished.stderr, location=self.get_location())
         return path
-
-    def _link(self, path: Path) -> nodes.Node:
-        """A link to download a file."""
-        here = Path(self.env.doc2path(self.env.docname)).parent
-        target = os.path.relpath(path, here)
-        link = download_reference(reftarget=target, refdoc=self.env.docname, refdomain="", refexplicit=False)
-        link += nodes.literal(path.name, path.name)
-        return link
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

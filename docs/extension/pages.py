@@ -36,9 +36,10 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Page:
-    """An executed page: its folder, and an outcome for each block that ran."""
+    """An executed page: its folder, all its code as a script, and an outcome for each block that ran."""
 
     folder: Path
+    script: Path
     outcomes: list[Outcome]
 
 
@@ -56,6 +57,8 @@ def executed(path: Path, folder: Path) -> Page:
     key = hashlib.sha256(json.dumps([code, package()]).encode()).hexdigest()[:16]
     target = folder / f"{path.stem}-{key}"
     target.mkdir(parents=True, exist_ok=True)
+    script = target / f"{path.stem}.py"
+    script.write_text("\n\n".join(block.strip("\n") for block in code) + "\n", encoding="utf-8")
     with (target / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         found = target / "outcome.json"
@@ -66,7 +69,7 @@ def executed(path: Path, folder: Path) -> Page:
         outcomes = [Outcome(**values) for values in json.loads(found.read_text(encoding="utf-8"))]
         if any(outcome.error for outcome in outcomes):
             found.unlink()
-    return Page(target, outcomes)
+    return Page(target, script, outcomes)
 
 
 @cache

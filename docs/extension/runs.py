@@ -15,6 +15,7 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from pages import Page, executed
 from PIL import Image
+from sphinx.addnodes import download_reference
 from sphinx.application import Sphinx
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
@@ -35,6 +36,14 @@ def picture(directive: SphinxDirective, path: Path, alt: str, classes: list[str]
     """A picture of a run."""
     source = Path(directive.env.doc2path(directive.env.docname)).parent
     return nodes.image(uri=os.path.relpath(path, source), alt=alt, loading="lazy", classes=classes)
+
+
+def download(directive: SphinxDirective, path: Path) -> nodes.Node:
+    """A link to download a file."""
+    target = os.path.relpath(path, Path(directive.env.doc2path(directive.env.docname)).parent)
+    link = download_reference(reftarget=target, refdoc=directive.env.docname, refdomain="", refexplicit=False)
+    link += nodes.literal(path.name, path.name)
+    return link
 
 
 class Run(SphinxDirective):
@@ -63,7 +72,11 @@ class Run(SphinxDirective):
         if outcome.pictures and "alt" not in self.options:
             logger.warning("a picture needs its :alt: text", location=self.get_location())
         alt = self.options.get("alt", "")
-        return shown + [picture(self, page.folder / name, alt, ["run"]) for name in outcome.pictures]
+        shown += [picture(self, page.folder / name, alt, ["run"]) for name in outcome.pictures]
+        if number == len(page.outcomes) - 1:
+            words = nodes.Text("All code of this page: ")
+            shown.append(nodes.paragraph("", "", words, download(self, page.script), classes=["download"]))
+        return shown
 
 
 class Films(SphinxDirective):
