@@ -12,7 +12,7 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from myst_parser.mdit_to_docutils.base import make_document
 from myst_parser.mocking import MockRSTParser
-from sphinx.addnodes import pending_xref
+from sphinx.addnodes import literal_strong, pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 from sphinx.util.docutils import SphinxDirective
@@ -57,6 +57,10 @@ def parsed(directive: SphinxDirective, lines: list[str]) -> list[nodes.Node]:
     document.settings = directive.state.document.settings
     document.reporter = directive.state.document.reporter
     MockRSTParser().parse("\n".join(lines), document)
+    for names in document.findall(literal_strong):  # of several arguments; see `docstrings`
+        text = names.astext().replace(",", ", ")
+        names.clear()
+        names += nodes.Text(text)
     return document.children
 
 

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
 import io
 import json
@@ -53,6 +52,8 @@ def executed(path: Path, folder: Path) -> Page:
 
     A lock keeps processes that build in parallel from doing it twice.
     """
+    import fcntl  # Not on every system; the rest of this module is used by tests.
+
     code = blocks(path.read_text(encoding="utf-8"))
     key = hashlib.sha256(json.dumps([code, package()]).encode()).hexdigest()[:16]
     target = folder / f"{path.stem}-{key}"
