@@ -7,13 +7,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst import directives
-from pages import Page, executed
+from pages import Page, executed, package
 from PIL import Image
 from sphinx.addnodes import download_reference
 from sphinx.application import Sphinx
@@ -50,7 +51,7 @@ class Run(SphinxDirective):
     """A block of code with its results."""
 
     has_content = True
-    option_spec = {"alt": directives.unchanged_required, "hide-code": directives.flag}  # noqa: RUF012
+    option_spec = {"alt": directives.unchanged_required}  # noqa: RUF012
 
     def run(self) -> list[nodes.Node]:
         """Show code, text and pictures; an exception of the code is an error of the build."""
@@ -58,9 +59,7 @@ class Run(SphinxDirective):
         self.env.temp_data["runs"] = number + 1
         page = page_of(self, self.env.docname)
         code = "\n".join(self.content)
-        shown: list[nodes.Node] = []
-        if "hide-code" not in self.options:
-            shown.append(nodes.literal_block(code, code, language="python"))
+        shown: list[nodes.Node] = [nodes.literal_block(code, code, language="python")]
         if number >= len(page.outcomes):  # A block before it failed.
             return shown
         outcome = page.outcomes[number]
@@ -122,8 +121,17 @@ def poster(film: Path) -> Path:
     return path
 
 
+def state() -> str:
+    """A digest of what pages depend on beside their text: the package, and the code of the site."""
+    digest = hashlib.sha256(package().encode())
+    for path in sorted(Path(__file__).parent.iterdir()):
+        digest.update(path.read_bytes() if path.is_file() else b"")
+    return digest.hexdigest()
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register the directives."""
+    app.add_config_value("runs_state", state(), "env")  # Another value than before reads all pages anew.
     app.add_config_value("runs_folder", "runs", "env")
     app.add_directive("run", Run)
     app.add_directive("films", Films)
