@@ -115,11 +115,11 @@ impl RigidBodies {
         }
     }
 
-    /// Motions of the bodies in the present state, as forces see them.
-    fn solid_motions(&self) -> Vec<SolidMotion> {
+    /// Motions of the bodies in the present state, as forces see them, with these angular velocities [rad/s].
+    fn solid_motions(&self, angular_velocity: impl Fn(usize) -> DVec3) -> Vec<SolidMotion> {
         let of = |(body, &particle): (usize, &u32)| {
             let orientation = self.world.state.turns[body].orientation.quaternion;
-            let angular_velocity = self.world.angular_velocity(body);
+            let angular_velocity = angular_velocity(body);
             SolidMotion { particle, orientation, angular_velocity, before: orientation, moved: DVec3::ZERO }
         };
         self.particles.iter().enumerate().map(of).collect()
@@ -216,7 +216,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn solids(&self) -> Vec<SolidMotion> {
-        self.solid_motions()
+        self.solid_motions(|body| self.world.angular_velocity(body))
     }
 
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
@@ -263,9 +263,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
             tied.place(step, &self.world, motion);
         }
         if is_seen {
-            let mut solids = self.solid_motions();
-            for (((solid, motion), start), turn) in solids.iter_mut().zip(&self.motions).zip(&self.starts).zip(before) {
-                (solid.angular_velocity, solid.before) = (motion.turning, turn.orientation.quaternion);
+            let mut solids = self.solid_motions(|body| self.motions[body].turning);
+            for ((solid, start), turn) in solids.iter_mut().zip(&self.starts).zip(before) {
+                solid.before = turn.orientation.quaternion;
                 solid.moved = step.matter.exact_position(solid.particle as usize) - *start;
             }
             step.matter.solids = solids;
@@ -303,7 +303,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
             self.world.state.ties = forces;
         }
         if is_seen {
-            step.matter.solids = self.solid_motions();
+            step.matter.solids = Constraint::<V>::solids(self);
         }
         let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
