@@ -14,7 +14,7 @@ use physcore_base::simd::LANES;
 
 /// Quaternion (w, x, y, z).
 pub(crate) type Quaternion = [f64; 4];
-type Triple = [f64; 3];
+type Components = [f64; 3];
 
 /// Largest angle for which the series of [`series`] are exact to rounding, squared [rad²].
 const SMALL: f64 = 0.25;
@@ -26,9 +26,9 @@ pub(crate) struct FreeTurn {
     pub orientation: Quaternion,
     pub axes: Quaternion,
     /// Angular momentum [kg·m²/s].
-    pub spin: Triple,
+    pub spin: Components,
     /// Inverse moment about the reference axis, and the differences of the others from it, times the duration [s/(kg·m²)].
-    pub rates: Triple,
+    pub rates: Components,
 }
 
 impl FreeTurn {
@@ -151,7 +151,7 @@ fn product(&[a, b, c, d]: &Quaternion, &[w, x, y, z]: &Quaternion) -> Quaternion
 
 /// Components of a vector along axes that a quaternion turns.
 #[inline(always)]
-fn along(&[w, x, y, z]: &Quaternion, &[a, b, c]: &Triple) -> Triple {
+fn along(&[w, x, y, z]: &Quaternion, &[a, b, c]: &Components) -> Components {
     // v + 2 u × (u × v − w v), with the vector part u.
     let [p, q, r] = [y * c - z * b - w * a, z * a - x * c - w * b, x * b - y * a - w * c];
     [a + 2.0 * (y * r - z * q), b + 2.0 * (z * p - x * r), c + 2.0 * (x * q - y * p)]

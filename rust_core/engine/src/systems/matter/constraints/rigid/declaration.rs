@@ -64,6 +64,7 @@ impl RigidBodies {
             tied: ties.bodies,
             motions: Vec::new(),
             others: Vec::new(),
+            moved: Vec::new(),
             near: Vec::new(),
             order: 2,
             overlap: None,
