@@ -175,3 +175,42 @@ fn library(square: f64) -> (f64, f64) {
     let (sin, cos) = libm::sincos(angle);
     (if angle > 0.0 { sin / angle } else { 1.0 }, cos)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bodies of which every other one turns beyond the range of the series.
+    fn bodies() -> Vec<FreeTurn> {
+        let of = |index: usize| {
+            let x = 0.1 * index as f64;
+            let scale = 1.0 / (1.0 + x * x + 2.0 * x * x).sqrt();
+            let orientation = [scale, scale * x, -scale * x, scale * x];
+            let speed = if index.is_multiple_of(2) { 1.0 } else { 40.0 };
+            FreeTurn { orientation, axes: [0.8, 0.0, 0.6, 0.0], spin: [speed, -x, 0.5 * speed], rates: [0.1, 0.03, -0.02] }
+        };
+        (0..LANES).map(of).collect()
+    }
+
+    /// Bodies side by side have the bits of single ones, whatever turns beside them.
+    #[test]
+    fn lanes_have_the_bits_of_single_bodies() {
+        let mut lanes = FreeTurns::new();
+        let bodies = bodies();
+        bodies.iter().enumerate().for_each(|(lane, body)| lanes.set(lane, body));
+        lanes.turn();
+        for (lane, body) in bodies.iter().enumerate() {
+            assert_eq!(lanes.orientation(lane), body.turned(), "{lane}");
+        }
+    }
+
+    /// The series leave out less than half a unit of the last place; each of the sums rounds by less than a unit.
+    #[test]
+    fn series_agree_with_the_library() {
+        for step in 0..=1000 {
+            let square = SMALL * 1e-3 * f64::from(step);
+            let ((a, b), (c, d)) = (series(square), library(square));
+            assert!((a - c).abs() <= 2.0 * f64::EPSILON && (b - d).abs() <= 2.0 * f64::EPSILON, "{square}");
+        }
+    }
+}

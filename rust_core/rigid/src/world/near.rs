@@ -96,3 +96,11 @@ impl NearPairs {
         self.pairs.iter().flatten().for_each(|&index| self.is_paired[index as usize] = true);
     }
 }
+
+#[cfg(test)]
+impl crate::world::RigidWorld {
+    /// Forgets the pairs of the last step.
+    pub(crate) fn forget_pairs(&mut self) {
+        self.near = NearPairs::default();
+    }
+}

@@ -5,15 +5,14 @@
 
 mod anchors;
 mod declaration;
+mod ends;
 mod history;
 mod overlaps;
 mod ties;
 
 use glam::DVec3;
-use physcore_rigid::mover::Mover;
-use physcore_rigid::pose::Pose;
 use physcore_rigid::rotation::Orientation;
-use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
+use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn};
 
 pub use overlaps::{RigidPose, overlaps};
 
@@ -86,33 +85,6 @@ impl RigidBodies {
         self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize)));
         for tied in &mut self.tied {
             self.motions[tied.body] = tied.begin(step, &self.world.rotation(tied.body));
-        }
-    }
-
-    /// Particle of an end of a joint; None for the world.
-    fn particle(&self, end: usize) -> Option<u32> {
-        let point = |end: usize| self.points.binary_search_by_key(&end, |(_, point)| point.index).ok();
-        match end {
-            WORLD => None,
-            end if end < self.particles.len() => Some(self.particles[end]),
-            end => point(end - self.particles.len()).map(|point| self.points[point].0),
-        }
-    }
-
-    /// End of a joint in a state.
-    fn end<V: Space>(&self, at: &StateView<'_, V>, end: usize) -> Mover {
-        let Some(particle) = self.particle(end).map(|particle| particle as usize) else { return Mover::wall(&Pose::WORLD) };
-        let mut position = DVec3::ZERO;
-        (0..V::DIMENSION).for_each(|axis| position[axis] = at.exact_position(axis, particle));
-        let (position, velocity) = (at.properties.origin + position, at.velocity.get(particle).widen());
-        if let Some(tied) = self.tied.iter().find(|tied| tied.body == end) {
-            let offset = tied.offset(&self.world.rotation(end));
-            let velocity = velocity - self.world.angular_velocity(end).cross(offset);
-            self.world.mover(end, &CenterMotion::free(position - offset, velocity), 1.0)
-        } else if end < self.particles.len() {
-            self.world.mover(end, &CenterMotion::free(position, velocity), 1.0)
-        } else {
-            Mover { position, velocity, inverse_mass: at.properties.mass[particle].recip(), ..Mover::wall(&Pose::WORLD) }
         }
     }
 
