@@ -18,7 +18,7 @@ CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo tes
 TESTED := --locked --workspace --exclude physcore-benches
 
 .DEFAULT_GOAL := help
-.PHONY: help check install dev wheels demo test test-rust test-python test-portable test-long fuzz edges asan validate tradeoff lint format bench clean
+.PHONY: help check install dev wheels demo docs test test-rust test-python test-portable test-long fuzz edges asan validate tradeoff lint format bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -86,6 +86,11 @@ validate: $(VENV)/tools.stamp ## run the cases with reference figures from outsi
 tradeoff: $(VENV)/tools.stamp ## measure error against time and the extremes, and write out/tradeoff.md, in ten minutes
 	$(BIN)/python benches/tradeoff.py $(OUT)
 
+# Scripts of pages run again only if they or the package have changed.
+docs: $(VENV)/docs.stamp ## build the documentation into out/docs/site, with its films, in five minutes
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --nitpicky --jobs auto --quiet --doctree-dir $(OUT)/docs/doctrees docs $(OUT)/docs/site
+	@echo 'The first page is $(OUT)/docs/site/index.html.'
+
 lint: $(VENV)/tools.stamp ## check format, style, types and licenses, Rust and Python
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
@@ -133,4 +138,8 @@ $(VENV)/bench.stamp: $(VENV)/package.stamp
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check "$(WHEEL)[bench]"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary=:all: "$(WHEEL)[bench-rigid]" \
 		|| echo 'Engines for rigid bodies are not all installed: `make bench` leaves out those that are missing.'
+	@touch $@
+
+$(VENV)/docs.stamp: $(VENV)/package.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check "$(WHEEL)[docs]"
 	@touch $@

@@ -517,6 +517,34 @@ def test_what_is_no_joint_is_refused(build, message):
         build()
 
 
+@pytest.mark.parametrize("kind", [pc.Hinge, pc.BallJoint, pc.Weld, pc.Prismatic, pc.Rod, pc.SpringJoint])
+@pytest.mark.parametrize("named", [False, True])
+@pytest.mark.parametrize("first", [False, True])
+def test_no_joint_holds_a_particle_of_a_fluid(kind, named, first):
+    """The engine has no points of fluids for joints: it would leave such a joint out."""
+    water = pc.Fluid.block((0.0, 0.0), (0.2, 0.2), 0.05, name="water")
+    box = pc.RigidBody(pc.Rectangle(0.1, 0.1), (0.5, 0.1), name="box")
+    particle = tuple(water.positions[3].tolist())
+    body, grain = ("box", ("water", 3)) if named else (box, (water, 3))
+    ends, points = ((grain, body), [particle, (0.5, 0.1)]) if first else ((body, grain), [(0.5, 0.1), particle])
+    arguments = {"Prismatic": [(1.0, 0.0)], "Rod": [points], "SpringJoint": [points, 10.0]}
+    with pytest.raises(pc.SceneError, match=rf"{kind.__name__}.{'one' if first else 'other'}: must be a rigid body"):
+        pc.Scene(water, box, kind(*ends, *arguments.get(kind.__name__, [particle])))
+
+
+def test_bodies_that_may_touch_are_refused_in_a_periodic_domain():
+    """Contacts across its faces are not found. A body that meets nothing may be there."""
+    square = pc.Periodic((0.0, 0.0), (1.0, 1.0))
+    pair = pc.RigidBodies(pc.Disc(0.1), [(0.2, 0.5), (0.8, 0.5)])
+    single = pc.RigidBody(pc.Disc(0.1), (0.2, 0.5), velocity=(1.0, 0.0))
+    grain = pc.Particles([[0.5, 0.5]])
+    floor = pc.Floor(0.0)
+    for items in ([pair], [single, grain], [single, floor]):
+        with pytest.raises(pc.SceneError, match=r"no Periodic domain in a scene of bodies that may touch"):
+            pc.Simulation(pc.Scene(*items, square))
+    assert pc.simulate(pc.Scene(single, square), 1.0, dt=0.1)[single].positions[-1, 0].tolist() == pytest.approx([0.2, 0.5])
+
+
 class Engine:
     """The fields of particles and rigid bodies as the engine has them, with a row each."""
 

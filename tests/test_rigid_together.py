@@ -14,6 +14,13 @@ INNER, THICK, SIDES = 1.0, 0.1, 24
 """Inner radius and thickness of a drum [m], and the number of its sides."""
 
 
+def square_cloth(side, stiffness, center, axes, **options):
+    """A square cloth of `side` points along each edge, around a center."""
+    spacing = 0.05
+    origin = np.subtract(center, 0.5 * (side - 1) * spacing * np.sum(axes, axis=0))
+    return pc.cloth((side, side), spacing, stiffness, damping=0.05, mass=0.002, origin=origin, axes=axes, **options)
+
+
 def drum():
     """A ring of bars, as a polygon of so many sides."""
     half = math.tan(math.pi / SIDES) * (INNER + THICK)
@@ -54,17 +61,7 @@ def test_a_ball_and_a_free_cloth_keep_their_momentum():
 
     Impulses on points, which do not turn, act beside them by the gaps of contacts: angular momentum changes by 1e-8.
     """
-    side, spacing = 13, 0.05
-    middle = 0.5 * (side - 1) * spacing
-    cloth = pc.cloth(
-        (side, side),
-        spacing,
-        200.0,
-        damping=0.05,
-        mass=0.002,
-        origin=(-middle, 0.0, -middle),
-        axes=((1, 0, 0), (0, 0, 1)),
-    )
+    cloth = square_cloth(13, 200.0, (0.0, 0.0, 0.0), ((1, 0, 0), (0, 0, 1)))
     ball = pc.RigidBody(pc.Ball(0.12), (0.013, -0.2, 0.017), velocity=(0.0, 3.0, 0.0), mass=0.2, friction=0.3)
     run = pc.simulate(pc.Scene(cloth, ball), 0.4, dt=1 / 4000, fps=200)
     assert np.abs(run.momentum - run.momentum[0]).max() < 1e-13
@@ -79,18 +76,9 @@ def test_particles_with_a_radius_keep_the_corners_of_a_box_under_a_cloth():
     """The faces of cloth meet no bodies: corners come through between particles, unless these have half the spacing."""
 
     def highest(radius):
-        side, spacing, half = 15, 0.05, 0.15
-        middle = 0.5 * (side - 1) * spacing
-        cloth = pc.cloth(
-            (side, side),
-            spacing,
-            100.0,
-            damping=0.05,
-            mass=0.002,
-            radius=radius,
-            origin=(0.011 - middle, 0.007 - middle, half + 0.01 + radius),
-            axes=((1, 0, 0), (0, 1, 0)),
-        )
+        half = 0.15
+        center = (0.011, 0.007, half + 0.01 + radius)
+        cloth = square_cloth(15, 100.0, center, ((1, 0, 0), (0, 1, 0)), radius=radius)
         box = pc.RigidBody(pc.Cuboid(2 * half, 2 * half, 2 * half), (0.0, 0.0, 0.0), fixed=True)
         run = pc.simulate(pc.Scene(cloth, box, pc.Gravity((0.0, 0.0, -G))), 0.5, dt=1 / 2000, fps=50)
         inside = (np.abs(run.positions) < half - 1e-6).all(axis=2)

@@ -20,6 +20,7 @@ def wind(*velocity, **options):
 
 CROSS = [(0.0, 0.0), (0.2, 0.0), (-0.2, 0.0), (0.0, 0.2), (0.0, -0.2)]
 """Centers of squares that touch."""
+BARS = [pc.Rectangle(0.6, 0.2), pc.Rectangle(0.2, 0.6)]
 SHAPES = {
     "ball": (pc.Ball(0.3), 0.5 * math.pi * 0.09),
     "cuboid": (pc.Cuboid(0.3, 0.4, 0.5), 0.4 * 0.5),
@@ -27,6 +28,8 @@ SHAPES = {
     "disc": (pc.Disc(0.3), 2.0 / 3.0 * 0.6),
     "rectangle": (pc.Rectangle(0.3, 0.4), 0.4),
     "cross": (pc.Compound([(pc.Rectangle(0.2, 0.2), place, 0.0) for place in CROSS]), 0.6),
+    "bars that cross": (pc.Compound([(bar, (0.0, 0.0), 0.0) for bar in BARS]), 0.6),
+    "squares that overlap": (pc.Compound([(pc.Rectangle(0.2, 0.2), (0.0, y), 0.0) for y in (0.0, 0.13)]), 0.33),
 }
 """Shapes with their areas across the wind along x, weighted by the integral of |q| q n over the surface."""
 
@@ -35,7 +38,8 @@ SHAPES = {
 def test_the_first_force_is_that_of_the_surface(name):
     """Half of the law on each face. Over a ball of radius r the mean of |cos|³ gives π r²/2, over a disc 4 r/3.
 
-    The quadrature of a ball of 96 points is off by up to 0.5 %, that of flat faces by rounding.
+    The quadrature of a ball of 96 points is off by up to 0.5 %, that of flat faces by rounding. Faces that are partly
+    within another part are cut to a sixteenth of a patch, here of 0.15: four cuts of 0.6 are off by up to 3 %.
     """
     shape, area = SHAPES[name]
     flow = (SPEED, 0.0, 0.0)[: shape.dimensions[0]]
@@ -44,8 +48,8 @@ def test_the_first_force_is_that_of_the_surface(name):
     simulation.step(1)
     expected = np.zeros(len(flow))
     expected[0] = 0.5 * AIR * NORMAL * area * SPEED**2
-    tolerance = 5e-3 if name == "ball" else 1e-4
-    assert simulation.momentum() == pytest.approx(expected, rel=tolerance, abs=1e-9 * expected[0])
+    tolerance = {"ball": 5e-3, "bars that cross": 0.03, "squares that overlap": 0.03}.get(name, 1e-4)
+    assert simulation.momentum() == pytest.approx(expected, rel=tolerance, abs=1e-6 * expected[0])
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 1.1])
@@ -83,10 +87,10 @@ def test_a_falling_cuboid_reaches_its_terminal_speed():
 def test_a_pole_bears_the_moment_of_the_wind():
     """The wind presses on the height h with the force F; a weld at the foot bears F and F h/2.
 
-    The wind meets the pole at a velocity predicted without the weld, F dt/m = 2e-7 of its own.
+    The pole would move at a fiftieth of the wind within a step if the weld did not hold it.
     """
     height = 3.0
-    pole = pc.RigidBody(pc.Rectangle(0.1, height), (0.0, height / 2), mass=5e6)
+    pole = pc.RigidBody(pc.Rectangle(0.1, height), (0.0, height / 2), mass=50.0)
     foot = pc.Weld(pole, None, (0.0, 0.0))
     run = pc.simulate(pc.Scene(pole, foot, wind(SPEED, 0.0)), 0.1, dt=1 / 100, fps=100)
     force = 0.5 * AIR * NORMAL * height * SPEED**2

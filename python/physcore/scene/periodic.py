@@ -21,7 +21,7 @@ class Periodic:
 
     Pair forces and fluids act across its faces, by the minimum image convention. Positions of a simulation, of
     recordings and of films are wrapped into the domain. Springs, boundaries, central and custom forces, and the angular
-    momentum use unwrapped positions.
+    momentum use unwrapped positions. Rigid bodies that may touch something are refused.
 
     Args:
         lower: the lower end along each axis [m]; −inf along an axis that is not periodic.

@@ -83,7 +83,7 @@ impl<V: Vector> Properties<V> {
     }
 }
 
-/// Rotation of a rigid body, whose center of mass is a particle.
+/// Motion of a rigid body, whose center of mass is a particle, as forces see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolidMotion {
     /// Index of the particle in the engine's order.
@@ -92,6 +92,8 @@ pub struct SolidMotion {
     pub orientation: DQuat,
     /// Orientation at the start of the last drift.
     pub before: DQuat,
+    /// Displacement of the center of mass in the last drift [m].
+    pub moved: DVec3,
     /// Angular velocity in the world's axes [rad/s].
     pub angular_velocity: DVec3,
 }

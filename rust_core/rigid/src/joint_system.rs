@@ -22,7 +22,7 @@ type JointBlock = [[f64; MOST_ROWS]; MOST_ROWS];
 const NOTHING: JointBlock = [[0.0; MOST_ROWS]; MOST_ROWS];
 
 /// Column of the factorization.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Column {
     joint: usize,
     /// Inverse of the diagonal block.
@@ -32,7 +32,7 @@ struct Column {
 }
 
 /// Factorized rows of all joints of a group.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct JointSystem {
     columns: Vec<Column>,
 }

@@ -35,7 +35,7 @@ impl Softness {
 }
 
 /// Contacts of a group during a step: in the plane if it has no joints.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub enum GroupSweep {
     InPlane(RowSweep<InPlane>),
     InSpace(RowSweep<InSpace>),
@@ -48,7 +48,7 @@ impl Default for GroupSweep {
 }
 
 /// Contacts of a group during a step.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct RowSweep<S: RowSpace> {
     /// Rows of joints in a half of a piece.
     joints: FirstHalf,
@@ -115,6 +115,16 @@ impl Island {
         match &mut sweep {
             GroupSweep::InPlane(sweep) => sweep.end(self),
             GroupSweep::InSpace(sweep) => sweep.end(self),
+        }
+        self.keep_sweep(sweep);
+    }
+
+    /// Adds the impulses of the second half of the open piece of a sweep to the velocities after the kick, and leaves it open.
+    pub fn add_second_half(&mut self) {
+        let sweep = self.take_sweep();
+        match sweep.clone() {
+            GroupSweep::InPlane(mut sweep) => sweep.predict(self),
+            GroupSweep::InSpace(mut sweep) => sweep.predict(self),
         }
         self.keep_sweep(sweep);
     }
@@ -226,8 +236,9 @@ impl<S: RowSpace> RowSweep<S> {
         }
     }
 
-    /// Takes the impulses of the second half of a piece, at the velocities after the kick.
-    fn second_half(&mut self, island: &mut Island, length: f64) {
+    /// Solves for the impulses of the second half of a piece, at the velocities after the kick. Returns the rows of joints in the
+    /// first half.
+    fn solve_second_half(&mut self, island: &Island) -> FirstHalf {
         let first = std::mem::take(&mut self.joints);
         if let Some(v) = S::in_space(&mut self.v) {
             island.hold_joint_velocities(&first, v, &mut self.joints.rows);
@@ -244,6 +255,12 @@ impl<S: RowSpace> RowSweep<S> {
         }
         self.start_impulses(false);
         self.relax(island.accuracy.iterations);
+        first
+    }
+
+    /// Takes the second half of a piece.
+    fn second_half(&mut self, island: &mut Island, length: f64) {
+        let first = self.solve_second_half(island);
         for (row, contact) in self.rows.iter().zip(&mut self.touching) {
             contact.load = row.before.plus(&row.impulse).scaled(1.0 / length);
             island.meters.pushed += if contact.pushes { pushed(row, contact.slip.0) } else { 0.0 };
@@ -256,6 +273,13 @@ impl<S: RowSpace> RowSweep<S> {
         island.meters.work += self.work + self.supplied();
         // A sum below 0 is an error of the piece, which is left to the drift.
         island.meters.dissipated += self.lost.max(0.0);
+    }
+
+    /// Takes the velocities after the second half of the last piece.
+    fn predict(&mut self, island: &mut Island) {
+        self.v.fill(&island.movers);
+        self.solve_second_half(island);
+        take_velocities(island, &self.v);
     }
 
     /// Ends the last piece.

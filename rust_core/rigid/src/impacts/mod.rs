@@ -22,9 +22,9 @@ const REST: f64 = 1e-10;
 const GAINED: f64 = 1e-2;
 /// Length of a piece that is not taken, over the step.
 const SHORTEST: f64 = 1e-9;
-/// Number of pieces of a step: these, and so many for each body.
+/// Largest number of pieces of a step: these, one for each body, and one for each size that the fastest moves, up to a bound.
 const PIECES: usize = 8;
-const PIECES_PER_BODY: usize = 1;
+const MOST_SIZES: usize = 1000;
 /// Largest number of sweeps in the rest of a step, and largest way of a body in one of them, over the size of the least.
 const MOST_SWEEPS: usize = 32;
 const PART_OF_SIZE: f64 = 0.5;
@@ -62,10 +62,12 @@ impl Island {
         gain - GAINED * scale
     }
 
-    /// Advances the group by `h` seconds, with each impact at its time. After many impacts, or
-    /// where many contacts bear, the rest of the step is taken in equal pieces.
+    /// Advances the group by `h` seconds, with each impact at its time. After many impacts, or where many contacts bear, the rest
+    /// of the step is taken in equal pieces. Few bodies that are fast stay where they are instead: they might pass through walls
+    /// that are thinner than their way in a piece.
     fn take_impacts(&mut self, shapes: &[SolidShape], h: f64, rest: (usize, Accuracy)) {
-        let most = PIECES + PIECES_PER_BODY * self.movers.len();
+        let sizes = ((h * self.sizes_per_second()) as usize).min(MOST_SIZES);
+        let most = PIECES + self.movers.len() + sizes;
         let mut time = 0.0;
         for _ in 0..most {
             let reach = |island: &Self, pair: &BodyPair| {
@@ -81,7 +83,7 @@ impl Island {
             self.strike(h);
             self.hold_resting(h);
             if !self.is_small() {
-                break;
+                return self.sweep_rest(shapes, (h - time, h), rest);
             }
             let remaining = h - time;
             let mut start = self.movers.clone();
@@ -106,15 +108,24 @@ impl Island {
                 time += after;
             }
         }
-        self.sweep_rest(shapes, (h - time, h), rest);
+        if (h - time) * self.sizes_per_second() > PART_OF_SIZE {
+            self.meters.waits += 1;
+            self.wait(h);
+        } else {
+            self.sweep_rest(shapes, (h - time, h), rest);
+        }
+    }
+
+    /// Largest speed of a surface point over the size of the least body [1/s].
+    fn sizes_per_second(&self) -> f64 {
+        self.speed() / self.pairs.iter().map(|pair| pair.size).fold(f64::INFINITY, f64::min)
     }
 
     /// Takes the rest of a step of `h` seconds in equal pieces, so short that no body passes through another. Bodies that would
     /// need too many of them stay where they are for what is left.
     fn sweep_rest(&mut self, shapes: &[SolidShape], (mut left, h): (f64, f64), rest: (usize, Accuracy)) {
-        let least = self.pairs.iter().map(|pair| pair.size).fold(f64::INFINITY, f64::min);
         for _ in 0..MOST_SWEEPS {
-            let longest = PART_OF_SIZE * least / self.speed();
+            let longest = PART_OF_SIZE / self.sizes_per_second();
             if longest >= left {
                 self.sweep(shapes, left, rest);
                 return;

@@ -13,6 +13,8 @@ mod contacts;
 mod joints;
 mod pieces;
 
+use glam::DVec3;
+
 use crate::mover::Mover;
 use crate::rows::ContactImpulse;
 use crate::surface::Surface;
@@ -91,6 +93,8 @@ pub struct Island {
     /// Buffers of a sweep, and whether its last piece is open.
     sweep: GroupSweep,
     is_swept: bool,
+    /// Changes of velocity [m/s] and angular momentum [kg·m²/s] that are predicted for the second half of the last piece.
+    pub ahead: Vec<[DVec3; 2]>,
     /// Buffer of contacts.
     known: Vec<GroupContact>,
     /// Loads of the contacts of the last step.
@@ -115,6 +119,7 @@ impl Island {
             open: 0.0,
             sweep: GroupSweep::default(),
             is_swept: false,
+            ahead: Vec::new(),
             known: Vec::new(),
             past: Vec::new(),
             first: FirstHalf::default(),
@@ -130,6 +135,7 @@ impl Island {
         self.contacts.clear();
         self.joints.clear();
         self.past.clear();
+        self.ahead.clear();
         self.meters = Meters::default();
         self.accuracy = Accuracy::FINE;
     }

@@ -15,7 +15,7 @@ const UNSOLVED: usize = 2;
 const STILL: f64 = 1e-6;
 
 /// First half of a piece, on which the second depends.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct FirstHalf {
     pub rows: Rows,
     /// Contact of each row; joint of each bounded row.
@@ -167,6 +167,21 @@ impl Island {
         worst > self.accuracy.positions * size
     }
 
+    /// Predicts the impulses of the second half of the open piece, as those under the forces at the start of the step.
+    pub fn predict(&mut self) {
+        let open = self.movers.clone();
+        self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * self.open));
+        let kicked = self.movers.clone();
+        if self.is_swept {
+            self.add_second_half();
+        } else {
+            self.close_piece(&self.first).0.apply(&mut self.movers);
+        }
+        let changes = self.movers.iter().zip(&kicked);
+        self.ahead = changes.map(|(after, before)| [after.velocity - before.velocity, after.spin - before.spin]).collect();
+        self.movers = open;
+    }
+
     /// Takes the second half of a piece, at the velocities after the kick.
     pub fn end_piece(&mut self) {
         if std::mem::take(&mut self.is_swept) {
@@ -176,21 +191,7 @@ impl Island {
         let first = std::mem::take(&mut self.first);
         let length = self.open;
         let kicked = self.movers.clone();
-        let start = BodyVelocities::of(&self.movers);
-        let mut rows = Rows { planar: self.planar, ..Rows::default() };
-        self.hold_joint_velocities(&first, &start, &mut rows);
-        for (past, &index) in first.rows.contacts.iter().zip(&first.contacts) {
-            let contact = &self.contacts[index];
-            let Some(mut row) = self.row(contact, &start) else { continue };
-            row.before = past.impulse;
-            row.before.tangential = row.before.tangential.reject_from_normalized(row.normal);
-            row.impulse = row.before;
-            // A body that has left the contact flies on.
-            let flies = past.impulse.normal == 0.0 && contact.touch.gap > HIT * self.pairs[contact.pair].size;
-            row.least = if flies { f64::NEG_INFINITY } else { 0.0 };
-            rows.contacts.push(row);
-        }
-        let (v, _) = rows.solve(&start, self.tolerance(length), self.accuracy.iterations);
+        let (rows, v) = self.close_piece(&first);
         rows.apply(&mut self.movers);
         let stopped = rows.stopped(&first.drifted, &v);
         let mut losses = first.lost + stopped;
@@ -213,6 +214,26 @@ impl Island {
             self.keep_loads(&first, &rows, length);
         }
         self.keep_reactions(&first, &rows);
+    }
+
+    /// Impulses of the second half of the open piece, and the velocities after them, from those after the kick.
+    fn close_piece(&self, first: &FirstHalf) -> (Rows, BodyVelocities) {
+        let start = BodyVelocities::of(&self.movers);
+        let mut rows = Rows { planar: self.planar, ..Rows::default() };
+        self.hold_joint_velocities(first, &start, &mut rows);
+        for (past, &index) in first.rows.contacts.iter().zip(&first.contacts) {
+            let contact = &self.contacts[index];
+            let Some(mut row) = self.row(contact, &start) else { continue };
+            row.before = past.impulse;
+            row.before.tangential = row.before.tangential.reject_from_normalized(row.normal);
+            row.impulse = row.before;
+            // A body that has left the contact flies on.
+            let flies = past.impulse.normal == 0.0 && contact.touch.gap > HIT * self.pairs[contact.pair].size;
+            row.least = if flies { f64::NEG_INFINITY } else { 0.0 };
+            rows.contacts.push(row);
+        }
+        let (v, _) = rows.solve(&start, self.tolerance(self.open), self.accuracy.iterations);
+        (rows, v)
     }
 
     /// Whether a contact begins or ends in the open piece, or its sliding does, given its velocities at the start and the end.

@@ -72,7 +72,7 @@ impl Row {
 }
 
 /// Rows of a joint.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct JointRows {
     pub bodies: [usize; 2],
     pub rows: ArrayVec<Row, MOST_ROWS>,

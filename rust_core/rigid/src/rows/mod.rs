@@ -109,7 +109,7 @@ impl<S: RowSpace> BodyVelocities<S> {
 }
 
 /// Rows of all joints and contacts of a group of bodies.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Rows {
     /// Whether the bodies move in the plane.
     pub planar: bool,

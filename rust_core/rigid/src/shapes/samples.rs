@@ -179,7 +179,10 @@ impl SolidShape {
 
 impl Part {
     /// Whether a point in the frame of the body is in the part. A core with a radius has two vertices at most.
-    fn contains(&self, point: DVec3) -> bool {
+    pub fn contains(&self, point: DVec3) -> bool {
+        if point.distance_squared(self.ball.0) > self.ball.1 * self.ball.1 {
+            return false;
+        }
         if let [from, rest @ ..] = &self.vertices[..]
             && rest.len() <= 1
         {

@@ -1,6 +1,7 @@
 //! Energy of small groups: what impacts, friction and short bounces dissipate.
 
 use glam::DVec3;
+use physcore_base::scene::{Array, Item, Value};
 
 use super::laboratory::{Laboratory, cuboid, rectangle, round, turned};
 use crate::mover::Mover;
@@ -27,13 +28,13 @@ fn drift(lab: &mut Laboratory, h: f64, steps: usize) -> f64 {
     })
 }
 
-/// Adds a fixed disc.
-fn add_peg(lab: &mut Laboratory, radius: f64, position: DVec3) {
-    let (shape, _) = SolidShape::declared(&round("Disc", radius), 2).unwrap();
+/// Adds a fixed body.
+fn add_fixed(lab: &mut Laboratory, item: &Item, position: DVec3) {
+    let (shape, _) = SolidShape::declared(item, if lab.world.planar { 2 } else { 3 }).unwrap();
     lab.world.shapes.push(shape);
     let surface = Surface { shape: lab.world.shapes.len() - 1, friction: Some(Friction::default()), restitution: 0.0 };
     lab.world.walls.push(FixedSolid { surface, mover: Mover::wall(&Pose { position, ..Pose::WORLD }) });
-    lab.world.wall_names.push("peg".to_owned());
+    lab.world.wall_names.push("fixed".to_owned());
 }
 
 /// A free fall and its impacts are exact, bounces that end within a step too: what is left is the rounding of 1000 steps. A
@@ -47,7 +48,7 @@ fn impacts_of_a_ball_are_booked_to_rounding() {
         for row in 0..5 {
             for column in 0..7 {
                 let x = 0.1 * (f64::from(column) - 3.0 + 0.5 * f64::from(row % 2));
-                add_peg(&mut lab, 0.015, DVec3::new(x, 0.3 + 0.09 * f64::from(row), 0.0));
+                add_fixed(&mut lab, &round("Disc", 0.015), DVec3::new(x, 0.3 + 0.09 * f64::from(row), 0.0));
             }
         }
         lab.add(&round("Disc", 0.016), (1.0, 0.0, restitution), at(0.004, 1.2, 0.0), REST);
@@ -80,6 +81,39 @@ fn a_plate_that_lands_flat_does_not_turn() {
             }
         }
         assert!((top - 0.125).abs() < G * h * h, "{dimension} {top}");
+    }
+}
+
+/// Cube of an edge with a corner pushed in, as a mesh.
+fn dented_cube(edge: f64) -> Item {
+    let signs = (0..8).map(|corner| [4, 2, 1].map(|bit| if corner & bit == 0 { -0.5 } else { 0.5 }));
+    let mut vertices: Vec<f64> = signs.flatten().map(|sign| sign * edge).collect();
+    vertices[21..].fill(-0.1 * edge);
+    let faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]];
+    let faces: Vec<u32> = faces.into_iter().chain([[1, 5, 7], [1, 7, 3]]).flatten().collect();
+    let values = [
+        ("vertices", Value::Numbers(Array { shape: vec![8, 3], entries: vertices })),
+        ("faces", Value::Indices(Array { shape: vec![faces.len() / 3, 3], entries: faces })),
+    ];
+    Item::new("MeshShape", values)
+}
+
+/// A body whose parts are within reach of a wall stops there without turning, if it does not bounce, and its energy is lost.
+#[test]
+fn a_mesh_lands_flat_on_a_thin_wall_at_any_speed() {
+    for speed in [1.0, 30.0, 60.0, 100.0, 1e3, 1e4] {
+        let mut lab = Laboratory::new(3, -G * DVec3::Z);
+        let wall = DVec3::new(0.5, 0.5, -5e-4);
+        add_fixed(&mut lab, &cuboid(1.2, 1.2, 1e-3), wall);
+        let place = (DVec3::new(0.25, 0.25, 0.25), turned(1.0, 0.0, 0.0, 0.0));
+        lab.add(&dented_cube(0.15), (1.0, 0.0, 0.0), place, (-speed * DVec3::Z, DVec3::ZERO));
+        for _ in 0..(50.0 / speed).ceil() as usize + 1 {
+            lab.step(1.0 / 240.0, 1);
+        }
+        // The center of mass is 0.35 edges above the lower face.
+        let height = lab.motions[0].position.z - 0.35 * 0.15;
+        assert!(height.abs() < 1e-9 && lab.world.angular_velocity(0).length() < 1e-9 * speed, "{speed}: {height}");
+        assert!(lab.motions[0].velocity.length() < 1e-9 * speed && lab.overlap() < 1e-9, "{speed}");
     }
 }
 

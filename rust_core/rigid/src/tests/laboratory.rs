@@ -89,7 +89,7 @@ impl Laboratory {
             for motion in &mut self.motions {
                 motion.drift = motion.velocity + 0.5 * h * self.gravity;
             }
-            let moved = self.world.drift(h, &mut self.motions, &[], &mut [], &SERIAL);
+            let moved = self.world.drift((h, false), &mut self.motions, &[], &mut [], &SERIAL);
             for (motion, moved) in self.motions.iter_mut().zip(moved) {
                 motion.position += if moved { DVec3::ZERO } else { h * motion.drift };
                 motion.velocity = motion.drift + 0.5 * h * self.gravity;

@@ -64,10 +64,12 @@ pub struct FreePoint {
 pub struct CenterMotion {
     /// Position at the start of the step [m]; then at its end.
     pub position: DVec3,
-    /// Velocity at the start of the step [m/s].
+    /// Velocity at the start of the step [m/s]; then that predicted for its end, with the forces at the start.
     pub velocity: DVec3,
-    /// Velocity of the drift, after the kick of half a step [m/s].
+    /// Velocity of the drift, after the kick of half a step [m/s]; then that from which the second kick leads to the end.
     pub drift: DVec3,
+    /// Angular velocity predicted for the end of the step [rad/s].
+    pub turning: DVec3,
     /// Torque of the forces at the start of the step, then at its end [N·m].
     pub torque: DVec3,
 }
@@ -75,7 +77,7 @@ pub struct CenterMotion {
 impl CenterMotion {
     /// Motion without forces.
     pub fn free(position: DVec3, velocity: DVec3) -> Self {
-        Self { position, velocity, drift: velocity, torque: DVec3::ZERO }
+        Self { position, velocity, drift: velocity, turning: DVec3::ZERO, torque: DVec3::ZERO }
     }
 
     /// Bound on the way in a step of `h` seconds [m].
@@ -162,15 +164,6 @@ impl RigidWorld {
     /// Rotation of a body from its frame to the world's.
     pub fn rotation(&self, body: usize) -> DMat3 {
         self.state.turns[body].orientation.matrix()
-    }
-
-    /// Change of the angular velocity of a body [rad/s] by an angular impulse [N·m·s]; 0 of a fixed body.
-    pub fn angular_velocity_by(&self, body: usize, impulse: DVec3) -> DVec3 {
-        let (solid, turn) = (&self.bodies[body], &self.state.turns[body]);
-        if solid.inverse_mass == 0.0 || impulse == DVec3::ZERO {
-            return DVec3::ZERO;
-        }
-        solid.inertia.inverse(&turn.orientation) * impulse
     }
 
     /// Work of fixed bodies that turn, against the present torques of the forces during half a step of `h` seconds [J].

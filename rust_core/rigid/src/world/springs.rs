@@ -1,7 +1,7 @@
 //! Springs between bodies, as forces in the steps of the world.
 //!
 //! A step is velocity Verlet. The forces at its start act until its end. There half of them gives way to half of those at the
-//! end. Damping there acts on the predicted velocities v½ + h/2 a(0). Springs join no groups.
+//! end. Damping there acts on velocities that are predicted with the springs at the start. Springs join no groups.
 
 use glam::DVec3;
 
@@ -145,6 +145,11 @@ impl RigidWorld {
             ..Mover::wall(&Pose::WORLD)
         };
         own.chain(others.iter().zip(&self.springs.inverse_masses).map(particle)).collect()
+    }
+
+    /// Whether the forces of springs depend on velocities.
+    pub(super) fn has_damped_springs(&self) -> bool {
+        self.whole_springs().any(|(.., spring)| spring.damping > 0.0)
     }
 
     /// Whether there are springs.

@@ -11,10 +11,11 @@ use crate::rotation::Inertia;
 
 impl RigidWorld {
     /// Moves bodies and particles through a step of `h` seconds, with their contacts and joints; returns which of them these
-    /// have moved.
+    /// have moved. If `predicts`, the velocities that are predicted for its end obey contacts and joints, and are those of all
+    /// bodies.
     pub fn drift(
         &mut self,
-        h: f64,
+        (h, predicts): (f64, bool),
         bodies: &mut [CenterMotion],
         points: &[FreePoint],
         motions: &mut [CenterMotion],
@@ -26,7 +27,7 @@ impl RigidWorld {
         let pairs = members.pairs(&mut near);
         let islands = members.groups(&pairs, &mut spare);
         (self.near, self.spare, self.islands) = (near, spare, islands);
-        let (shapes, solver) = (&self.shapes, self.solver);
+        let (shapes, solver, obeys) = (&self.shapes, self.solver, predicts || self.has_damped_springs());
         executor.for_each_block(BlockedSlice::new(&mut self.islands, 1), &|block: BlockedSlice<'_, Island>| {
             for island in block.items {
                 let sized = |mover: &&Mover| !mover.is_fixed() && mover.inertia != Inertia::NONE;
@@ -37,16 +38,21 @@ impl RigidWorld {
                 } else {
                     island.sweep(shapes, h, sweep);
                 }
+                island.ahead.resize(island.movers.len(), [DVec3::ZERO; 2]);
+                if obeys {
+                    island.predict();
+                }
             }
         });
         let members = StepMembers { world: self, bodies, points, motions, h };
         let mut moved = vec![false; members.free()];
         let mut results = Vec::new();
         for island in &self.islands {
-            for (&member, mover) in island.members.iter().zip(&island.movers).filter(|(_, mover)| !mover.is_fixed()) {
+            let own = island.members.iter().zip(&island.movers).zip(&island.ahead);
+            for ((&member, mover), ahead) in own.filter(|((_, mover), _)| !mover.is_fixed()) {
                 let mut mover = *mover;
-                mover.velocity -= 0.5 * (h - island.open) * mover.acceleration;
-                mover.spin -= 0.5 * (h - island.open) * mover.torque;
+                mover.velocity += ahead[0] - 0.5 * (h - island.open) * mover.acceleration;
+                mover.spin += ahead[1] - 0.5 * (h - island.open) * mover.torque;
                 moved[member] = true;
                 results.push((member, mover));
             }
@@ -64,12 +70,23 @@ impl RigidWorld {
             if index < count {
                 self.state.turns[index] = Turn { orientation: mover.orientation, spin: mover.spin };
             }
+            let motion = if index < count { &mut bodies[index] } else { &mut motions[index - count] };
             if !mover.is_fixed() {
-                let motion = if index < count { &mut bodies[index] } else { &mut motions[index - count] };
                 (motion.position, motion.drift) = (mover.position, mover.velocity);
             }
+            let mut end = mover;
+            end.kick(0.5 * h);
+            (motion.velocity, motion.turning) = (end.velocity, end.angular_velocity());
         }
         self.turn_free(h, bodies, &moved, executor);
+        if predicts {
+            for (index, motion) in bodies.iter_mut().enumerate().filter(|(index, _)| !moved[*index]) {
+                let mut end = self.mover(index, motion, h);
+                end.velocity = motion.drift;
+                end.kick(0.5 * h);
+                (motion.velocity, motion.turning) = (end.velocity, end.angular_velocity());
+            }
+        }
         moved
     }
 
@@ -85,11 +102,13 @@ impl RigidWorld {
         let count = self.bodies.len();
         let free = count + others.len();
         for island in &mut self.islands {
-            for (mover, &member) in island.movers.iter_mut().zip(&island.members).filter(|(mover, _)| !mover.is_fixed()) {
+            let members = island.movers.iter_mut().zip(&island.members).zip(&island.ahead);
+            for ((mover, &member), ahead) in members.filter(|((mover, _), _)| !mover.is_fixed()) {
                 if member < count {
-                    (mover.velocity, mover.spin) = (bodies[member].velocity, self.state.turns[member].spin);
+                    mover.velocity = bodies[member].velocity - ahead[0];
+                    mover.spin = self.state.turns[member].spin - ahead[1];
                 } else {
-                    mover.velocity = others[member - count].velocity;
+                    mover.velocity = others[member - count].velocity - ahead[0];
                 }
             }
         }

@@ -117,6 +117,11 @@ impl<V: Space> Dynamics<V> {
         self.driven
     }
 
+    /// Whether forces depend on velocities, or their powers may.
+    pub fn needs_velocities(&self) -> bool {
+        self.velocity != VelocityDependence::None || self.callbacks > 0
+    }
+
     /// All forces.
     pub fn forces(&self) -> &[Box<dyn Force<V>>] {
         &self.forces

@@ -3,8 +3,8 @@
 //!     MatterStep::begin        records the state at the start, for contacts and constraints
 //!       method                 drift of all particles, without walls and constraints
 //!     MatterStep::drifted      contacts: flights of independent particles from wall to wall
-//!                              constraints, in their order: positions, and the velocity of the drift
-//!       method                 forces at the new positions, and the kick
+//!                              constraints, in their order: positions, the velocity of the drift, and that predicted for the end
+//!       method                 forces and their powers at the new positions and predicted velocities, and the kick
 //!     MatterStep::end          constraints, in their order: velocities
 //!
 //! A composed method repeats this for each of its parts. Springs break between the steps of the whole method

@@ -34,10 +34,9 @@ pub fn frames_between<V: Vector>(drift: &Drift<'_, V>) -> impl Fn(&SampledBody) 
     |body| {
         let solid = &drift.end.solids[body.solid];
         let [before, after] = [solid.before, solid.orientation].map(DMat3::from_quat);
-        let velocity = drift.velocity.get(body.particle as usize).widen();
         SolidFrame {
-            center: drift.end.exact_point(body.particle as usize) - 0.5 * drift.h * velocity,
-            velocity,
+            center: drift.end.exact_point(body.particle as usize) - 0.5 * solid.moved,
+            velocity: solid.moved * drift.h.recip(),
             rotation: (before + after) * 0.5,
             rate: (after - before) * drift.h.recip(),
         }

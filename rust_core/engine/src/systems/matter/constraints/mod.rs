@@ -56,6 +56,8 @@ pub struct ConstrainedStep<'a, V: Space> {
     pub drift: DriftVelocity,
     /// Whether a fixed particle has a velocity, so that it may do work.
     pub driven: bool,
+    /// Whether forces or their powers depend on the velocities at the end of the step.
+    pub predicts: bool,
     pub executor: &'a Executor,
 }
 
@@ -67,9 +69,9 @@ impl<'a, V: Space> ConstrainedStep<'a, V> {
         (h, drift): (f64, DriftVelocity),
         executor: &'a Executor,
     ) -> Self {
-        let (walls, driven) = (dynamics.contacts.as_ref(), dynamics.is_driven());
+        let (walls, driven, predicts) = (dynamics.contacts.as_ref(), dynamics.is_driven(), dynamics.needs_velocities());
         let (properties, forces) = (&dynamics.properties, dynamics.forces());
-        Self { matter, properties, forces, walls, h, drift, driven, executor }
+        Self { matter, properties, forces, walls, h, drift, driven, predicts, executor }
     }
 
     /// Velocity of the drift of a particle [m/s].

@@ -55,6 +55,10 @@ impl RigidBodies {
         let starts = ties.centers(&world, scene, &places);
         let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
         let path = first.item.path.clone();
+        if scene.periodic.is_some() && (world.can_touch() || !points.is_empty()) {
+            return Err(Error::parameter(path, "no Periodic domain in a scene of bodies that may touch something", "one")
+                .with_hint("contacts are those of the bodies themselves, not of their images"));
+        }
         let mut held = Self {
             saved: world.state.clone(),
             world,
@@ -62,6 +66,7 @@ impl RigidBodies {
             points,
             joined,
             tied: ties.bodies,
+            starts: Vec::new(),
             motions: Vec::new(),
             others: Vec::new(),
             moved: Vec::new(),

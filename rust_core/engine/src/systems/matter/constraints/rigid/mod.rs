@@ -5,14 +5,15 @@
 
 mod anchors;
 mod declaration;
-mod ends;
+mod fields;
 mod history;
 mod overlaps;
 mod ties;
 
 use glam::DVec3;
-use physcore_rigid::rotation::Orientation;
-use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn};
+use physcore_rigid::mover::Mover;
+use physcore_rigid::pose::Pose;
+use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
 
 pub use overlaps::{RigidPose, overlaps};
 
@@ -20,10 +21,9 @@ use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, 
 use crate::error::{Error, Result};
 use crate::forces::{Space, StateView};
 use crate::ledger::{Class, Ledger};
-use crate::math::AXES;
 use crate::matter::{EnergySink, SolidMotion};
 use crate::stability::{Horizon, SpectralBound};
-use crate::systems::{FieldInfo, Location};
+use crate::systems::FieldInfo;
 use ties::TiedBody;
 
 /// Largest accurate angle by which a body turns in a step [rad].
@@ -48,6 +48,8 @@ pub struct RigidBodies {
     joined: Vec<bool>,
     /// Bodies with the particles that are tied to them. Their motions are those of the common centers of mass.
     tied: Vec<TiedBody>,
+    /// Positions of the bodies at the start of the present step, relative to the origin [m].
+    starts: Vec<DVec3>,
     /// Motions of the bodies in the present step.
     motions: Vec<CenterMotion>,
     /// Motions of all points in the present step.
@@ -88,12 +90,39 @@ impl RigidBodies {
         }
     }
 
-    /// Rotations of the bodies, after their torques have acted for `h` seconds more.
-    fn motions_after(&self, h: f64) -> Vec<SolidMotion> {
+    /// Particle of an end of a joint; None for the world.
+    fn particle(&self, end: usize) -> Option<u32> {
+        let point = |end: usize| self.points.binary_search_by_key(&end, |(_, point)| point.index).ok();
+        match end {
+            WORLD => None,
+            end if end < self.particles.len() => Some(self.particles[end]),
+            end => point(end - self.particles.len()).map(|point| self.points[point].0),
+        }
+    }
+
+    /// End of a joint in a state.
+    fn end<V: Space>(&self, at: &StateView<'_, V>, end: usize) -> Mover {
+        let Some(particle) = self.particle(end).map(|particle| particle as usize) else { return Mover::wall(&Pose::WORLD) };
+        let mut position = DVec3::ZERO;
+        (0..V::DIMENSION).for_each(|axis| position[axis] = at.exact_position(axis, particle));
+        let (position, velocity) = (at.properties.origin + position, at.velocity.get(particle).widen());
+        if let Some(tied) = self.tied.iter().find(|tied| tied.body == end) {
+            let offset = tied.offset(&self.world.rotation(end));
+            let velocity = velocity - self.world.angular_velocity(end).cross(offset);
+            self.world.mover(end, &CenterMotion::free(position - offset, velocity), 1.0)
+        } else if end < self.particles.len() {
+            self.world.mover(end, &CenterMotion::free(position, velocity), 1.0)
+        } else {
+            Mover { position, velocity, inverse_mass: at.properties.mass[particle].recip(), ..Mover::wall(&Pose::WORLD) }
+        }
+    }
+
+    /// Motions of the bodies in the present state, as forces see them.
+    fn solid_motions(&self) -> Vec<SolidMotion> {
         let of = |(body, &particle): (usize, &u32)| {
-            let (orientation, torque) = (self.world.state.turns[body].orientation, self.world.state.torques[body]);
-            let angular_velocity = self.world.angular_velocity(body) + self.world.angular_velocity_by(body, h * torque);
-            SolidMotion { particle, orientation: orientation.quaternion, before: orientation.quaternion, angular_velocity }
+            let orientation = self.world.state.turns[body].orientation.quaternion;
+            let angular_velocity = self.world.angular_velocity(body);
+            SolidMotion { particle, orientation, angular_velocity, before: orientation, moved: DVec3::ZERO }
         };
         self.particles.iter().enumerate().map(of).collect()
     }
@@ -189,11 +218,15 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn solids(&self) -> Vec<SolidMotion> {
-        self.motions_after(0.0)
+        self.solid_motions()
     }
 
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
         self.begin_motions(step);
+        self.starts.clear();
+        if step.meets_solids() {
+            self.starts.extend(self.particles.iter().map(|&particle| step.matter.exact_position(particle as usize)));
+        }
         self.others.clear();
         self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize)));
     }
@@ -205,7 +238,6 @@ impl<V: Space> Constraint<V> for RigidBodies {
         for tied in &mut self.tied {
             tied.kick(step, &self.world.rotation(tied.body), &mut self.motions[tied.body]);
         }
-        let starts: Vec<CenterMotion> = self.tied.iter().map(|tied| self.motions[tied.body]).collect();
         for (motion, (particle, _)) in self.others.iter_mut().zip(&self.points) {
             motion.drift = step.drift_velocity(*particle as usize);
         }
@@ -214,7 +246,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let before: Vec<Turn> = if is_seen { self.world.state.turns.clone() } else { Vec::new() };
         let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
-        let moved = self.world.drift(step.h, &mut self.motions, &points, &mut others, step.executor);
+        let predicts = step.predicts || is_seen || !self.tied.is_empty();
+        let moved = self.world.drift((step.h, predicts), &mut self.motions, &points, &mut others, step.executor);
         step.executor.check()?;
         self.moved.clear();
         self.moved.extend(&moved[..self.particles.len()]);
@@ -223,23 +256,25 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let points = near.zip(&others).zip(&moved[self.particles.len()..]);
         for ((&particle, motion), _) in bodies.chain(points).filter(|(_, moved)| **moved) {
             step.matter.set_exact_position(particle as usize, motion.position);
+            step.matter.velocity.set(particle as usize, V::narrow(motion.velocity));
             if let DriftVelocity::Register(register) = step.drift {
                 step.matter.registers[register].set(particle as usize, V::narrow(motion.drift));
             }
         }
-        for (tied, start) in self.tied.iter().zip(&starts) {
+        for tied in &self.tied {
             let motion = &mut self.motions[tied.body];
             if tied.is_fixed || !moved[tied.body] {
                 motion.position += step.h * motion.drift;
             }
-            let turn = self.world.angular_velocity_by(tied.body, 0.5 * step.h * start.torque);
-            tied.place(step, &self.world, motion, [start.drift - start.velocity, turn]);
-            self.world.state.torques[tied.body] = start.torque;
+            tied.place(step, &self.world, motion);
         }
         if is_seen {
-            step.matter.solids = self.motions_after(0.5 * step.h);
-            let solids = step.matter.solids.iter_mut().zip(before);
-            solids.for_each(|(solid, turn)| solid.before = turn.orientation.quaternion);
+            let mut solids = self.solid_motions();
+            for (((solid, motion), start), turn) in solids.iter_mut().zip(&self.motions).zip(&self.starts).zip(before) {
+                (solid.angular_velocity, solid.before) = (motion.turning, turn.orientation.quaternion);
+                solid.moved = step.matter.exact_position(solid.particle as usize) - *start;
+            }
+            step.matter.solids = solids;
         }
         Ok(true)
     }
@@ -279,7 +314,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
             self.world.state.ties = forces;
         }
         if is_seen {
-            step.matter.solids = self.motions_after(0.0);
+            step.matter.solids = self.solid_motions();
         }
         let tally = self.particles.first().map(|&particle| particle as usize / step.matter.block);
         if let Some(tally) = tally.map(|block| &mut step.matter.tallies[block]) {
@@ -327,74 +362,15 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn fields(&self) -> Vec<FieldInfo> {
-        let (count, joints, planar) = (self.particles.len(), self.world.state.joints.len(), self.world.planar);
-        let shape = |count: usize, components: usize| if planar { vec![count] } else { vec![count, components] };
-        let info = |name: &str, unit, location, shape, state| FieldInfo {
-            name: name.to_owned(),
-            unit,
-            location,
-            shape,
-            rate: None,
-            state,
-        };
-        let turn = if planar { ("angles", "rad") } else { ("orientations", "1") };
-        let mut fields = vec![
-            info(turn.0, turn.1, Location::Bodies, shape(count, 4), true),
-            info("angular_velocities", "rad/s", Location::Bodies, shape(count, AXES), true),
-        ];
-        if joints > 0 {
-            fields.push(info("joint_forces", "N", Location::Joints, vec![joints, V::DIMENSION], false));
-            fields.push(info("joint_torques", "N·m", Location::Joints, shape(joints, AXES), false));
-        }
-        let ties = self.world.state.ties.len();
-        if ties > 0 {
-            fields.push(info("tie_forces", "N", Location::Ties, vec![ties, V::DIMENSION], false));
-            fields.push(info("tie_torques", "N·m", Location::Ties, shape(ties, AXES), false));
-        }
-        fields
+        self.listed(V::DIMENSION)
     }
 
     fn read(&self, field: usize, _state: &ForcedState<'_, V>) -> Vec<f64> {
-        let (state, planar) = (&self.world.state, self.world.planar);
-        let forces = |vectors: &mut dyn Iterator<Item = DVec3>| {
-            vectors.flat_map(|force| force.to_array().into_iter().take(V::DIMENSION)).collect()
-        };
-        let turns = |vectors: &mut dyn Iterator<Item = DVec3>| {
-            vectors.flat_map(|turn| turn.to_array().into_iter().skip(if planar { AXES - 1 } else { 0 })).collect()
-        };
-        let name = Constraint::<V>::fields(self).swap_remove(field).name;
-        match name.as_str() {
-            "angles" => state.turns.iter().map(|turn| turn.orientation.angle).collect(),
-            "orientations" => state.turns.iter().flat_map(|turn| turn.orientation.components()).collect(),
-            "angular_velocities" => turns(&mut (0..self.particles.len()).map(|body| self.world.angular_velocity(body))),
-            "joint_forces" => forces(&mut state.joints.iter().map(|joint| joint.reaction[0])),
-            "joint_torques" => turns(&mut state.joints.iter().map(|joint| joint.reaction[1])),
-            "tie_forces" => forces(&mut state.ties.iter().copied()),
-            _ => {
-                let mut torques = vec![DVec3::ZERO; state.ties.len()];
-                let all = self.tied.iter().flat_map(|tied| tied.torques(&self.world, &state.ties));
-                all.for_each(|(row, torque)| torques[row] = torque);
-                turns(&mut torques.into_iter())
-            }
-        }
+        self.values(&self.listed(V::DIMENSION)[field].name, V::DIMENSION)
     }
 
     fn adopt(&mut self, field: &str, values: &[f64]) {
-        for body in 0..self.particles.len() {
-            let mut turning = self.world.angular_velocity(body);
-            let mut orientation = self.world.state.turns[body].orientation;
-            match (field, self.world.planar) {
-                ("angles", _) => orientation = Orientation::planar(values[body]),
-                ("orientations", _) => {
-                    let [w, x, y, z] = std::array::from_fn(|component| values[4 * body + component]);
-                    orientation = Orientation::spatial(glam::DQuat::from_xyzw(x, y, z, w).normalize());
-                }
-                ("angular_velocities", true) => turning = DVec3::new(0.0, 0.0, values[body]),
-                ("angular_velocities", false) => turning = DVec3::from_slice(&values[AXES * body..]),
-                _ => return,
-            }
-            self.world.turn(body, orientation, turning);
-        }
+        self.replace(field, values);
     }
 }
 

@@ -106,24 +106,18 @@ impl TiedBody {
         motion.torque += self.torque(rotation, |part| part.accelerations[0]);
     }
 
-    /// Places the parts after the drift, given the motion of the common center. Predicts their velocities at the end of the
-    /// step, given the changes of its velocity and angular velocity in half a step.
-    pub fn place<V: Space>(
-        &self,
-        step: &mut ConstrainedStep<'_, V>,
-        world: &RigidWorld,
-        motion: &CenterMotion,
-        [kick, turn]: [DVec3; 2],
-    ) {
-        let (rotation, turning) = (world.rotation(self.body), world.angular_velocity(self.body));
+    /// Places the parts after the drift, given the motion of the common center, with the velocities predicted for the end.
+    pub fn place<V: Space>(&self, step: &mut ConstrainedStep<'_, V>, world: &RigidWorld, motion: &CenterMotion) {
+        let rotation = world.rotation(self.body);
         for part in &self.parts {
             let arm = rotation * part.place;
             step.matter.set_exact_position(part.particle, motion.position + arm - step.properties.origin);
-            if let DriftVelocity::Register(register) = step.drift {
-                step.matter.registers[register].set(part.particle, V::narrow(motion.drift + turning.cross(arm)));
-            }
-            let predicted = motion.drift + kick + (turning + turn).cross(arm);
+            let predicted = motion.velocity + motion.turning.cross(arm);
             step.matter.velocity.set(part.particle, V::narrow(predicted));
+            if let DriftVelocity::Register(register) = step.drift {
+                let from = predicted - 0.5 * step.h * part.accelerations[0];
+                step.matter.registers[register].set(part.particle, V::narrow(from));
+            }
         }
     }
 
