@@ -167,7 +167,7 @@ impl Inertia {
         if self.planar {
             return Orientation::planar(start.angle + h * spin.z * self.inverse.z);
         }
-        self.from_renamed(self.free_turn(start, spin, h).turned())
+        self.orientation_of(self.free_turn(start, spin, h).turned())
     }
 
     /// Free rotation of `h` seconds of a body in space, with the axes renamed.
@@ -191,7 +191,7 @@ impl Inertia {
 
     /// Orientation from a quaternion with renamed axes.
     #[inline(always)]
-    pub(crate) fn from_renamed(&self, [w, x, y, z]: Quaternion) -> Orientation {
+    pub(crate) fn orientation_of(&self, [w, x, y, z]: Quaternion) -> Orientation {
         let mut vector = DVec3::ZERO;
         self.order.into_iter().zip([x, y, z]).for_each(|(axis, component)| vector[axis] = component);
         Orientation { quaternion: DQuat::from_xyzw(vector.x, vector.y, vector.z, w), angle: 0.0 }

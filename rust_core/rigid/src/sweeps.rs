@@ -37,19 +37,19 @@ impl Softness {
 /// Contacts of a group during a step: in the plane if it has no joints.
 #[derive(Debug, Clone)]
 pub enum GroupSweep {
-    InPlane(Sweep<InPlane>),
-    InSpace(Sweep<InSpace>),
+    InPlane(RowSweep<InPlane>),
+    InSpace(RowSweep<InSpace>),
 }
 
 impl Default for GroupSweep {
     fn default() -> Self {
-        Self::InSpace(Sweep::default())
+        Self::InSpace(RowSweep::default())
     }
 }
 
 /// Contacts of a group during a step.
 #[derive(Debug, Clone, Default)]
-pub struct Sweep<S: RowSpace> {
+pub struct RowSweep<S: RowSpace> {
     /// Rows of joints in a half of a piece.
     joints: FirstHalf,
     /// Rows of contacts, which last throughout the step, with the contact of each.
@@ -98,7 +98,7 @@ impl Island {
         self.find_contacts(shapes, |_, pair| way.min(pair.size));
         let is_flat = self.planar && self.joints.is_empty();
         let mut sweep = match self.take_sweep() {
-            GroupSweep::InSpace(_) if is_flat => GroupSweep::InPlane(Sweep::default()),
+            GroupSweep::InSpace(_) if is_flat => GroupSweep::InPlane(RowSweep::default()),
             GroupSweep::InPlane(_) if !is_flat => GroupSweep::default(),
             sweep => sweep,
         };
@@ -130,7 +130,7 @@ impl Island {
     }
 }
 
-impl<S: RowSpace> Sweep<S> {
+impl<S: RowSpace> RowSweep<S> {
     /// Takes all pieces of a step of `h` seconds but the second half of the last.
     fn take(&mut self, island: &mut Island, h: f64, pieces: usize) {
         let length = h / pieces as f64;

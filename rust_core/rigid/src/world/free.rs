@@ -69,7 +69,7 @@ impl FreeTurning<'_> {
     fn turn(&mut self, lanes: &mut FreeTurns, members: &[usize]) {
         lanes.turn();
         for (lane, &member) in members.iter().enumerate() {
-            self.turns[member].orientation = self.bodies[member].inertia.from_renamed(lanes.orientation(lane));
+            self.turns[member].orientation = self.bodies[member].inertia.orientation_of(lanes.orientation(lane));
         }
     }
 }

@@ -9,8 +9,8 @@ use crate::island::{BodyPair, HeldJoint, Island};
 impl StepMembers<'_> {
     /// Pairs of members that may touch within the step. Bodies that are joined do not touch each other.
     pub fn pairs(&self, near: &mut NearPairs) -> Vec<[u32; 2]> {
-        let (mut pairs, is_capped) = near.of_step(self);
-        if is_capped {
+        let (mut pairs, may_throw) = near.of_step(self);
+        if may_throw {
             self.add_thrown(&mut pairs);
         }
         let whole = self.world.state.joints.iter().filter(|joint| !joint.broken && joint.joint.spring().is_none());

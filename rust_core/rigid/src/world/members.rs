@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{CenterMotion, FreePoint, RigidWorld, WORLD};
 use crate::mover::Mover;
 use crate::pose::Pose;
+use crate::rotation::{Inertia, Orientation};
 use crate::shapes::BoundingBox;
 use crate::surface::Surface;
 
@@ -134,8 +135,19 @@ impl StepMembers<'_> {
     }
 
     /// Bounds on the speed of surface points of a member within the step [m/s]: the whole, and that of turning.
-    #[inline]
     pub fn speed(&self, index: usize) -> [f64; 2] {
+        self.speed_at(index, Inertia::rate)
+    }
+
+    /// Upper bound on the speed, without the orientation of the body.
+    #[inline]
+    pub fn speed_bound(&self, index: usize) -> f64 {
+        self.speed_at(index, |inertia, _, spin| inertia.largest_inverse() * spin.length())[0]
+    }
+
+    /// Speed of surface points, given the angular velocity of a body.
+    #[inline(always)]
+    fn speed_at(&self, index: usize, rate: impl Fn(&Inertia, &Orientation, DVec3) -> f64) -> [f64; 2] {
         if index >= self.free() {
             let Mover { velocity, spin, arm, .. } = self.world.walls[index - self.free()].mover;
             let turning = arm * spin.length();
@@ -146,10 +158,21 @@ impl StepMembers<'_> {
             return [self.motions[index - self.bodies.len()].velocity.length() + forced, 0.0];
         }
         let (body, turn) = (&self.world.bodies[index], &self.world.state.turns[index]);
-        let rate = if body.inverse_mass == 0.0 { turn.spin.length() } else { body.inertia.rate(&turn.orientation, turn.spin) };
         let shape = &self.world.shapes[body.surface.shape];
-        let turning = if shape.is_round() { 0.0 } else { shape.reach() * rate };
+        let turning = if shape.is_round() {
+            0.0
+        } else if body.inverse_mass == 0.0 {
+            shape.reach() * turn.spin.length()
+        } else {
+            shape.reach() * rate(&body.inertia, &turn.orientation, turn.spin)
+        };
         [self.bodies[index].velocity.length() + turning + forced, turning]
+    }
+
+    /// Way of a member of a speed within the step [m]: an impact may pass the largest speed on to any body.
+    #[inline]
+    pub fn way(&self, index: usize, speed: f64, fastest: f64) -> f64 {
+        self.h * if self.is_fixed(index) { speed } else { speed.max(fastest.min(self.reach(index) / self.h)) }
     }
 
     /// Speed of the rim of a round body, which friction may pass on to its center [m/s]; 0 of others.

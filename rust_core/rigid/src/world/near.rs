@@ -20,34 +20,35 @@ pub(super) struct NearPairs {
     points: Vec<usize>,
     boxes: Vec<BoundingBox>,
     pairs: Vec<[u32; 2]>,
+    /// Size of the least body [m].
+    least: f64,
     /// Whether a member is in a pair.
     is_paired: Vec<bool>,
     /// Bounds of the members in the present step: only of those in a pair.
     bounds: Vec<BoundingBox>,
-    /// Largest speeds of surface points in the present step [m/s], and the part of turning.
-    speeds: Vec<[f64; 2]>,
+    /// Upper bounds on the speeds of surface points in the present step [m/s].
+    speeds: Vec<f64>,
 }
 
 impl NearPairs {
-    /// Pairs of members that may touch within a step, in ascending order, and whether some member may be thrown farther than its
-    /// size.
+    /// Pairs of members that may touch within a step, in ascending order, and whether some body may be thrown farther than its size.
     pub fn of_step(&mut self, members: &StepMembers) -> (Vec<[u32; 2]>, bool) {
         self.speeds.clear();
-        self.speeds.extend((0..members.count()).map(|index| members.speed(index)));
-        let fastest = self.speeds.iter().map(|speed| speed[0]).fold(0.0, f64::max);
-        if !self.holds(members, fastest) {
-            self.renew(members, fastest);
+        self.speeds.extend((0..members.count()).map(|index| members.speed_bound(index)));
+        let most = self.speeds.iter().copied().fold(0.0, f64::max);
+        if !(self.pairs.is_empty() && self.holds(members, most)) {
+            let mut fastest = 0.0_f64;
+            for (index, &bound) in self.speeds.iter().enumerate() {
+                if bound > fastest {
+                    fastest = fastest.max(members.speed(index)[0]);
+                }
+            }
+            if !self.holds(members, fastest) {
+                self.renew(members, fastest);
+            }
         }
         let overlap = |[one, other]: &&[u32; 2]| self.bounds[*one as usize].overlaps(&self.bounds[*other as usize]);
-        let is_thrown = |index: usize| members.h * fastest > members.reach(index);
-        (self.pairs.iter().filter(overlap).copied().collect(), (0..members.free()).any(is_thrown))
-    }
-
-    /// Way of a member within a step [m].
-    fn way(&self, members: &StepMembers, index: usize, fastest: f64) -> f64 {
-        let (h, [speed, _]) = (members.h, self.speeds[index]);
-        // An impact may pass the largest speed on to any body.
-        if members.is_fixed(index) { h * speed } else { h * speed.max(fastest.min(members.reach(index) / h)) }
+        (self.pairs.iter().filter(overlap).copied().collect(), members.h * most > self.least)
     }
 
     /// Bounds the members of pairs; returns whether all members are within their fat boxes.
@@ -57,11 +58,10 @@ impl NearPairs {
             return false;
         }
         for index in 0..members.count() {
-            let way = self.way(members, index, fastest);
-            let ball = BoundingBox::around(members.position(index), members.reach(index) + way);
-            let is_within = self.boxes[index].contains(&ball);
+            let reach = members.reach(index) + members.way(index, self.speeds[index], fastest);
+            let is_within = self.boxes[index].contains(&BoundingBox::around(members.position(index), reach));
             if self.is_paired[index] || !is_within {
-                self.bounds[index] = members.bounds(index).grown(way);
+                self.bounds[index] = members.bounds(index).grown(members.way(index, members.speed(index)[0], fastest));
                 if !is_within && !self.boxes[index].contains(&self.bounds[index]) {
                     return false;
                 }
@@ -74,13 +74,17 @@ impl NearPairs {
     fn renew(&mut self, members: &StepMembers, fastest: f64) {
         self.points.clear();
         self.points.extend(members.points.iter().map(|point| point.index));
+        let free = (0..members.bodies.len()).filter(|&index| !members.is_fixed(index));
+        self.least = free.map(|index| members.reach(index)).fold(f64::INFINITY, f64::min);
         self.bounds.clear();
         self.boxes.clear();
         for index in 0..members.count() {
-            let (way, bounds, reach) = (self.way(members, index, fastest), members.bounds(index), members.reach(index));
+            let [speed, turning] = members.speed(index);
+            let way = members.way(index, speed, fastest);
+            let (bounds, reach) = (members.bounds(index), members.reach(index));
             self.bounds.push(bounds.grown(way));
             let slack = if members.is_fixed(index) { 0.0 } else { PART * reach };
-            let turns = TURNING * members.h * self.speeds[index][1] > slack;
+            let turns = TURNING * members.h * turning > slack;
             let whole = if turns { BoundingBox::around(members.position(index), reach) } else { bounds };
             self.boxes.push(whole.grown(slack + (1.0 + STEPS) * way));
         }
@@ -90,5 +94,13 @@ impl NearPairs {
         self.is_paired.clear();
         self.is_paired.resize(members.count(), false);
         self.pairs.iter().flatten().for_each(|&index| self.is_paired[index as usize] = true);
+    }
+}
+
+#[cfg(test)]
+impl crate::world::RigidWorld {
+    /// Forgets the pairs of the last step.
+    pub(crate) fn forget_pairs(&mut self) {
+        self.near = NearPairs::default();
     }
 }

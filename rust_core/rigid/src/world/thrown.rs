@@ -24,14 +24,16 @@ impl StepMembers<'_> {
             }
             let mut thrown = free;
             thrown.retain(|&index| {
-                let (count, fastest) = groups[roots.find(index)];
-                let way = 2.0 * self.h * fastest;
-                let is_far = (2..=self.world.solver.sequential).contains(&count) && way > ways[index].max(self.reach(index));
-                if is_far {
-                    ways[index] = way;
-                    boxes[index] = self.bounds(index).grown(way);
+                index < self.bodies.len() && {
+                    let (count, fastest) = groups[roots.find(index)];
+                    let way = 2.0 * self.h * fastest;
+                    let is_far = (2..=self.world.solver.sequential).contains(&count) && way > ways[index].max(self.reach(index));
+                    if is_far {
+                        ways[index] = way;
+                        boxes[index] = self.bounds(index).grown(way);
+                    }
+                    is_far
                 }
-                is_far
             });
             if thrown.is_empty() {
                 return;

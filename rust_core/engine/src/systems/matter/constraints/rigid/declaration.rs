@@ -69,6 +69,7 @@ impl RigidBodies {
             starts: Vec::new(),
             motions: Vec::new(),
             others: Vec::new(),
+            moved: Vec::new(),
             near: Vec::new(),
             order: 2,
             overlap: None,

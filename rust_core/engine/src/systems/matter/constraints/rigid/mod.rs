@@ -54,6 +54,8 @@ pub struct RigidBodies {
     motions: Vec<CenterMotion>,
     /// Motions of all points in the present step.
     others: Vec<CenterMotion>,
+    /// Whether contacts, joints or springs have moved each body in the present step.
+    moved: Vec<bool>,
     /// Points that take part in the present step.
     near: Vec<usize>,
     order: u32,
@@ -222,7 +224,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
         self.begin_motions(step);
         self.starts.clear();
-        self.starts.extend(self.particles.iter().map(|&particle| step.matter.exact_position(particle as usize)));
+        if step.meets_solids() {
+            self.starts.extend(self.particles.iter().map(|&particle| step.matter.exact_position(particle as usize)));
+        }
         self.others.clear();
         self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize)));
     }
@@ -245,7 +249,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let predicts = step.predicts || is_seen || !self.tied.is_empty();
         let moved = self.world.drift((step.h, predicts), &mut self.motions, &points, &mut others, step.executor);
         step.executor.check()?;
-        let bodies = self.particles.iter().zip(&self.motions).zip(&moved[..self.particles.len()]);
+        self.moved.clear();
+        self.moved.extend(&moved[..self.particles.len()]);
+        let bodies = self.particles.iter().zip(&self.motions).zip(&self.moved);
         let near = self.near.iter().map(|&index| &self.points[index].0);
         let points = near.zip(&others).zip(&moved[self.particles.len()..]);
         for ((&particle, motion), _) in bodies.chain(points).filter(|(_, moved)| **moved) {
@@ -282,8 +288,12 @@ impl<V: Space> Constraint<V> for RigidBodies {
             self.world.state.torques = step.torques();
             turned += self.world.work_of_turning(step.h);
         }
+        // Nothing else changes the velocities of the other bodies.
+        let all = is_seen || !self.tied.is_empty() || self.world.has_springs();
+        self.moved.iter_mut().for_each(|moved| *moved |= all);
         let torques = self.world.state.torques.iter();
-        for ((motion, &particle), &torque) in self.motions.iter_mut().zip(&self.particles).zip(torques) {
+        let motions = self.motions.iter_mut().zip(&self.particles).zip(torques).zip(&self.moved);
+        for (((motion, &particle), &torque), _) in motions.filter(|(_, moved)| **moved) {
             *motion = CenterMotion { torque, ..at(particle) };
         }
         for tied in &mut self.tied {
@@ -294,7 +304,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let mut meters = self.world.finish(step.h, &mut self.motions, &mut others, step.executor);
         step.executor.check()?;
         let near = self.near.iter().map(|&index| &self.points[index].0);
-        for (&particle, motion) in self.particles.iter().zip(&self.motions).chain(near.zip(&others)) {
+        let bodies = self.particles.iter().zip(&self.motions).zip(&self.moved).filter(|(_, moved)| **moved).map(|(body, _)| body);
+        for (&particle, motion) in bodies.chain(near.zip(&others)) {
             step.matter.velocity.set(particle as usize, V::narrow(motion.velocity));
         }
         for tied in &self.tied {
