@@ -36,7 +36,7 @@ from physcore._core import Gif
 from physcore.film.colors.themes import resolve
 from physcore.film.film_renderer import FilmRenderer
 from physcore.film.writers import delays
-from physcore.film.writers.budget import TOLERANCES
+from physcore.film.writers.budget import TOLERANCE
 from physcore.simulation.sources import sources
 
 SIZE = (640, 480)
@@ -230,7 +230,7 @@ def ways(frames: int) -> Iterator[tuple[object, ...]]:
             spent = milliseconds(lambda: draw(recording), frames, 3, time.process_time)
         yield row("drawing alone, processor time on one core", spent)
         for quality in qualities:
-            spent = min(encode(recording, path, TOLERANCES[quality]) for _ in range(3))
+            spent = min(encode(recording, path, TOLERANCE) for _ in range(3))
             yield row(f"encoding alone, quality={quality!r}", spent, path)
         absent = (nan, "", "")
         yield row(*best_ffmpeg(drawn, path), path) if optional("imageio_ffmpeg") else ("ffmpeg, not installed", *absent)

@@ -15,6 +15,8 @@ const INCLUDED: u64 = 100;
 const ALIKE: f32 = 24.0;
 /// Least number of flat pixels of a color that is kept exactly.
 const FLAT: u32 = 32;
+/// Maximum difference of flat colors in each channel that may belong to one gradient [levels of 255].
+const GRADIENT: u8 = 3;
 /// Number of slots at first.
 const SLOTS: usize = 1 << 14;
 
@@ -109,13 +111,18 @@ impl Histogram {
         used.map(|&Tally { weight, color }| Sample { color, lab: lab(color), weight: weight as f32 / FULL }).collect()
     }
 
-    /// At most `most` flat colors, the most frequent ones first.
-    pub(crate) fn flats(&self, most: usize) -> Vec<Rgb> {
+    /// Appends flat colors to `fixed` ones, the most frequent first, up to `most` in all. Of similar ones, as in a gradient, the most
+    /// frequent is taken.
+    pub(crate) fn add_flats(&self, fixed: &mut Vec<Rgb>, most: usize) {
         let mut flats: Vec<(u32, Rgb)> =
             self.flats.iter().filter(|&(_, &count)| count >= FLAT).map(|(&color, &count)| (count, color)).collect();
         flats.sort_unstable_by(|p, q| q.cmp(p));
-        flats.truncate(most);
-        flats.into_iter().map(|(_, color)| color).collect()
+        for (_, color) in flats {
+            let similar = |other: &Rgb| other.iter().zip(color).all(|(&one, other)| one.abs_diff(other) <= GRADIENT);
+            if fixed.len() < most && !fixed.iter().any(similar) {
+                fixed.push(color);
+            }
+        }
     }
 
     fn add_flat(&mut self, (color, count): (Rgb, u32)) {

@@ -29,11 +29,12 @@ impl Palette {
     pub fn new(histogram: &Histogram, reserved: &[Rgb], most: u8) -> Self {
         let most = usize::from(most.max(1));
         let mut fixed: Vec<Rgb> = Vec::new();
-        for color in reserved.iter().copied().chain(histogram.flats(most / FLAT_SHARE)) {
+        for &color in reserved {
             if !fixed.contains(&color) && fixed.len() < most {
                 fixed.push(color);
             }
         }
+        histogram.add_flats(&mut fixed, most / FLAT_SHARE);
         let samples = histogram.samples();
         let colors = quantize(&samples, &fixed, most - fixed.len());
         Self::of(fixed, colors, most)
@@ -42,9 +43,7 @@ impl Palette {
     /// Adapts the palette to the colors of a histogram by a round of k-means; returns a bound of its error too.
     pub(crate) fn adapted(&self, histogram: &Histogram, samples: &[Sample]) -> (Self, f32) {
         let mut fixed = self.colors[..self.fixed].to_vec();
-        let room = self.fixed.max(self.most / FLAT_SHARE);
-        let flats: Vec<Rgb> = histogram.flats(room).into_iter().filter(|color| !fixed.contains(color)).collect();
-        fixed.extend(flats.into_iter().take(room - self.fixed));
+        histogram.add_flats(&mut fixed, self.most / FLAT_SHARE);
         let mut others: Vec<Rgb> = self.colors[self.fixed..].to_vec();
         others.resize(self.most - fixed.len(), self.colors[0]); // an equal color is nearest to no sample
         let (others, error) = improve(samples, &fixed, &others);
@@ -77,9 +76,11 @@ impl Palette {
         usize::from(number) <= self.fixed
     }
 
-    /// Whether all flat colors of a histogram that a palette has room for are kept exactly.
+    /// Whether the flat colors of a histogram are kept exactly, as far as a palette has room.
     pub(crate) fn suits(&self, histogram: &Histogram) -> bool {
-        histogram.flats(self.most / FLAT_SHARE).iter().all(|color| self.colors[..self.fixed].contains(color))
+        let mut fixed = self.colors[..self.fixed].to_vec();
+        histogram.add_flats(&mut fixed, self.most / FLAT_SHARE);
+        fixed.len() == self.fixed
     }
 
     /// Coordinates of the color with a number.

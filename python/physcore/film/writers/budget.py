@@ -6,13 +6,12 @@ import math
 from dataclasses import dataclass, field, replace
 
 from physcore.errors import SceneError
-from physcore.film.quality import Quality
 
-TOLERANCES: dict[Quality, float] = {"fast": 0.8, "high": 0.4}
-"""Tolerance of a color by the effort for the quality: an error of this size on smooth shading counts as much as a code of
-the compression [levels of 255]."""
-FAR, FARTHEST = 1.2, 4.0
-"""Largest tolerances: before the picture becomes smaller, and finally [levels of 255]."""
+TOLERANCE, FAR, FARTHEST = 0.8, 1.2, 4.0
+"""Tolerances of a color: at first, before the picture becomes smaller, and finally [levels of 255].
+
+An error of this size on smooth shading counts as much as a code of the compression.
+"""
 SMALLER, SMALLEST = 0.5, 0.25
 """Least widths of the picture, relative to the requested one: before frames are left out, and finally [1]."""
 SLOW, SLOWEST = 12.0, 6.0
@@ -37,7 +36,7 @@ class Cut:
     """One of this many frames is shown."""
     colors: int = 255
     """Number of colors of the palette."""
-    tolerance: float = TOLERANCES["fast"]
+    tolerance: float = TOLERANCE
     """Tolerance of a color [levels of 255]."""
 
     def size(self, whole: tuple[int, int]) -> tuple[int, int]:
@@ -91,10 +90,6 @@ class Search:
     """The least reduction so far with which the film fits; None: none yet."""
     tries: int = 0
     _failed: Cut | None = None
-    _first: float = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._first = self.cut.tolerance
 
     def too_large(self, excess: float) -> bool:
         """Choose the next attempt after a film that was `excess` times too large; False: keep the last film that
@@ -125,7 +120,7 @@ class Search:
         """The largest tolerance known to be too small; the first one if there is none."""
         failed, fits = self._failed, self.cut
         alike = failed is not None and replace(failed, tolerance=fits.tolerance) == fits
-        return failed.tolerance if failed is not None and alike else self._first
+        return failed.tolerance if failed is not None and alike else TOLERANCE
 
     def _between(self, fits: Cut, other: Cut) -> bool:
         """Try the mean of a reduction with which the film fits and another one."""

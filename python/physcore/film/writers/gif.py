@@ -10,7 +10,7 @@ from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
 from physcore.film.writers.base import Film, FilmJob, Writer
-from physcore.film.writers.budget import TOLERANCES, Cut, Search
+from physcore.film.writers.budget import Cut, Search
 from physcore.storage.files import held, replacing
 
 TICKS = 100
@@ -92,7 +92,7 @@ def _fit(job: FilmJob, write: Callable[[Cut, int | None], int]) -> Cut:
     Raises:
         SceneError: the film cannot be made to fit.
     """
-    search, whole = Search(job.rate, job.max_bytes, Cut(tolerance=TOLERANCES[job.quality])), job.renderer.size
+    search, whole = Search(job.rate, job.max_bytes), job.renderer.size
     going = True
     while going:
         size = search.cut.size(whole) if search.cut.scale < 1.0 else whole
