@@ -416,7 +416,7 @@ def busy() -> pc.Recording:
 
 
 def test_a_film_fits_into_the_bytes_that_it_may_have(tmp_path: Path) -> None:
-    """What is given up comes in its order: near colors, frames, colors, the width to a half, and all of these again."""
+    """What is given up comes in its order: near colors, the width to a half, frames, colors, and all of these again."""
     recording, path = busy(), tmp_path / "film.gif"
     whole = pc.film(recording, path, size=(320, 240))
     assert (whole.size, whole.frames, whole.rate, whole.colors) == ((320, 240), 41, 40.0, 255)
@@ -430,9 +430,9 @@ def test_a_film_fits_into_the_bytes_that_it_may_have(tmp_path: Path) -> None:
         assert film.size <= last.size
         assert film.frames <= last.frames
         assert film.colors is not None
+        assert film.size[0] <= 160 or film.frames == 41
         assert film.colors == 255 or film.frames < 41
-        assert film.size == (320, 240) or film.colors <= 63
-        assert film.size[0] >= 160 or film.colors == 31
+        assert film.size[0] >= 160 or film.colors <= 63
         with Image.open(path) as image:
             assert (image.size, image.n_frames) == (film.size, film.frames)
             times = []

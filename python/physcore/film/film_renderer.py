@@ -111,11 +111,6 @@ class FilmRenderer(Composition):
             self._add_diagrams(self._passes, float(self._clock[-1] - self._clock[0]))
 
     @property
-    def repeatable(self) -> bool:
-        """Whether all frames can be drawn again without a second simulation."""
-        return not self._once or not any(source.simulated for source in self._found)
-
-    @property
     def reserved(self) -> list[Color]:
         """Colors that the palette must contain exactly."""
         return [self._theme.background]

@@ -137,12 +137,10 @@ def film(
         duration: the simulated duration of a scene [s].
         fps: frames per second of simulated time for a scene; None: 30.
         quality: "fast" or "high". With "high", each pixel in 3D is the mean of four (antialiasing), which takes three
-            times as long. Each pixel of a GIF then has the nearest color of a palette that is chosen with more effort.
-            With "fast", the pixels of a GIF above 3 MB may have a nearby color if this makes the file smaller. Such a
-            color is at most 18 levels of 255 off, and only moving parts are affected. See docs/films.md.
+            times as long.
         max_bytes: the largest size of a GIF [bytes]; for other formats a SceneWarning tells if it is exceeded. A larger
-            GIF is drawn again, with these reductions in turn: color errors up to 28 levels; every second frame, down to
-            twelve per second; half of the colors, down to 63; a smaller picture, down to half the width; finally
+            GIF is drawn again, with these reductions in turn: slightly larger color errors; a smaller picture, down to
+            half the width; every second frame, down to twelve per second; half of the colors, down to 63; finally
             stronger reductions of all. The remaining room is used.
         sidecar: whether to write the provenance also into a file beside the film, such as film.gif.json. There it
             contains the number of threads too, on which the film does not depend.
@@ -198,7 +196,7 @@ def film(
             inset=inset, credit=note, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
             columns=columns, in_turn=in_turn,
         ) as renderer:  # fmt: skip
-            job = FilmJob(renderer, rate, quality, max_bytes, lambda: metadata(found), shown, repeat)
+            job = FilmJob(renderer, rate, max_bytes, lambda: metadata(found), shown, repeat)
             written = write_film(writer, job, target)
     except FileError:
         raise
@@ -240,7 +238,7 @@ def gif_bytes(
     rate = GifWriter.rate(found[0].fps, speed, found[0].scene.units)
     _check_bytes("fast", max_bytes)
     with FilmRenderer(found, size, style, None, resolve(theme), None, False, rate=rate) as renderer:
-        return GifWriter.content(FilmJob(renderer, rate, "fast", max_bytes, lambda: metadata(found), False))
+        return GifWriter.content(FilmJob(renderer, rate, max_bytes, lambda: metadata(found), False))
 
 
 def _check_bytes(quality: object, max_bytes: object) -> None:

@@ -29,7 +29,9 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "bowl.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
-    pc.film(recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), progress=progress)
+    pc.film(
+        recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), max_bytes=3_000_000, progress=progress
+    )
     return {"dust": recording}
 
 

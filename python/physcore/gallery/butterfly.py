@@ -46,6 +46,7 @@ def main(
         speed=0.9,
         dt=1.0 / (16 * FPS),
         precision="f32",
+        max_bytes=3_000_000,
         progress=progress,
     )
     recording = pc.simulate(scene(MEASURED), DURATION, fps=FPS, dt=1.0 / (16 * FPS), progress=progress)

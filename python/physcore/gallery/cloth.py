@@ -50,7 +50,16 @@ def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = Non
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
     style = pc.styles.Surface(texture=stripes())
     camera = Orbit(-58.0, 14.0, target=(0.0, 0.2, 0.53), extent=1.3)
-    pc.film(recording, path, size=(640, 480), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 480),
+        style=style,
+        camera=camera,
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"cloth": recording}
 
 

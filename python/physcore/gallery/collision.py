@@ -73,7 +73,7 @@ def main(path: str | os.PathLike[str] = "collision.gif", progress: bool | None =
             DURATION: Orbit(45.0, 50.0, target=middle, extent=7.6),
         }
     )
-    pc.film(recording, path, size=(560, 420), style=style, camera=camera, progress=progress)
+    pc.film(recording, path, size=(560, 420), style=style, camera=camera, max_bytes=3_000_000, progress=progress)
     return {"galaxies": recording}
 
 

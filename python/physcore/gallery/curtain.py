@@ -68,6 +68,7 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
         titles=list(recordings),
         subtitle=f"energy at the end: {', '.join(f'{each.energy.drift[-1]:+.0%}' for each in recordings.values())}",
         quality="high",
+        max_bytes=3_000_000,
         progress=progress,
     )
     return recordings

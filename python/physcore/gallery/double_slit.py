@@ -42,6 +42,7 @@ def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None
         style=pc.styles.Field(range=0.028),
         camera=Window((-0.5, -4.0), (7.0, 4.0)),
         speed=2.0,
+        max_bytes=3_000_000,
         progress=progress,
     )
     return {"light": recording}

@@ -44,7 +44,16 @@ def main(path: str | os.PathLike[str] = "drops.gif", progress: bool | None = Non
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=160, progress=progress, fluids=METHOD)
     style = pc.styles.Fluid({"left": "#4aa3e8", "right": "#f0b445"}, opacity=1.0)
-    pc.film(recording, path, size=(560, 392), style=style, camera=Orbit(elevation=12.0), speed=0.125, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(560, 392),
+        style=style,
+        camera=Orbit(elevation=12.0),
+        speed=0.125,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"drops": recording}
 
 

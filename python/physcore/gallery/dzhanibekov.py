@@ -41,7 +41,16 @@ def main(path: str | os.PathLike[str] = "dzhanibekov.gif", progress: bool | None
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), DURATION, fps=30, dt=1 / 960, progress=progress)
     style, camera = pc.styles.Solids("#ffd166"), Orbit(22.0, 20.0)
-    pc.film(recording, path, size=(480, 360), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(480, 360),
+        style=style,
+        camera=camera,
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"T": recording}
 
 

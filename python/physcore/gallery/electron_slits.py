@@ -42,7 +42,9 @@ def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | N
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=0.004, progress=progress)
     style, camera = pc.styles.Phase(range=0.012), Window((-9.0, -6.6), (9.0, 6.6))
-    pc.film(recording, path, size=(396, 322), style=style, camera=camera, speed=0.5, progress=progress)
+    pc.film(
+        recording, path, size=(396, 322), style=style, camera=camera, speed=0.5, max_bytes=3_000_000, progress=progress
+    )
     return {"electron": recording}
 
 

@@ -65,7 +65,17 @@ def main(path: str | os.PathLike[str] = "flag.gif", progress: bool | None = None
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
     style = pc.styles.Surface(texture=stripes())
     camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.72, 0.0, 0.42), extent=1.4)
-    pc.film(recording, path, size=(528, 363), style=style, camera=camera, labels=(), quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(528, 363),
+        style=style,
+        camera=camera,
+        labels=(),
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"flag": recording}
 
 

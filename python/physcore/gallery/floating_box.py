@@ -65,7 +65,16 @@ def main(path: str | os.PathLike[str] = "floating_box.gif", progress: bool | Non
     }
     style = [pc.styles.Fluid(surface=True), pc.styles.Solids(colors, marks=False)]
     camera = Window((-0.06, -0.06), (WIDTH + 0.06, 1.6))
-    pc.film(recording, path, size=(624, 336), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 344),
+        style=style,
+        camera=camera,
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"toys": recording}
 
 

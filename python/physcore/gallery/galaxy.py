@@ -54,7 +54,7 @@ def main(path: str | os.PathLike[str] = "galaxy.gif", progress: bool | None = No
     recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
     style = pc.styles.Points(size=2.2, glow=0.4)
     camera = Keyframes({0.0: Orbit(-60.0, 25.0), DURATION: Orbit(-90.0, 60.0)})
-    pc.film(recording, path, size=(432, 334), style=style, camera=camera, progress=progress)
+    pc.film(recording, path, size=(432, 334), style=style, camera=camera, max_bytes=3_000_000, progress=progress)
     return {"stars": recording}
 
 

@@ -44,7 +44,9 @@ def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | No
     recording = pc.simulate(scene(), duration=DURATION, fps=150 / DURATION, dt=0.01, progress=progress)
     style = [pc.styles.Phase(), pc.styles.Points(color="body", size=9.0, trail=DURATION)]
     camera = Window((-6.8, -4.7), (6.8, 4.7))
-    pc.film(recording, path, size=(520, 400), style=style, camera=camera, speed=2.0, progress=progress)
+    pc.film(
+        recording, path, size=(520, 400), style=style, camera=camera, speed=2.0, max_bytes=3_000_000, progress=progress
+    )
     return {"atom": recording}
 
 

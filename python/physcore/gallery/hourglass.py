@@ -85,6 +85,7 @@ def main(
         style=pc.styles.Points(color="body"),
         camera=Window((-WIDTH, -HEIGHT - 0.02), (WIDTH, HEIGHT - 0.15)),
         speed=0.5,
+        max_bytes=3_000_000,
         progress=progress,
     )
     return {"sand": recording}

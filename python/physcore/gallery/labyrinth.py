@@ -32,7 +32,15 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "labyrinth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.02, precision="f32", progress=progress)
-    pc.film(recording, path, size=(468, 396), style=pc.styles.Field(relief=0.3), speed=750.0, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(468, 396),
+        style=pc.styles.Field(relief=0.3),
+        speed=750.0,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"dish": recording}
 
 

@@ -48,7 +48,7 @@ def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
     style = [pc.styles.Field(), pc.styles.Points(color="body", size=2.0)]
-    pc.film(recording, path, size=(440, 360), style=style, speed=2.0, progress=progress)
+    pc.film(recording, path, size=(440, 360), style=style, speed=2.0, max_bytes=3_000_000, progress=progress)
     return {"light": recording}
 
 

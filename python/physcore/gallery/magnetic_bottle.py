@@ -70,6 +70,7 @@ def main(path: str | os.PathLike[str] = "magnetic_bottle.gif", progress: bool | 
         theme=replace(DARK, bodies=COLORS),
         labels=("energy",),
         speed=3.5e-6,
+        max_bytes=3_000_000,
         progress=progress,
     )
     return {"protons": recording}

@@ -68,6 +68,7 @@ def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None =
         color_bar=False,
         speed=2.0,
         quality="high",
+        max_bytes=3_000_000,
         progress=progress,
     )
     return {"pendulums": recording}

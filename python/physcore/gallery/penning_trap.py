@@ -49,6 +49,7 @@ def main(path: str | os.PathLike[str] = "penning_trap.gif", progress: bool | Non
         theme=replace(DARK, bodies=COLORS),
         labels=("time", "energy"),
         speed=5.0,
+        max_bytes=3_000_000,
         progress=progress,
     )
     return {"ions": recording}

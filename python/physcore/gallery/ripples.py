@@ -49,7 +49,16 @@ def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = N
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
     style, camera = pc.styles.Relief(range=0.08, height=0.1), Orbit(-70.0, 36.0, target=(2.0, 1.5, -0.1), extent=2.7)
-    pc.film(recording, path, size=(520, 360), style=style, camera=camera, color_bar=False, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(520, 360),
+        style=style,
+        camera=camera,
+        color_bar=False,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"pond": recording}
 
 

@@ -52,7 +52,9 @@ def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=pc.AutoStep(safety=0.2), progress=progress)
     style = pc.styles.Strain(width=4.0, color=rainbow(recording.scene.bodies))
     camera = Window((-1.1, -1.1), (1.1, 0.1))
-    pc.film(recording, path, size=(640, 380), style=style, camera=camera, speed=0.4, progress=progress)
+    pc.film(
+        recording, path, size=(640, 380), style=style, camera=camera, speed=0.4, max_bytes=3_000_000, progress=progress
+    )
     return {"ropes": recording}
 
 

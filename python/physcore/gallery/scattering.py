@@ -40,7 +40,17 @@ def main(path: str | os.PathLike[str] = "scattering.gif", progress: bool | None 
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=0.003, progress=progress)
     camera = Window((-7.0, -5.25), (7.0, 5.25))
     style = pc.styles.Phase(range=0.025)
-    pc.film(recording, path, size=(484, 391), style=style, camera=camera, speed=0.25, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(484, 391),
+        style=style,
+        camera=camera,
+        speed=0.25,
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"electron": recording}
 
 

@@ -34,7 +34,7 @@ def main(path: str | os.PathLike[str] = "spirals.gif", progress: bool | None = N
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.5, precision="f32", progress=progress)
     style = pc.styles.Field(colormap="inferno", range=(-2.6, 2.2), relief=0.3)
-    pc.film(recording, path, size=(440, 372), style=style, speed=50.0, progress=progress)
+    pc.film(recording, path, size=(440, 372), style=style, speed=50.0, max_bytes=3_000_000, progress=progress)
     return {"sheet": recording}
 
 

@@ -66,7 +66,17 @@ def main(path: str | os.PathLike[str] = "torn_flag.gif", progress: bool | None =
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.2), progress=progress)
     style = pc.styles.Surface("#ef5a3c", back="#d98a6e")
     camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.75, 0.1, 0.44), extent=1.55)
-    pc.film(recording, path, size=(560, 386), style=style, camera=camera, labels=(), quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(560, 386),
+        style=style,
+        camera=camera,
+        labels=(),
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"flag": recording}
 
 

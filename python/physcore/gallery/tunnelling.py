@@ -37,7 +37,17 @@ def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None 
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=24, progress=progress)
     style, camera = pc.styles.Phase(range=0.02), Window((-15.0, -5.0), (15.0, 5.0))
-    pc.film(recording, path, size=(540, 224), style=style, camera=camera, speed=0.5, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(540, 224),
+        style=style,
+        camera=camera,
+        speed=0.5,
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"electron": recording}
 
 

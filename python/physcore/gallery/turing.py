@@ -35,7 +35,7 @@ def main(path: str | os.PathLike[str] = "turing.gif", progress: bool | None = No
         scene(), duration=DURATION, fps=2.0, integrator=pc.RungeKuttaChebyshev(), precision="f32", progress=progress
     )
     style = pc.styles.Field(relief=0.3)
-    pc.film(recording, path, size=(520, 436), style=style, speed=10.0, progress=progress)
+    pc.film(recording, path, size=(520, 436), style=style, speed=10.0, max_bytes=3_000_000, progress=progress)
     return {"dish": recording}
 
 

@@ -80,6 +80,7 @@ def main(
         camera=Keyframes({0.0: window(0.0), DURATION: window(DURATION)}, easing="linear"),
         dt=0.0025,
         precision="f32",
+        max_bytes=3_000_000,
         progress=progress,
     )
     return {"street": pc.simulate(scene(100), DURATION, fps=20, dt=0.0025, progress=progress)}

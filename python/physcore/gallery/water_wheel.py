@@ -59,7 +59,16 @@ def main(path: str | os.PathLike[str] = "water_wheel.gif", progress: bool | None
     recording = pc.simulate(scene(), DURATION, fps=25, progress=progress)
     style = [pc.styles.Fluid(surface=True), pc.styles.Solids({"wheel": "#b9854f"}, marks=False)]
     camera = Window((-1.7, -0.9), (1.5, 1.3))
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 440),
+        style=style,
+        camera=camera,
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"wheel": recording}
 
 

@@ -48,7 +48,16 @@ def main(
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
     style = pc.styles.Field(range=0.6)
-    pc.film(recording, path, size=(328, 346), style=style, speed=1.25, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(328, 346),
+        style=style,
+        speed=1.25,
+        quality="high",
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"hall": recording}
 
 

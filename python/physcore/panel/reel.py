@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from physcore._core import Canvas, Gif
 from physcore.errors import SceneError
 from physcore.film.writers.base import delays
-from physcore.film.writers.budget import MILD
+from physcore.film.writers.budget import TOLERANCE
 from physcore.scene.scene import Scene
 from physcore.simulation.provenance_record import record_of
 
@@ -67,7 +67,7 @@ class Reel:
             for pixels in pictures[:: max(1, len(pictures) // SAMPLES)]:
                 canvas.picture(pixels, 0, 0)
                 gif.observe(canvas)
-            gif.tolerate(MILD)
+            gif.tolerate(TOLERANCE)
             for pixels, delay in zip(pictures, delays(len(pictures), rate, TICKS), strict=True):
                 canvas.picture(pixels, 0, 0)
                 gif.frame(canvas, delay)

@@ -16,7 +16,7 @@ pub struct PyGif {
     histogram: Histogram,
     reserved: Vec<Rgb>,
     colors: u8,
-    tolerance: u8,
+    tolerance: f32,
     state: WriterState,
 }
 
@@ -34,12 +34,11 @@ enum Sink {
 
 #[pymethods]
 impl PyGif {
-    /// Create a writer. `reserved` are colors that the palette holds exactly, among `colors` from 2 to 255. `quality` is "fast"
-    /// or "high". Without a path the bytes stay in memory.
+    /// Create a writer. `reserved` are colors that the palette holds exactly, among `colors` from 2 to 255. Without a path the
+    /// bytes stay in memory.
     #[new]
-    #[pyo3(signature = (path, reserved, *, quality = "fast", colors = 255))]
-    fn new(path: Option<PathBuf>, reserved: Vec<Rgb>, quality: &str, colors: i64) -> PyResult<Self> {
-        let quality = quality.parse().map_err(python_error)?;
+    #[pyo3(signature = (path, reserved, *, colors = 255))]
+    fn new(path: Option<PathBuf>, reserved: Vec<Rgb>, colors: i64) -> PyResult<Self> {
         let colors = match u8::try_from(colors) {
             Ok(count) if count >= 2 => count,
             _ => return Err(PyValueError::new_err(format!("colors: must be from 2 to 255, got {colors}"))),
@@ -48,7 +47,7 @@ impl PyGif {
             Some(path) => Sink::File(NewFile::create(&path)?),
             None => Sink::Memory(Vec::new()),
         };
-        Ok(Self { histogram: Histogram::new(quality), reserved, colors, tolerance: 0, state: WriterState::Observing(sink) })
+        Ok(Self { histogram: Histogram::default(), reserved, colors, tolerance: 0.0, state: WriterState::Observing(sink) })
     }
 
     /// Add a frame's colors to the histogram of the palette.
@@ -86,12 +85,12 @@ impl PyGif {
         written.map_err(python_error)
     }
 
-    /// Allow inexact colors from the next frame on, where they make the file smaller. A pixel may then have any palette color at
-    /// most `distance` from the nearest one [levels of 255].
-    fn tolerate(&mut self, distance: u8) -> PyResult<()> {
-        self.tolerance = distance;
+    /// Allow inexact colors from the next frame on, where they make the file smaller. An error of `tolerance` levels of 255 on a
+    /// smooth surface then counts as much as a code of the compression.
+    fn tolerate(&mut self, tolerance: f32) -> PyResult<()> {
+        self.tolerance = tolerance;
         match &mut self.state {
-            WriterState::Writing(gif) => gif.tolerate(distance).map_err(python_error),
+            WriterState::Writing(gif) => gif.tolerate(tolerance).map_err(python_error),
             _ => Ok(()),
         }
     }

@@ -60,9 +60,9 @@ impl<W: Write + Send + 'static> Background<W> {
     }
 
     /// Queues [`Gif::tolerate`].
-    pub fn tolerate(&mut self, distance: u8) -> Result<(), CanvasError> {
+    pub fn tolerate(&mut self, tolerance: f32) -> Result<(), CanvasError> {
         self.send(Box::new(move |gif| {
-            gif.tolerate(distance);
+            gif.tolerate(tolerance);
             Ok(())
         }))
     }

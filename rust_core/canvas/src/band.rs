@@ -43,9 +43,6 @@ const NARROW: i32 = 2 * LANES as i32;
 /// Maximum difference in depth of triangles that may be parts of one surface [pixel widths].
 const SEAM: f32 = 3.0;
 
-/// Fourth byte of a pixel that consists of glow only. Colors blended over it reduce this share.
-pub(crate) const GLOW: u8 = 255;
-
 impl Band<'_> {
     /// Range of the rows.
     pub(crate) fn rows(&self) -> std::ops::Range<usize> {
@@ -211,13 +208,9 @@ impl Band<'_> {
                 let dx = offset - x + f32::from(column);
                 let inside = (1.0 - (dx * dx + dy * dy) * per_square).max(0.0);
                 let amount = (inside * inside * f32::from(alpha) * (256.0 / 255.0) + 0.5) as u32;
-                let before = *pixel;
                 for (channel, light) in pixel.iter_mut().zip([red, green, blue]) {
                     let (below, light) = (*channel ^ flip, light ^ flip);
                     *channel = (below + ((u32::from(255 - below) * u32::from(light) * amount + 0x7F80) / 0xFF00) as u8) ^ flip;
-                }
-                if *pixel != before {
-                    pixel[3] = GLOW;
                 }
             }
         }

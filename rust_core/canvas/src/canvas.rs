@@ -19,8 +19,7 @@ pub struct Canvas {
     height: usize,
     /// Number of pixels along each side of a pixel of the picture returned by [`Canvas::reduced`].
     samples: usize,
-    /// Pixels, row by row from the top. The fourth byte is the share of glow, whose gradients are dithered if there are few
-    /// colors.
+    /// Pixels, row by row from the top. The fourth byte has no meaning.
     pixels: Vec<[u8; 4]>,
     backdrop: Vec<[u8; 4]>,
     /// Eye of a picture in space, and the depth of the surface that each pixel shows; empty without an eye.
@@ -60,7 +59,7 @@ impl Canvas {
         self.height
     }
 
-    /// Pixels, row by row from the top: red, green, blue, and the share of glow, which [`Palette`](crate::Palette) dithers.
+    /// Pixels, row by row from the top: red, green, blue, and a byte without meaning.
     pub fn pixels(&self) -> &[[u8; 4]] {
         &self.pixels
     }

@@ -21,12 +21,6 @@ pub enum CanvasError {
         /// Width and height of the frame [pixels].
         got: (usize, usize),
     },
-    /// Unknown quality.
-    #[error("quality: must be \"fast\" or \"high\", got {got:?}")]
-    Quality {
-        /// Requested quality.
-        got: String,
-    },
     /// Write error of the operating system.
     #[error(transparent)]
     Write(#[from] io::Error),

@@ -10,10 +10,14 @@ use std::io::Write;
 use crate::canvas::Canvas;
 use crate::difference::Patch;
 use crate::error::CanvasError;
-use crate::lzw::{Encoder, TRANSPARENT};
+use crate::histogram::Histogram;
+use crate::lossy::{LossyEncoder, Target};
+use crate::lzw::TRANSPARENT;
 use crate::palette::Palette;
-use crate::quality::Quality;
-use crate::tolerant::{Tolerance, TolerantEncoder, Wish};
+use crate::targets::{SHARE, Screen};
+
+/// Bytes of a color table, in codes of 12 bits.
+const TABLE_COST: f32 = 512.0;
 
 /// GIF writer, frame by frame. Memory does not grow with the number of frames, and equal frames give equal bytes.
 pub struct Gif<W> {
@@ -22,67 +26,40 @@ pub struct Gif<W> {
     width: usize,
     height: usize,
     palette: Palette,
-    bits: u32,
-    encoder: Encoder,
-    /// Tolerance table of replaceable colors, if any may be replaced, with its encoder.
-    tolerance: Option<(Tolerance, TolerantEncoder)>,
-    /// Palette indices of the last frame, as drawn.
-    drawn: Vec<u8>,
-    wishes: Vec<Wish>,
-    /// Palette indices on the screen after the last frame; empty before the first.
-    shown: Vec<u8>,
-    indices: Vec<u8>,
+    /// Last palette of a single frame.
+    last: Option<Palette>,
+    tolerance: f32,
+    screen: Screen,
+    histogram: Histogram,
+    encoder: LossyEncoder,
+    targets: Vec<Target>,
     symbols: Vec<u8>,
     bytes: Vec<u8>,
-    /// Bytes of the alternative encoding of a frame.
-    rival: Vec<u8>,
 }
 
 impl<W: Write> Gif<W> {
     /// Begins a film of frames with the size of `canvas`, in an endless loop.
     pub fn new(out: W, canvas: &Canvas, palette: Palette) -> Result<Self, CanvasError> {
         let (width, height) = (canvas.width(), canvas.height());
-        // A table holds 2^bits colors; the first is the transparent index.
-        let bits = (palette.colors().len() + 1).next_power_of_two().ilog2().max(1);
         let mut header = b"GIF89a".to_vec();
         header.extend(short(width));
         header.extend(short(height));
-        header.extend([0xF0 | (bits - 1) as u8, 0, 0]);
-        let table = [[0; 3]].iter().chain(palette.colors()).chain(std::iter::repeat(&[0; 3]));
-        header.extend(table.take(1 << bits).flatten());
+        header.extend([0xF0 | (bits(&palette) - 1) as u8, 0, 0]);
+        header.extend(table(&palette));
         header.extend(b"\x21\xFF\x0BNETSCAPE2.0\x03\x01\0\0\0");
-        let (encoder, empty) = (Encoder::new(), Vec::new);
-        let (shown, indices, symbols, bytes, rival) = (empty(), empty(), empty(), empty(), empty());
-        let (written, tolerance, drawn, wishes) = (0, None, empty(), Vec::new());
-        let mut gif = Self {
-            out,
-            written,
-            width,
-            height,
-            palette,
-            bits,
-            encoder,
-            tolerance,
-            drawn,
-            wishes,
-            shown,
-            indices,
-            symbols,
-            bytes,
-            rival,
-        };
+        let (screen, encoder, histogram) = (Screen::new(width), LossyEncoder::new(), Histogram::default());
+        let (targets, symbols, bytes) = (Vec::new(), Vec::new(), Vec::new());
+        let (written, tolerance, last) = (0, 0.0, None);
+        let mut gif =
+            Self { out, written, width, height, palette, last, tolerance, screen, histogram, encoder, targets, symbols, bytes };
         gif.write(&header)?;
         Ok(gif)
     }
 
-    /// Allows inexact colors from the next frame on, where they make the file smaller. A pixel may then have any color at most
-    /// `distance` from the nearest palette color [levels of 255]. Pixels at rest do not change. With 0, the default, every pixel
-    /// has the nearest color.
-    pub fn tolerate(&mut self, distance: u8) {
-        self.tolerance = (distance > 0).then(|| {
-            let table = Tolerance::new(self.palette.colors(), self.palette.reserved(), distance);
-            (table, TolerantEncoder::new())
-        });
+    /// Allows inexact colors from the next frame on, where they make the file smaller: an error of `tolerance` levels of 255 on a
+    /// smooth surface counts as much as a code of the compression. With 0, the default, every pixel has the nearest color.
+    pub fn tolerate(&mut self, tolerance: f32) {
+        self.tolerance = tolerance;
     }
 
     /// Appends a frame and shows it for `delay` hundredths of a second.
@@ -124,97 +101,72 @@ impl<W: Write> Gif<W> {
 
     /// Appends a frame of the film's size.
     pub(crate) fn append(&mut self, pixels: &[[u8; 4]], delay: u16) -> Result<(), CanvasError> {
-        self.palette.indices(pixels, self.width, &mut self.indices);
-        if let Some((tolerance, encoder)) = self.tolerance.take() {
-            return self.append_about(tolerance, encoder, delay);
-        }
-        let (patch, cleared) = self.compose();
         let mut bytes = std::mem::take(&mut self.bytes);
-        self.store(patch, cleared > 0, delay, &mut bytes);
-        // If most of a patch has changed, it may be smaller without transparent pixels.
-        if self.palette.quality() == Quality::High && cleared > 0 && 2 * cleared < patch.width * patch.height {
-            patch.cut(&self.indices, self.width, &mut self.symbols);
-            let mut rival = std::mem::take(&mut self.rival);
-            self.store(patch, false, delay, &mut rival);
-            if rival.len() < bytes.len() {
-                std::mem::swap(&mut rival, &mut bytes);
-            }
-            self.rival = rival;
-        }
-        std::mem::swap(&mut self.shown, &mut self.indices);
-        self.drawn.clone_from(&self.shown);
+        let nothing = Patch { left: 0, top: 0, width: 1, height: 1 };
+        let changed = self.screen.changed(pixels);
+        let mut local = changed.and_then(|_| self.adapt(pixels));
+        let palette = local.as_mut().unwrap_or(&mut self.palette);
+        let patch = self.screen.targets(pixels, changed.unwrap_or(nothing), palette, self.tolerance, &mut self.targets);
+        Self::describe(patch, local.as_ref(), delay, &mut bytes);
+        let palette = local.as_ref().unwrap_or(&self.palette);
+        self.encoder.encode(&self.targets, palette, bits(palette), &mut self.symbols, &mut bytes);
+        self.screen.show(patch, &self.symbols, palette);
+        self.last = local.or_else(|| self.last.take());
         let result = self.write(&bytes);
         self.bytes = bytes;
         result
     }
 
-    /// Appends the frame of `indices` within a tolerance.
-    fn append_about(&mut self, tolerance: Tolerance, mut encoder: TolerantEncoder, delay: u16) -> Result<(), CanvasError> {
-        let first = self.shown.is_empty();
-        self.shown.resize(self.indices.len(), TRANSPARENT);
-        self.drawn.resize(self.indices.len(), TRANSPARENT);
-        // Pixels that may keep their color count as unchanged.
-        let stays: Vec<u8> = self
-            .indices
-            .iter()
-            .zip(&self.shown)
-            .map(|(&wanted, &shown)| if tolerance.allows(wanted, shown) { shown } else { wanted })
-            .collect();
-        let whole = Patch { left: 0, top: 0, width: self.width, height: self.height };
-        let patch = if first { whole } else { Patch::between(&self.shown, &stays, self.width) };
-        self.wishes.clear();
-        for row in patch.top..patch.top + patch.height {
-            for pixel in row * self.width + patch.left..row * self.width + patch.left + patch.width {
-                let (wanted, shown) = (self.indices[pixel], self.shown[pixel]);
-                let keep = tolerance.allows(wanted, shown);
-                let rests = keep && wanted == self.drawn[pixel];
-                self.wishes.push(if rests { Wish::rest(shown) } else { Wish::about(wanted, keep) });
-            }
+    /// Palette for the colors that change in a frame, if it saves more than it costs, or if a flat color is missing.
+    fn adapt(&mut self, pixels: &[[u8; 4]]) -> Option<Palette> {
+        self.screen.observe(pixels, &mut self.histogram);
+        let samples = self.histogram.samples();
+        let price = SHARE as f32 / self.tolerance.max(1.0).powi(2);
+        let present = price * self.palette.error(&samples);
+        let suits = self.palette.suits(&self.histogram);
+        if suits && present < TABLE_COST {
+            return None;
         }
-        let mut bytes = std::mem::take(&mut self.bytes);
-        Self::describe(patch, true, delay, &mut bytes);
-        encoder.encode(&self.wishes, &tolerance, self.bits, &mut self.symbols, &mut bytes);
-        patch.paste(&self.symbols, self.width, &mut self.shown);
-        std::mem::swap(&mut self.drawn, &mut self.indices);
-        self.tolerance = Some((tolerance, encoder));
-        let result = self.write(&bytes);
-        self.bytes = bytes;
-        result
-    }
-
-    /// Writes the changed patch to `symbols`; returns its rectangle and its number of transparent pixels.
-    fn compose(&mut self) -> (Patch, usize) {
-        let whole = Patch { left: 0, top: 0, width: self.width, height: self.height };
-        let first = self.shown.is_empty();
-        let patch = if first { whole } else { Patch::between(&self.shown, &self.indices, self.width) };
-        patch.cut(&self.indices, self.width, &mut self.symbols);
-        let cleared = if first { 0 } else { patch.clear_unchanged(&self.shown, self.width, &mut self.symbols) };
-        (patch, cleared)
-    }
-
-    /// Writes the GIF blocks of a frame of `symbols` to `bytes`.
-    fn store(&mut self, patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
-        Self::describe(patch, transparent, delay, bytes);
-        self.encoder.encode(&self.symbols, self.bits, bytes);
+        let (local, left) = self.last.as_ref().unwrap_or(&self.palette).adapted(&self.histogram, &samples);
+        (!suits || present - price * left > TABLE_COST).then_some(local)
     }
 
     /// Writes the GIF blocks that precede the symbols of a frame to `bytes`.
-    fn describe(patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
+    fn describe(patch: Patch, local: Option<&Palette>, delay: u16, bytes: &mut Vec<u8>) {
         bytes.clear();
-        // Graphic control: leave the frame in place (disposal 1); its lowest bit says whether one index is transparent.
-        bytes.extend([0x21, 0xF9, 4, 0b100 | u8::from(transparent)]);
+        // Graphic control: leave the frame in place (disposal 1); the lowest bit says that one index is transparent.
+        bytes.extend([0x21, 0xF9, 4, 0b101]);
         bytes.extend(delay.to_le_bytes());
         bytes.extend([TRANSPARENT, 0, 0x2C]);
         for value in [patch.left, patch.top, patch.width, patch.height] {
             bytes.extend(short(value));
         }
-        bytes.push(0);
+        match local {
+            Some(palette) => {
+                bytes.push(0x80 | (bits(palette) - 1) as u8);
+                bytes.extend(table(palette));
+            }
+            None => bytes.push(0),
+        }
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), CanvasError> {
         self.written += bytes.len() as u64;
         Ok(self.out.write_all(bytes)?)
     }
+}
+
+/// Base-2 logarithm of the size of a palette's table, whose first color is the transparent index.
+fn bits(palette: &Palette) -> u32 {
+    (palette.colors().len() + 1).next_power_of_two().ilog2().max(1)
+}
+
+/// Color table of a palette.
+fn table(palette: &Palette) -> Vec<u8> {
+    let mut table = vec![0; 3 << bits(palette)];
+    let colors = palette.colors().as_flattened();
+    table[3..3 + colors.len()].copy_from_slice(colors);
+    table
 }
 
 fn short(value: usize) -> [u8; 2] {

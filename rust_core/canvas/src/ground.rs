@@ -120,12 +120,11 @@ fn meet(eye: Eye, ground: &Ground, x: f32, y: f32) -> Option<[f32; 3]> {
     seen.then(|| plus(from, way, toward)).filter(|place| place[2].is_finite())
 }
 
-/// Mixes a color into a pixel with an ordered dither: with the few colors of a GIF, gradients would show steps.
+/// Mixes a color into a pixel with an ordered dither of one level: dark gradients would show steps even of single levels.
 #[inline(always)]
 fn mix_evenly(pixel: &mut [u8; 4], color: Rgb, share: f32, center: [f32; 2]) {
-    const LEVELS: f32 = 3.0;
     let [x, y] = center.map(|coordinate| coordinate as u32);
-    let offset = LEVELS * (threshold(x, y) - 0.5);
+    let offset = threshold(x, y) - 0.5;
     for (channel, toward) in pixel.iter_mut().zip(color) {
         let below = f32::from(*channel);
         *channel = (below + (f32::from(toward) - below) * share + offset * (4.0 * share).min(1.0) + 0.5) as u8;

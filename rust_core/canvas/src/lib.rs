@@ -15,7 +15,7 @@
 //! let mut gif = Gif::new(Vec::new(), &canvas, Palette::new(&histogram, &[[16, 19, 24]], 255))?;
 //! gif.frame(&canvas, 3)?;
 //! assert!(gif.finish()?.starts_with(b"GIF89a"));
-//! # Ok::<(), physcore_canvas::Error>(())
+//! # Ok::<(), physcore_canvas::CanvasError>(())
 //! ```
 //!
 //! Modules, in the order of the data flow:
@@ -32,17 +32,18 @@
 //! - `liquid` reconstructs liquid surfaces by `smoothing`;
 //! - `heatmap` colors the values of grids;
 //! - `density` exposes very many points;
-//! - `palette` reduces millions of colors to 255 by `quantize`;
+//! - `oklab` is the space in which colors are compared;
+//! - `visibility` weights errors by the texture around them;
+//! - `histogram` counts colors;
+//! - `palette` reduces them to 255 by `quantize`;
 //! - `nearest` finds the nearest palette color for each pixel;
 //! - `difference` leaves out unchanged pixels;
-//! - `lzw` compresses the indices;
-//! - `tolerant` compresses indices of which some may be replaced by near ones;
+//! - `targets` gives the colors wanted at the others;
+//! - `lossy` chooses palette colors by rate and distortion;
+//! - `lzw` packs codes;
 //! - `gif` writes the container;
 //! - `background` moves encoding to another thread;
 //! - `file` makes the file appear only when complete.
-//!
-//! The [`Quality`] sets the resolution of the histogram and the look-up table. It also decides whether a frame is stored in the
-//! smaller of two encodings.
 
 mod background;
 mod band;
@@ -56,24 +57,27 @@ mod file;
 mod gif;
 mod ground;
 mod heatmap;
+mod histogram;
 mod ink;
 mod light;
 mod liquid;
+mod lossy;
 mod lzw;
 mod math;
 mod nearest;
+mod oklab;
 mod painting;
 mod palette;
-mod quality;
 mod quantize;
 mod shadow;
 mod shapes;
 mod smoothing;
+mod targets;
 mod text;
 mod texture;
-mod tolerant;
 mod trails;
 mod view;
+mod visibility;
 
 pub use background::Background;
 pub use canvas::Canvas;
@@ -85,12 +89,12 @@ pub use file::NewFile;
 pub use gif::Gif;
 pub use ground::Ground;
 pub use heatmap::{Samples, Shading, coverage, heatmap};
+pub use histogram::Histogram;
 pub use ink::Mixing;
 pub use light::Light;
 pub use liquid::Drop;
 pub use painting::{Lens, Painting};
-pub use palette::{Histogram, Palette};
-pub use quality::Quality;
+pub use palette::Palette;
 pub use shapes::{Disc, Halo, Line, Triangle};
 pub use text::{Align, missing_signs, text_width};
 pub use texture::Texture;

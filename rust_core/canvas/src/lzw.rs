@@ -15,53 +15,6 @@ pub(crate) fn free_slots() -> Box<Slots> {
     Box::new([0; SLOTS])
 }
 
-/// Dictionary of the encoder, reused from frame to frame for its allocation.
-pub(crate) struct Encoder {
-    slots: Box<Slots>,
-    bytes: Vec<u8>,
-}
-
-impl Encoder {
-    pub(crate) fn new() -> Self {
-        Self { slots: free_slots(), bytes: Vec::new() }
-    }
-
-    /// Appends the code size and the sub-blocks for `symbols` to `out`; all symbols are below 2^`bits`.
-    pub(crate) fn encode(&mut self, symbols: &[u8], bits: u32, out: &mut Vec<u8>) {
-        let bits = bits.max(2);
-        let (clear, end) = (1 << bits, (1 << bits) + 1);
-        let mut codes = Codes::new(&mut self.bytes, bits);
-        let mut next = end + 1;
-        self.slots.fill(0);
-        codes.write(clear);
-        let Some((&first, rest)) = symbols.split_first() else {
-            return codes.finish(end, out);
-        };
-        let mut string = u32::from(first);
-        for &symbol in rest {
-            match find(&self.slots, string, symbol) {
-                Ok(longer) => string = longer,
-                Err(slot) => {
-                    codes.write(string);
-                    if next > GREATEST_CODE {
-                        codes.write(clear);
-                        self.slots.fill(0);
-                        next = end + 1;
-                    } else {
-                        self.slots[slot] = key(string, symbol) << 12 | next;
-                        codes.widen(next);
-                        next += 1;
-                    }
-                    string = u32::from(symbol);
-                }
-            }
-        }
-        codes.write(string);
-        codes.widen(next);
-        codes.finish(end, out);
-    }
-}
-
 /// Finds the code of a string with one more symbol, or the free slot for it.
 #[inline(always)]
 pub(crate) fn find(slots: &Slots, string: u32, symbol: u8) -> Result<u32, usize> {
@@ -135,42 +88,5 @@ impl<'a> Codes<'a> {
             out.extend_from_slice(block);
         }
         out.push(0);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Encoder;
-
-    /// Decodes symbols by the `weezl` crate, which shares no code with this file.
-    fn decoded(blocks: &[u8]) -> Vec<u8> {
-        let mut codes = Vec::new();
-        let mut rest = &blocks[1..];
-        while rest[0] > 0 {
-            let (block, next) = rest[1..].split_at(usize::from(rest[0]));
-            codes.extend_from_slice(block);
-            rest = next;
-        }
-        assert_eq!(rest, [0], "the last block is the empty one");
-        let mut decoder = weezl::decode::Decoder::new(weezl::BitOrder::Lsb, blocks[0]);
-        let symbols = decoder.decode(&codes).expect("an end that is marked");
-        assert!(decoder.has_ended());
-        symbols
-    }
-
-    /// Covers every length, so each code width also occurs just before the end, for noise, which fills the dictionary, and for
-    /// runs.
-    #[test]
-    fn another_decoder_reads_what_was_written() {
-        let noise: Vec<u8> = (0..9000_u32).map(|n| (n.wrapping_mul(n).wrapping_mul(0x9E37_79B1) >> 27) as u8).collect();
-        let runs: Vec<u8> = (0..9000_u32).map(|n| (n.isqrt() % 3) as u8).collect();
-        let mut encoder = Encoder::new();
-        for symbols in [noise, runs] {
-            for length in (0..1200).chain([4100, 9000]) {
-                let mut blocks = Vec::new();
-                encoder.encode(&symbols[..length], 5, &mut blocks);
-                assert_eq!(decoded(&blocks), symbols[..length]);
-            }
-        }
     }
 }

@@ -1,127 +1,68 @@
-//! Palette of a whole film: up to 255 colors chosen from a few of its frames.
-//!
-//! Colors are compared as bytes of sRGB, which are approximately perceptually uniform. Oklab has a larger error by this measure.
-//! The last bits of its roots and powers depend on the machine.
+//! Palettes of up to 255 colors, chosen in Oklab from the weighted colors of pictures.
 
-use crate::canvas::Canvas;
 use crate::color::Rgb;
-use crate::nearest::{LookupTable, cell};
-use crate::quality::Quality;
-use crate::quantize::{WeightedColor, quantize};
+use crate::histogram::{Histogram, Sample};
+use crate::nearest::{Match, Nearest};
+use crate::oklab::{Lab, lab, squared};
+use crate::quantize::{improve, quantize};
 
-/// Histogram of colors, in cells of 8 × 8 × 8 colors or finer.
-#[derive(Clone, Debug)]
-pub struct Histogram {
-    quality: Quality,
-    cells: Vec<ColorTally>,
-}
-
-/// Maximum difference of similar colors, approximately, in each channel [levels of 255].
-const ALIKE: usize = 24;
-/// Number of pixels as which an included color counts.
-const INCLUDED: u64 = 100;
-
-/// Number of pixels in a cell and the sums of their channels: a color that is alone in its cell is kept exactly.
-#[derive(Clone, Copy, Debug, Default)]
-struct ColorTally {
-    count: u64,
-    sums: [u64; 3],
-}
-
-impl Default for Histogram {
-    fn default() -> Self {
-        Self::new(Quality::default())
-    }
-}
-
-impl Histogram {
-    /// Returns an empty histogram with the resolution of a quality.
-    pub fn new(quality: Quality) -> Self {
-        Self { quality, cells: vec![ColorTally::default(); 1 << (3 * quality.histogram_bits())] }
-    }
-
-    /// Counts the pixels of a frame.
-    pub fn observe(&mut self, canvas: &Canvas) {
-        for &pixel in canvas.pixels() {
-            let tally = &mut self.cells[cell(pixel, self.quality.histogram_bits()) as usize];
-            tally.count += 1;
-            for (sum, channel) in tally.sums.iter_mut().zip(pixel) {
-                *sum += u64::from(channel);
-            }
-        }
-    }
-
-    /// Counts each color without a similar observed color as a few pixels. A palette from samples of a film then also suits the
-    /// frames between the samples.
-    pub fn include(&mut self, colors: &[Rgb]) {
-        let missing: Vec<Rgb> = colors.iter().copied().filter(|&color| !self.has_seen(color)).collect();
-        for color in missing {
-            let [red, green, blue] = color;
-            let tally = &mut self.cells[cell([red, green, blue, 0], self.quality.histogram_bits()) as usize];
-            *tally = ColorTally { count: INCLUDED, sums: color.map(|channel| INCLUDED * u64::from(channel)) };
-        }
-    }
-
-    /// Whether a color similar to this one was observed.
-    fn has_seen(&self, color: Rgb) -> bool {
-        let bits = self.quality.histogram_bits();
-        let (size, last) = (256 >> bits, (1_usize << bits) - 1);
-        let [reds, greens, blues] = color.map(|channel| {
-            let (own, reach) = (usize::from(channel) / size, ALIKE / size);
-            own.saturating_sub(reach)..=(own + reach).min(last)
-        });
-        let columns = reds.flat_map(|red| greens.clone().map(move |green| red << (2 * bits) | green << bits));
-        columns.flat_map(|column| blues.clone().map(move |blue| column | blue)).any(|cell| self.cells[cell].count > 0)
-    }
-
-    /// Mean color and count of each occupied cell.
-    fn colors(&self) -> impl Iterator<Item = (Rgb, u64)> {
-        let seen = self.cells.iter().filter(|tally| tally.count > 0);
-        seen.map(|&ColorTally { count, sums }| (sums.map(|sum| ((sum + count / 2) / count) as u8), count))
-    }
-}
+/// Largest number of flat colors that are kept exactly, as a share of the palette.
+const FLAT_SHARE: usize = 4;
+/// Number of near colors known for each color.
+pub(crate) const NEAR: usize = 12;
 
 /// Up to 255 colors, numbered from 1: a GIF's table has 256 entries, one of which is transparent.
 #[derive(Clone, Debug)]
 pub struct Palette {
-    quality: Quality,
     colors: Vec<Rgb>,
-    /// Number of reserved colors, which come first.
-    reserved: usize,
-    table: LookupTable,
+    most: usize,
+    /// Number of exact colors, which come first.
+    fixed: usize,
+    search: Nearest,
+    /// Numbers of the nearest colors of each color, itself first.
+    near: Vec<[u8; NEAR]>,
 }
 
 impl Palette {
-    /// Fits a palette of at most `most` colors to a histogram. It contains the `reserved` colors exactly. It also contains all
-    /// other colors exactly, if they are few and no two share a cell.
+    /// Fits a palette of at most `most` colors to a histogram. It contains exactly: the `reserved` colors, the flat colors of the
+    /// pictures up to a quarter of the palette, and all others if they are few and no two share a cell.
     pub fn new(histogram: &Histogram, reserved: &[Rgb], most: u8) -> Self {
         let most = usize::from(most.max(1));
-        let mut colors: Vec<Rgb> = Vec::new();
-        let add = |colors: &mut Vec<Rgb>, color: Rgb| {
+        let mut fixed: Vec<Rgb> = Vec::new();
+        for &color in reserved {
+            if !fixed.contains(&color) && fixed.len() < most {
+                fixed.push(color);
+            }
+        }
+        histogram.add_flats(&mut fixed, most / FLAT_SHARE);
+        let samples = histogram.samples();
+        let colors = quantize(&samples, &fixed, most - fixed.len());
+        Self::of(fixed, colors, most)
+    }
+
+    /// Adapts the palette to the colors of a histogram by a round of k-means; returns a bound of its error too.
+    pub(crate) fn adapted(&self, histogram: &Histogram, samples: &[Sample]) -> (Self, f32) {
+        let mut fixed = self.colors[..self.fixed].to_vec();
+        histogram.add_flats(&mut fixed, self.most / FLAT_SHARE);
+        let mut others: Vec<Rgb> = self.colors[self.fixed..].to_vec();
+        others.resize(self.most - fixed.len(), self.colors[0]); // an equal color is nearest to no sample
+        let (others, error) = improve(samples, &fixed, &others);
+        (Self::of(fixed, others, self.most), error)
+    }
+
+    fn of(mut colors: Vec<Rgb>, others: Vec<Rgb>, most: usize) -> Self {
+        let fixed = colors.len();
+        for color in others {
             if !colors.contains(&color) && colors.len() < most {
                 colors.push(color);
             }
-        };
-        reserved.iter().for_each(|&color| add(&mut colors, color));
-        let reserved = colors.len();
-        let others: Vec<(Rgb, u64)> = histogram.colors().filter(|(color, _)| !colors.contains(color)).collect();
-        let room = most - colors.len();
-        if others.len() <= room {
-            colors.extend(others.iter().map(|(color, _)| color));
-        } else {
-            let samples = others.iter().map(|&(color, count)| WeightedColor::new(color, count)).collect();
-            quantize(samples, room).into_iter().for_each(|color| add(&mut colors, color));
         }
         if colors.is_empty() {
             colors.push([0; 3]);
         }
-        let quality = histogram.quality;
-        Self { table: LookupTable::new(&colors, quality.table_bits()), quality, colors, reserved }
-    }
-
-    /// Number of reserved colors, which come first.
-    pub(crate) fn reserved(&self) -> usize {
-        self.reserved
+        let labs: Vec<Lab> = colors.iter().map(|&color| lab(color)).collect();
+        let near = labs.iter().map(|&color| neighbors(&labs, color)).collect();
+        Self { search: Nearest::new(labs), colors, most, fixed, near }
     }
 
     /// Colors; the first has number 1.
@@ -129,15 +70,77 @@ impl Palette {
         &self.colors
     }
 
-    /// Quality of the histogram.
-    pub fn quality(&self) -> Quality {
-        self.quality
+    /// Whether the color with a number is kept exactly wherever it occurs.
+    #[inline(always)]
+    pub(crate) fn is_fixed(&self, number: u8) -> bool {
+        usize::from(number) <= self.fixed
     }
 
-    /// Writes the number of each pixel's color in a picture of `width` columns to `out`: the nearest color, except that glow is
-    /// dithered.
-    pub fn indices(&mut self, pixels: &[[u8; 4]], width: usize, out: &mut Vec<u8>) {
-        out.resize(pixels.len(), 0);
-        self.table.look_up_dithered(pixels, width, out);
+    /// Whether the flat colors of a histogram are kept exactly, as far as a palette has room.
+    pub(crate) fn suits(&self, histogram: &Histogram) -> bool {
+        let mut fixed = self.colors[..self.fixed].to_vec();
+        histogram.add_flats(&mut fixed, self.most / FLAT_SHARE);
+        fixed.len() == self.fixed
     }
+
+    /// Coordinates of the color with a number.
+    #[inline(always)]
+    pub(crate) fn lab(&self, number: u8) -> Lab {
+        self.search.colors()[usize::from(number) - 1]
+    }
+
+    /// Numbers of the colors nearest to one, itself first; filled up by itself.
+    pub(crate) fn near(&self, number: u8) -> &[u8; NEAR] {
+        &self.near[usize::from(number) - 1]
+    }
+
+    /// Finds the palette color nearest to a color.
+    #[inline(always)]
+    pub(crate) fn nearest(&mut self, color: Rgb) -> Match {
+        self.search.find(color)
+    }
+
+    /// Number of the nearest color, or of one on the other side of a color, in proportions whose mean over all thresholds is about
+    /// the color; the nearest one if a neighbor is less than `band` away from it, or if no color is suitable.
+    ///
+    /// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973), applied to two levels
+    /// that are searched for each color.
+    pub(crate) fn dithered(&self, color: Lab, nearest: u8, band: f32, threshold: f32) -> u8 {
+        let near = self.lab(nearest);
+        let others = &self.near(nearest)[1..];
+        if squared(self.lab(others[0]), near) < band * band {
+            return nearest;
+        }
+        let off: Lab = std::array::from_fn(|axis| color[axis] - near[axis]);
+        let error = squared(color, near);
+        for &other in others {
+            let far = self.lab(other);
+            let way: Lab = std::array::from_fn(|axis| far[axis] - near[axis]);
+            let along: f32 = way.iter().zip(off).map(|(part, off)| part * off).sum();
+            let square = squared(far, near);
+            // At most half of the error may remain.
+            if along > 0.0 && error - along * along / square < 0.25 * error {
+                return if along > threshold * square { other } else { nearest };
+            }
+        }
+        nearest
+    }
+
+    /// Sum of the weighted squared differences of the colors of a histogram from the nearest palette color.
+    pub(crate) fn error(&mut self, samples: &[Sample]) -> f32 {
+        samples.iter().map(|sample| sample.weight * self.search.search(sample.color, sample.lab).1).sum()
+    }
+}
+
+/// Numbers of the colors nearest to one of them, itself first; repeated if there are few.
+fn neighbors(colors: &[Lab], own: Lab) -> [u8; NEAR] {
+    let mut order: Vec<(f32, u8)> =
+        colors.iter().zip(1..=u8::MAX).map(|(&color, number)| (squared(own, color), number)).collect();
+    let by_distance = |p: &(f32, u8), q: &(f32, u8)| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1));
+    if order.len() > NEAR {
+        order.select_nth_unstable_by(NEAR, by_distance);
+        order.truncate(NEAR);
+    }
+    order.sort_unstable_by(by_distance);
+    std::array::from_fn(|index| order[index.min(order.len() - 1)].1)
 }

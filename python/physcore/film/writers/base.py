@@ -14,7 +14,6 @@ from physcore._core import Canvas
 from physcore.checks import span
 from physcore.errors import SceneError, SceneWarning, warn
 from physcore.film.film_renderer import FilmRenderer
-from physcore.film.quality import Quality
 from physcore.film.writers.loops import Repeat
 from physcore.markup import inline_image, inline_video
 from physcore.progress import Progress
@@ -73,8 +72,6 @@ class FilmJob:
     """The renderer of its frames."""
     rate: float
     """Frames per second."""
-    quality: Quality
-    """Effort for the colors, in formats with few colors."""
     max_bytes: int | None
     """Largest size of the file [bytes], for formats that can be made smaller."""
     describe: Callable[[], str]

@@ -1,4 +1,4 @@
-"""Writer of GIF: one palette for the film, chosen from samples; each frame contains the pixels that have changed."""
+"""Writer of GIF: a palette chosen from samples of the film; each frame contains the pixels that have changed."""
 
 from __future__ import annotations
 
@@ -10,15 +10,13 @@ from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
 from physcore.film.writers.base import Film, FilmJob, Writer
-from physcore.film.writers.budget import FAR, LARGE, Cut, Search
+from physcore.film.writers.budget import Cut, Search
 from physcore.storage.files import held, replacing
 
 TICKS = 100
 """Unit of delays: 1/100 s."""
 LOOK = 8
 """Number of frames between two checks of the size."""
-STEP = 4
-"""Increase of the color tolerance at each check, for a large film that is drawn once [levels of 255]."""
 SMALL = 4096
 """Upper bound of the sizes of the header, the palette and the ends of blocks [bytes]."""
 
@@ -94,15 +92,14 @@ def _fit(job: FilmJob, write: Callable[[Cut, int | None], int]) -> Cut:
     Raises:
         SceneError: the film cannot be made to fit.
     """
-    gentle = job.quality == "fast" and job.renderer.repeatable
-    search, whole = Search(job.rate, job.max_bytes, gentle), job.renderer.size
+    search, whole = Search(job.rate, job.max_bytes), job.renderer.size
     going = True
     while going:
         size = search.cut.size(whole) if search.cut.scale < 1.0 else whole
         if size != job.renderer.size:
             job.renderer.resize(size)
         try:
-            written = write(search.cut, search.bound)
+            written = write(search.cut, search.limit)
         except TooLargeError as error:
             going = search.too_large(error.excess)
         else:
@@ -133,23 +130,16 @@ def _write(job: FilmJob, target: Path | None, cut: Cut, limit: int | None) -> by
     Raises:
         TooLargeError: the film is too large; nothing was written.
     """
-    renderer, times, tolerance = job.renderer, job.delays(TICKS, cut.stride), cut.tolerance
-    growing = job.quality == "fast" and limit is None
-    with closing(Gif(target, renderer.reserved, quality=job.quality, colors=cut.colors)) as gif:
+    renderer, times = job.renderer, job.delays(TICKS, cut.stride)
+    with closing(Gif(target, renderer.reserved, colors=cut.colors)) as gif:
         for canvas in renderer.samples():
             gif.observe(canvas)
         gif.include(renderer.colors)
-        gif.tolerate(tolerance)
+        gif.tolerate(cut.tolerance)
         for index, (canvas, delay) in enumerate(zip(job.frames(cut.stride), times, strict=True)):
             gif.frame(canvas, delay)
-            if index % LOOK != LOOK - 1 and index != len(times) - 1:
-                continue
-            done = (index + 1) / len(times)
-            if limit is not None:
-                _refuse_if_too_large(gif.written(), limit, done)
-            elif growing and tolerance < FAR and gif.written() > LARGE * done:
-                tolerance += STEP
-                gif.tolerate(tolerance)
+            if limit is not None and (index % LOOK == LOOK - 1 or index == len(times) - 1):
+                _refuse_if_too_large(gif.written(), limit, (index + 1) / len(times))
         provenance = job.provenance
         if limit is not None:
             _refuse_if_too_large(gif.written() + len(provenance) + SMALL, limit, 1.0)
