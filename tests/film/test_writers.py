@@ -423,14 +423,12 @@ def test_a_film_fits_into_the_bytes_that_it_may_have(tmp_path: Path) -> None:
     assert whole.bytes == path.stat().st_size
     assert pc.film(recording, path, size=(320, 240), max_bytes=2 * whole.bytes) == whole
     last = whole
-    for share in (0.8, 0.4, 0.15, 0.07, 0.04):
+    for share in (0.8, 0.3, 0.07):
         film = pc.film(recording, path, size=(320, 240), max_bytes=int(share * whole.bytes))
         assert film.bytes == path.stat().st_size <= share * whole.bytes
         assert film.bytes >= 0.7 * share * whole.bytes or film.colors == 31  # what may be used is used
-        assert film.size <= last.size
-        assert film.frames <= last.frames
+        assert film.size[0] * film.frames <= last.size[0] * last.frames
         assert film.colors is not None
-        assert film.size[0] <= 160 or film.frames == 41
         assert film.colors == 255 or film.frames < 41
         assert film.size[0] >= 160 or film.colors <= 63
         with Image.open(path) as image:
@@ -441,8 +439,8 @@ def test_a_film_fits_into_the_bytes_that_it_may_have(tmp_path: Path) -> None:
                 times.append(image.info["duration"])
         assert sum(times) == pytest.approx(1000.0 * film.frames / film.rate, abs=10)  # it stays in real time
         last = film
-    with pytest.raises(pc.SceneError, match=r"max_bytes: 9000 are too few: at a quarter of the width, 10 frames"):
-        pc.film(recording, tmp_path / "none.gif", size=(320, 240), max_bytes=9000)
+    with pytest.raises(pc.SceneError, match=r"max_bytes: 5000 are too few: at a quarter of the width, 10 frames"):
+        pc.film(recording, tmp_path / "none.gif", size=(320, 240), max_bytes=5000)
     assert not (tmp_path / "none.gif").exists()
 
 

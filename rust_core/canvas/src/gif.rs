@@ -56,7 +56,7 @@ impl<W: Write> Gif<W> {
         Ok(gif)
     }
 
-    /// Allows inexact colors from the next frame on, where they make the file smaller: an error of `tolerance` levels of 255 on a
+    /// Allows inexact colors from the next frame on, where they make the file smaller. An error of `tolerance` levels of 255 on a
     /// smooth surface counts as much as a code of the compression. With 0, the default, every pixel has the nearest color.
     pub fn tolerate(&mut self, tolerance: f32) {
         self.tolerance = tolerance;

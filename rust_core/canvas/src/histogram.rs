@@ -40,7 +40,7 @@ struct Tally {
 
 /// Color with its coordinates and the weight of its pixels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct ColorSample {
     pub(crate) color: Rgb,
     pub(crate) lab: Lab,
     pub(crate) weight: f32,
@@ -106,9 +106,9 @@ impl Histogram {
     }
 
     /// Observed colors with their weights.
-    pub(crate) fn samples(&self) -> Vec<Sample> {
+    pub(crate) fn samples(&self) -> Vec<ColorSample> {
         let used = self.slots.iter().filter(|tally| tally.weight > 0);
-        used.map(|&Tally { weight, color }| Sample { color, lab: lab(color), weight: weight as f32 / FULL }).collect()
+        used.map(|&Tally { weight, color }| ColorSample { color, lab: lab(color), weight: weight as f32 / FULL }).collect()
     }
 
     /// Appends flat colors to `fixed` ones, the most frequent first, up to `most` in all. Of similar ones, as in a gradient, the most

@@ -1,4 +1,4 @@
-//! LZW compression by rate and distortion: each pixel may have any color near its own, and the string is used that saves the most
+//! LZW compression by rate and distortion. Each pixel may have any color near its own. The string is used that saves the most
 //! codes for the error that it makes.
 //!
 //! The idea is that of `gifsicle --lossy` (K. Lesiński, 2014). Here the error of each pixel is bounded by itself: errors neither
@@ -52,7 +52,7 @@ const CODES: usize = GREATEST_CODE as usize + 1;
 /// Encoder of targets; its memory is reused from frame to frame.
 pub(crate) struct LossyEncoder {
     /// Tree of strings, by code.
-    tree: Vec<Node>,
+    tree: Vec<StringNode>,
     /// Longer strings by string and symbol.
     slots: Box<Slots>,
     stack: Vec<Candidate>,
@@ -65,7 +65,7 @@ pub(crate) struct LossyEncoder {
 /// String with its last symbol, its prefix, a string that is longer by a symbol (child), and a string with the same prefix
 /// (sibling).
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct StringNode {
     symbol: u8,
     /// Number of children, up to 255.
     children: u8,
@@ -74,7 +74,7 @@ struct Node {
     sibling: u16,
 }
 
-impl Node {
+impl StringNode {
     const NEW: Self = Self { symbol: 0, children: 0, parent: NONE, child: NONE, sibling: NONE };
 }
 
@@ -89,7 +89,7 @@ struct Candidate {
 
 impl LossyEncoder {
     pub(crate) fn new() -> Self {
-        let mut tree = vec![Node::NEW; CODES];
+        let mut tree = vec![StringNode::NEW; CODES];
         (0..=u8::MAX).zip(tree.iter_mut()).for_each(|(symbol, root)| root.symbol = symbol);
         let (stack, string, bytes) = (Vec::new(), Vec::new(), Vec::new());
         Self { tree, slots: free_slots(), stack, string, bytes, colors: Box::new([[0.0; 3]; 256]) }
@@ -250,7 +250,7 @@ impl LossyEncoder {
         let above = &mut self.tree[usize::from(parent)];
         let sibling = std::mem::replace(&mut above.child, code);
         above.children = above.children.saturating_add(1);
-        self.tree[usize::from(code)] = Node { symbol, children: 0, parent, child: NONE, sibling };
+        self.tree[usize::from(code)] = StringNode { symbol, children: 0, parent, child: NONE, sibling };
         if let Err(slot) = find(&self.slots, u32::from(parent), symbol) {
             self.slots[slot] = key(u32::from(parent), symbol) << 12 | u32::from(code);
         }
@@ -281,8 +281,8 @@ mod tests {
         symbols
     }
 
-    /// Covers every length, so each code width also occurs just before the end, for noise, which fills the dictionary, and for
-    /// runs; with a tolerance and without. No pixel costs more than allowed.
+    /// Covers every length, so each code width also occurs just before the end. Noise fills the dictionary; runs do not. With a
+    /// tolerance and without. No pixel costs more than allowed.
     #[test]
     fn another_decoder_reads_what_was_chosen_within_the_bounds() {
         let colors: Vec<Rgb> = (0..31_u8).map(|level| [8 * level, 100, 255 - 8 * level]).collect();

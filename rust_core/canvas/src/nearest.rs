@@ -36,7 +36,7 @@ pub(crate) struct Match {
 
 /// Search for the nearest of some colors.
 #[derive(Clone, Debug)]
-pub(crate) struct Nearest {
+pub(crate) struct NearestColor {
     colors: Vec<Lab>,
     distances: Vec<f32>,
     /// Start and end of the list of each cell; equal if not yet known.
@@ -46,7 +46,7 @@ pub(crate) struct Nearest {
     known: Vec<Match>,
 }
 
-impl Nearest {
+impl NearestColor {
     /// Search among 1 to 256 colors.
     pub(crate) fn new(colors: Vec<Lab>) -> Self {
         let (distances, ranges, lists) = (vec![0.0; colors.len()], vec![[0; 2]; 1 << (3 * BITS)], Vec::new());

@@ -1,8 +1,8 @@
 //! Palettes of up to 255 colors, chosen in Oklab from the weighted colors of pictures.
 
 use crate::color::Rgb;
-use crate::histogram::{Histogram, Sample};
-use crate::nearest::{Match, Nearest};
+use crate::histogram::{ColorSample, Histogram};
+use crate::nearest::{Match, NearestColor};
 use crate::oklab::{Lab, lab, squared};
 use crate::quantize::{improve, quantize};
 
@@ -18,14 +18,14 @@ pub struct Palette {
     most: usize,
     /// Number of exact colors, which come first.
     fixed: usize,
-    search: Nearest,
+    search: NearestColor,
     /// Numbers of the nearest colors of each color, itself first.
     near: Vec<[u8; NEAR]>,
 }
 
 impl Palette {
-    /// Fits a palette of at most `most` colors to a histogram. It contains exactly: the `reserved` colors, the flat colors of the
-    /// pictures up to a quarter of the palette, and all others if they are few and no two share a cell.
+    /// Fits a palette of at most `most` colors to a histogram. It contains the `reserved` colors and the flat
+    /// colors of the pictures exactly, the latter up to a quarter of the palette. It contains all others exactly if they are few.
     pub fn new(histogram: &Histogram, reserved: &[Rgb], most: u8) -> Self {
         let most = usize::from(most.max(1));
         let mut fixed: Vec<Rgb> = Vec::new();
@@ -41,7 +41,7 @@ impl Palette {
     }
 
     /// Adapts the palette to the colors of a histogram by a round of k-means; returns a bound of its error too.
-    pub(crate) fn adapted(&self, histogram: &Histogram, samples: &[Sample]) -> (Self, f32) {
+    pub(crate) fn adapted(&self, histogram: &Histogram, samples: &[ColorSample]) -> (Self, f32) {
         let mut fixed = self.colors[..self.fixed].to_vec();
         histogram.add_flats(&mut fixed, self.most / FLAT_SHARE);
         let mut others: Vec<Rgb> = self.colors[self.fixed..].to_vec();
@@ -62,7 +62,7 @@ impl Palette {
         }
         let labs: Vec<Lab> = colors.iter().map(|&color| lab(color)).collect();
         let near = labs.iter().map(|&color| neighbors(&labs, color)).collect();
-        Self { search: Nearest::new(labs), colors, most, fixed, near }
+        Self { search: NearestColor::new(labs), colors, most, fixed, near }
     }
 
     /// Colors; the first has number 1.
@@ -100,8 +100,8 @@ impl Palette {
         self.search.find(color)
     }
 
-    /// Number of the nearest color, or of one on the other side of a color, in proportions whose mean over all thresholds is about
-    /// the color; the nearest one if a neighbor is less than `band` away from it, or if no color is suitable.
+    /// Number of the nearest color, or of one on the other side of a color. The mean over all thresholds is about the color. The
+    /// nearest one is returned if a neighbor is less than `band` away from it, or if no color is suitable.
     ///
     /// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973), applied to two levels
     /// that are searched for each color.
@@ -127,7 +127,7 @@ impl Palette {
     }
 
     /// Sum of the weighted squared differences of the colors of a histogram from the nearest palette color.
-    pub(crate) fn error(&mut self, samples: &[Sample]) -> f32 {
+    pub(crate) fn error(&mut self, samples: &[ColorSample]) -> f32 {
         samples.iter().map(|sample| sample.weight * self.search.search(sample.color, sample.lab).1).sum()
     }
 }

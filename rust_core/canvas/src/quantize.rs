@@ -2,8 +2,8 @@
 //! greatest spread at its mean (after Wu 1991).
 
 use crate::color::Rgb;
-use crate::histogram::Sample;
-use crate::nearest::Nearest;
+use crate::histogram::ColorSample;
+use crate::nearest::NearestColor;
 use crate::oklab::{Lab, lab};
 
 /// Number of k-means rounds after the variance cuts.
@@ -11,7 +11,7 @@ const ROUNDS: usize = 3;
 
 /// Computes at most `count` colors that minimize the weighted squared differences of the samples from the nearest color, or from
 /// a `fixed` one.
-pub(crate) fn quantize(samples: &[Sample], fixed: &[Rgb], count: usize) -> Vec<Rgb> {
+pub(crate) fn quantize(samples: &[ColorSample], fixed: &[Rgb], count: usize) -> Vec<Rgb> {
     let mut cut = samples.to_vec();
     let mut colors = variance_cut(&mut cut, count);
     for _ in 0..ROUNDS {
@@ -30,12 +30,12 @@ struct Cluster {
 
 /// A round of k-means; returns the new colors, and a bound of the weighted squared differences that they leave. A color that is
 /// nearest to no sample becomes that of the sample with the largest error.
-pub(crate) fn improve(samples: &[Sample], fixed: &[Rgb], colors: &[Rgb]) -> (Vec<Rgb>, f32) {
+pub(crate) fn improve(samples: &[ColorSample], fixed: &[Rgb], colors: &[Rgb]) -> (Vec<Rgb>, f32) {
     let labs: Vec<Lab> = fixed.iter().chain(colors).map(|&color| lab(color)).collect();
     let mut clusters = vec![Cluster::default(); labs.len()];
     let mut errors: Vec<(f32, u32)> = Vec::with_capacity(samples.len());
     let mut left = 0.0;
-    let mut search = Nearest::new(labs);
+    let mut search = NearestColor::new(labs);
     for (sample, number) in samples.iter().zip(0..) {
         let (nearest, error) = search.search(sample.color, sample.lab);
         let cluster = &mut clusters[nearest];
@@ -75,7 +75,7 @@ pub(crate) fn improve(samples: &[Sample], fixed: &[Rgb], colors: &[Rgb]) -> (Vec
 
 /// Divides the samples repeatedly: cuts the part with the greatest spread at the mean of its widest coordinate. Returns the mean
 /// colors of the parts.
-fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Rgb> {
+fn variance_cut(samples: &mut [ColorSample], count: usize) -> Vec<Rgb> {
     if count == 0 || samples.is_empty() {
         return Vec::new();
     }
@@ -96,7 +96,7 @@ fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Rgb> {
     parts.iter().map(|part| mean_color(&samples[part.start..part.start + part.length])).collect()
 }
 
-fn mean_color(samples: &[Sample]) -> Rgb {
+fn mean_color(samples: &[ColorSample]) -> Rgb {
     let total: f32 = samples.iter().map(|sample| sample.weight).sum();
     let sum = |channel: usize| samples.iter().map(|s| s.weight * f32::from(s.color[channel])).sum::<f32>();
     [0, 1, 2].map(|channel| (sum(channel) / total + 0.5) as u8)
@@ -113,7 +113,7 @@ struct SampleRange {
 }
 
 impl SampleRange {
-    fn of(samples: &[Sample], start: usize) -> Self {
+    fn of(samples: &[ColorSample], start: usize) -> Self {
         let total: f32 = samples.iter().map(|sample| sample.weight).sum();
         let mean = [0, 1, 2].map(|axis| samples.iter().map(|s| s.weight * s.lab[axis]).sum::<f32>() / total);
         let square = |axis: usize| samples.iter().map(|s| s.weight * (s.lab[axis] - mean[axis]).powi(2)).sum::<f32>();
