@@ -27,7 +27,7 @@ const PIECES: usize = 8;
 const MOST_SIZES: usize = 1000;
 /// Largest number of sweeps in the rest of a step, and largest way of a body in one of them, over the size of the least.
 const MOST_SWEEPS: usize = 32;
-const PART_OF_SIZE: f64 = 0.5;
+const PART_OF_SIZE: f64 = 0.1;
 
 impl Island {
     /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. A step whose impulses would
