@@ -108,7 +108,8 @@ impl Palette {
     pub(crate) fn dithered(&self, color: Lab, nearest: u8, band: f32, threshold: f32) -> u8 {
         let near = self.lab(nearest);
         let others = &self.near(nearest)[1..];
-        if squared(self.lab(others[0]), near) < band * band {
+        let step = squared(self.lab(others[0]), near);
+        if step < band * band {
             return nearest;
         }
         let off: Lab = std::array::from_fn(|axis| color[axis] - near[axis]);
@@ -118,8 +119,8 @@ impl Palette {
             let way: Lab = std::array::from_fn(|axis| far[axis] - near[axis]);
             let along: f32 = way.iter().zip(off).map(|(part, off)| part * off).sum();
             let square = squared(far, near);
-            // At most half of the error may remain.
-            if along > 0.0 && error - along * along / square < 0.25 * error {
+            // At most half of the error may remain. A color beyond twice the distance of neighbors would make single dots.
+            if along > 0.0 && square <= 4.0 * step && error - along * along / square < 0.25 * error {
                 return if along > threshold * square { other } else { nearest };
             }
         }
