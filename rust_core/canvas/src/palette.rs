@@ -8,6 +8,8 @@ use crate::quantize::{improve, quantize};
 
 /// Largest number of flat colors that are kept exactly, as a share of the palette.
 const FLAT_SHARE: usize = 4;
+/// Least share of a second color in a dithered one: fewer pixels would be single dots.
+const LEAST_SHARE: f32 = 0.125;
 /// Number of near colors known for each color.
 pub(crate) const NEAR: usize = 12;
 
@@ -121,7 +123,8 @@ impl Palette {
             let square = squared(far, near);
             // At most half of the error may remain. A color beyond twice the distance of neighbors would make single dots.
             if along > 0.0 && square <= 4.0 * step && error - along * along / square < 0.25 * error {
-                return if along > threshold * square { other } else { nearest };
+                let mixed = along > LEAST_SHARE * square && along > threshold * square;
+                return if mixed { other } else { nearest };
             }
         }
         nearest
