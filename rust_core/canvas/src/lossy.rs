@@ -89,8 +89,7 @@ struct Candidate {
 
 impl LossyEncoder {
     pub(crate) fn new() -> Self {
-        let mut tree = vec![StringNode::NEW; CODES];
-        (0..=u8::MAX).zip(tree.iter_mut()).for_each(|(symbol, root)| root.symbol = symbol);
+        let tree = vec![StringNode::NEW; CODES];
         let (stack, string, bytes) = (Vec::new(), Vec::new(), Vec::new());
         Self { tree, slots: free_slots(), stack, string, bytes, colors: Box::new([[0.0; 3]; 256]) }
     }
@@ -139,7 +138,10 @@ impl LossyEncoder {
     }
 
     fn forget(&mut self) {
-        self.tree.iter_mut().for_each(|node| (node.child, node.sibling, node.children) = (NONE, NONE, 0));
+        // Shorter codes of a smaller palette have overwritten single symbols of a larger one.
+        for (code, node) in self.tree.iter_mut().enumerate() {
+            *node = StringNode { symbol: code as u8, ..StringNode::NEW };
+        }
         self.slots.fill(0);
     }
 
