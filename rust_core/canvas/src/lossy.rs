@@ -321,4 +321,34 @@ mod tests {
             }
         }
     }
+
+    /// Codes of a small palette's strings are single symbols of a larger one.
+    #[test]
+    fn a_larger_palette_may_follow_a_smaller_one() {
+        let colors: Vec<Rgb> = (0..200_u8).map(|level| [level, 100, 255 - level]).collect();
+        let mut canvas = Canvas::new(200, 1, colors[0]).expect("a valid size");
+        canvas.picture(&colors, 200, [0, 0]);
+        let mut histogram = Histogram::default();
+        histogram.observe(&canvas);
+        let mut encoder = LossyEncoder::new();
+        for (most, bits) in [(15, 4), (255, 8)] {
+            let mut palette = Palette::new(&histogram, &[], most);
+            let target = |&color: &Rgb| {
+                let found = palette.nearest(color);
+                Target {
+                    lab: found.lab,
+                    price: 1.0,
+                    least: found.least,
+                    keep: f32::INFINITY,
+                    most: 0.0,
+                    nearest: found.index + 1,
+                }
+            };
+            let targets: Vec<Target> = colors.iter().map(target).collect();
+            let (mut symbols, mut blocks) = (Vec::new(), Vec::new());
+            encoder.encode(&targets, &palette, bits, &mut symbols, &mut blocks);
+            assert_eq!(decoded(&blocks), symbols);
+            assert!(symbols.iter().zip(&targets).all(|(&symbol, target)| symbol == target.nearest));
+        }
+    }
 }
