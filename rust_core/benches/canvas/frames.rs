@@ -1,7 +1,4 @@
-//! Benchmark of frames of 640×480 with 5000 discs: drawing, quantization, and GIF encoding, compared with the `gif` crate's
-//! encoder.
-
-use std::hint::black_box;
+//! Benchmark of frames of 640×480 with 5000 discs: drawing and GIF encoding.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use physcore_canvas::{Canvas, Disc, Gif, Histogram, Line, Painting, Palette};
@@ -54,29 +51,12 @@ fn frames(criterion: &mut Criterion) {
             painting.paint(&mut canvas);
         });
     });
-    let mut palette = palette();
-    let mut indices = Vec::new();
-    criterion.bench_function("reduce to the palette", |bencher| {
-        bencher.iter(|| palette.indices(black_box(pictures[0].pixels()), pictures[0].width(), &mut indices));
-    });
-    let mut film = Gif::new(std::io::sink(), &canvas, palette.clone()).expect("a sink takes all");
+    let mut film = Gif::new(std::io::sink(), &canvas, palette()).expect("a sink takes all");
     let mut number = 0;
     criterion.bench_function("encode a frame", |bencher| {
         bencher.iter(|| {
             number = (number + 1) % pictures.len();
             film.frame(&pictures[number], 3).expect("a sink takes all");
-        });
-    });
-    criterion.bench_function("encode a frame, gif crate", |bencher| {
-        let (width, height) = (SIZE.0 as u16, SIZE.1 as u16);
-        let colors: Vec<u8> = palette.colors().iter().flatten().copied().collect();
-        let mut film = gif::Encoder::new(std::io::sink(), width, height, &colors).expect("a sink takes all");
-        bencher.iter(|| {
-            number = (number + 1) % pictures.len();
-            palette.indices(pictures[number].pixels(), pictures[number].width(), &mut indices);
-            let pixels: Vec<u8> = indices.iter().map(|index| index - 1).collect();
-            let frame = gif::Frame::from_indexed_pixels(width, height, pixels, None);
-            film.write_frame(&frame).expect("a sink takes all");
         });
     });
 }
