@@ -1,7 +1,4 @@
-//! Benchmark of frames of 640×480 with 5000 discs: drawing, and GIF encoding, compared with the `gif` crate, which
-//! chooses a palette for each frame.
-
-use std::hint::black_box;
+//! Benchmark of frames of 640×480 with 5000 discs: drawing and GIF encoding.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use physcore_canvas::{Canvas, Disc, Gif, Histogram, Line, Painting, Palette};
@@ -60,16 +57,6 @@ fn frames(criterion: &mut Criterion) {
         bencher.iter(|| {
             number = (number + 1) % pictures.len();
             film.frame(&pictures[number], 3).expect("a sink takes all");
-        });
-    });
-    criterion.bench_function("encode a frame, gif crate", |bencher| {
-        let (width, height) = (SIZE.0 as u16, SIZE.1 as u16);
-        let mut film = gif::Encoder::new(std::io::sink(), width, height, &[]).expect("a sink takes all");
-        bencher.iter(|| {
-            number = (number + 1) % pictures.len();
-            let mut pixels = pictures[number].pixels().as_flattened().to_vec();
-            let frame = gif::Frame::from_rgba_speed(width, height, black_box(&mut pixels), 10);
-            film.write_frame(&frame).expect("a sink takes all");
         });
     });
 }

@@ -89,8 +89,7 @@ struct Candidate {
 
 impl LossyEncoder {
     pub(crate) fn new() -> Self {
-        let mut tree = vec![StringNode::NEW; CODES];
-        (0..=u8::MAX).zip(tree.iter_mut()).for_each(|(symbol, root)| root.symbol = symbol);
+        let tree = vec![StringNode::NEW; CODES];
         let (stack, string, bytes) = (Vec::new(), Vec::new(), Vec::new());
         Self { tree, slots: free_slots(), stack, string, bytes, colors: Box::new([[0.0; 3]; 256]) }
     }
@@ -139,7 +138,10 @@ impl LossyEncoder {
     }
 
     fn forget(&mut self) {
-        self.tree.iter_mut().for_each(|node| (node.child, node.sibling, node.children) = (NONE, NONE, 0));
+        // Shorter codes of a smaller palette have overwritten single symbols of a larger one.
+        for (code, node) in self.tree.iter_mut().enumerate() {
+            *node = StringNode { symbol: code as u8, ..StringNode::NEW };
+        }
         self.slots.fill(0);
     }
 
@@ -317,6 +319,36 @@ mod tests {
                     assert!(excess <= most, "{excess} of {most}");
                 }
             }
+        }
+    }
+
+    /// Codes of a small palette's strings are single symbols of a larger one.
+    #[test]
+    fn a_larger_palette_may_follow_a_smaller_one() {
+        let colors: Vec<Rgb> = (0..200_u8).map(|level| [level, 100, 255 - level]).collect();
+        let mut canvas = Canvas::new(200, 1, colors[0]).expect("a valid size");
+        canvas.picture(&colors, 200, [0, 0]);
+        let mut histogram = Histogram::default();
+        histogram.observe(&canvas);
+        let mut encoder = LossyEncoder::new();
+        for (most, bits) in [(15, 4), (255, 8)] {
+            let mut palette = Palette::new(&histogram, &[], most);
+            let target = |&color: &Rgb| {
+                let found = palette.nearest(color);
+                Target {
+                    lab: found.lab,
+                    price: 1.0,
+                    least: found.least,
+                    keep: f32::INFINITY,
+                    most: 0.0,
+                    nearest: found.index + 1,
+                }
+            };
+            let targets: Vec<Target> = colors.iter().map(target).collect();
+            let (mut symbols, mut blocks) = (Vec::new(), Vec::new());
+            encoder.encode(&targets, &palette, bits, &mut symbols, &mut blocks);
+            assert_eq!(decoded(&blocks), symbols);
+            assert!(symbols.iter().zip(&targets).all(|(&symbol, target)| symbol == target.nearest));
         }
     }
 }

@@ -8,6 +8,8 @@ use crate::quantize::{improve, quantize};
 
 /// Largest number of flat colors that are kept exactly, as a share of the palette.
 const FLAT_SHARE: usize = 4;
+/// Least share of a second color in a dithered one: fewer pixels would be single dots.
+const LEAST_SHARE: f32 = 0.125;
 /// Number of near colors known for each color.
 pub(crate) const NEAR: usize = 12;
 
@@ -108,7 +110,8 @@ impl Palette {
     pub(crate) fn dithered(&self, color: Lab, nearest: u8, band: f32, threshold: f32) -> u8 {
         let near = self.lab(nearest);
         let others = &self.near(nearest)[1..];
-        if squared(self.lab(others[0]), near) < band * band {
+        let step = squared(self.lab(others[0]), near);
+        if step < band * band {
             return nearest;
         }
         let off: Lab = std::array::from_fn(|axis| color[axis] - near[axis]);
@@ -118,9 +121,10 @@ impl Palette {
             let way: Lab = std::array::from_fn(|axis| far[axis] - near[axis]);
             let along: f32 = way.iter().zip(off).map(|(part, off)| part * off).sum();
             let square = squared(far, near);
-            // At most half of the error may remain.
-            if along > 0.0 && error - along * along / square < 0.25 * error {
-                return if along > threshold * square { other } else { nearest };
+            // At most half of the error may remain. A color beyond twice the distance of neighbors would make single dots.
+            if along > 0.0 && square <= 4.0 * step && error - along * along / square < 0.25 * error {
+                let mixed = along > LEAST_SHARE * square && along > threshold * square;
+                return if mixed { other } else { nearest };
             }
         }
         nearest
