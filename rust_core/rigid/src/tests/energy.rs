@@ -107,7 +107,7 @@ fn a_mesh_lands_flat_on_a_thin_wall_at_any_speed() {
         add_fixed(&mut lab, &cuboid(1.2, 1.2, 1e-3), wall);
         let place = (DVec3::new(0.25, 0.25, 0.25), turned(1.0, 0.0, 0.0, 0.0));
         lab.add(&dented_cube(0.15), (1.0, 0.0, 0.0), place, (-speed * DVec3::Z, DVec3::ZERO));
-        for _ in 0..(50.0 / speed).ceil() as usize + 1 {
+        for _ in 0..=(50.0 / speed).ceil() as usize {
             lab.step(1.0 / 240.0, 1);
         }
         // The center of mass is 0.35 edges above the lower face.
