@@ -11,6 +11,8 @@ use crate::shapes::SolidShape;
 
 /// Largest number of steps towards a time of impact.
 const MOST_ADVANCES: usize = 100;
+/// Largest number of features of a pair that are followed beside its contacts.
+const MOST_FEATURES: usize = 8;
 /// Gap at the time of an impact of round bodies, over the size of the smaller one. Other points need [`HIT`] for a normal.
 const ROUND_HIT: f64 = 1e-12;
 /// Distance of bodies that are near each other, over the size of the smaller, and their largest turn with the same contacts.
@@ -70,8 +72,20 @@ impl Island {
                 let known = until.min(LARGEST_TURN * pair.size / turning);
                 let open = contacts.iter().filter(|contact| !contact.held);
                 let falls = open.filter_map(|each| closes(|at| each.gap(&paths, at), (0.0, known), (&each.point, pair.size)));
-                let others = self.others_that_close(pair, contacts, &paths, shapes, known);
-                falls.chain(others).reduce(f64::min).or((known < until).then_some(known))
+                let mut first = falls.reduce(f64::min).or((known < until).then_some(known));
+                for _ in 0..MOST_FEATURES {
+                    let end = first.unwrap_or(known);
+                    let others = self.others_that_close(pair, contacts, &paths, shapes, end);
+                    let Some(earlier) = others.into_iter().reduce(f64::min) else {
+                        if self.deepens(pair, &paths, shapes, end) {
+                            first = Some(0.5 * end);
+                            continue;
+                        }
+                        break;
+                    };
+                    first = Some(earlier);
+                }
+                first
             } else {
                 self.approach(pair, &paths, shapes, until)
             };
@@ -101,6 +115,23 @@ impl Island {
         points.iter().filter(is_new).filter_map(|point| closes(|at| gap(point, at), (0.0, until), (point, pair.size))).collect()
     }
 
+    /// Whether a pair overlaps deeper after a time than at the start.
+    fn deepens(&self, pair: &BodyPair, paths: &[BodyPath<'_>], shapes: &[SolidShape], time: f64) -> bool {
+        let [one, other] = pair.bodies.map(|body| &paths[body]);
+        let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
+        let dimension = if self.planar { 2 } else { 3 };
+        let depth = |time: f64| {
+            let mut found = Vec::new();
+            collision::separations((first, &one.at(time)), (second, &other.at(time)), 0.0, dimension, &mut found);
+            -found.iter().map(|each| each.0).fold(0.0, f64::min)
+        };
+        let turning = time * (one.turning() + other.turning());
+        let way = time * (one.velocity(time) - other.velocity(time)).length() + turning;
+        // Contacts that are held are closed at the ends of a path: in between, it is the chord of an arc.
+        let chord = 0.125 * turning * turning / pair.size;
+        way > CLOSED * pair.size && depth(time) > depth(0.0) + chord + CLOSED * pair.size
+    }
+
     /// Time until `until` at which the gap of a pair closes. Conservative advancement leads to where the bodies are near each
     /// other: each pair of convex parts has a gap along its own normal. From there on their contacts are followed.
     fn approach(&self, pair: &BodyPair, paths: &[BodyPath<'_>], shapes: &[SolidShape], until: f64) -> Option<f64> {
@@ -127,13 +158,14 @@ impl Island {
                 let normal = (other.at(time).position - one.at(time).position).try_normalize().unwrap_or(DVec3::X);
                 let gap = |point: &ContactPoint, at: f64| point.at([&one.at(at), &other.at(at)], normal).gap;
                 let falls = points.iter().filter_map(|point| closes(|at| gap(point, at), (time, next), (point, pair.size)));
-                if let Some(closed) = falls.reduce(f64::min) {
-                    return Some(closed);
-                }
-                collision::separations((first, &one.at(next)), (second, &other.at(next)), reach, dimension, &mut found);
+                let closed = falls.reduce(f64::min);
+                let end = closed.unwrap_or(next);
+                collision::separations((first, &one.at(end)), (second, &other.at(end)), reach, dimension, &mut found);
                 if found.iter().any(|each| each.0 < -CLOSED * pair.size) {
                     // Other features meet in between.
-                    stride = 0.5 * (next - time);
+                    stride = 0.5 * (end - time);
+                } else if closed.is_some() {
+                    return closed;
                 } else if next < until {
                     time = next;
                 } else {

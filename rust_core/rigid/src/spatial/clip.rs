@@ -17,8 +17,9 @@ const FLAT: f64 = 0.95;
 const BETTER: f64 = 1e-6;
 /// Difference of gaps that count as equal, relative to the size of the face.
 const LEVEL: f64 = 1e-6;
-/// Difference of gaps up to which points touch together, relative to the size of the face.
-const TOGETHER: f64 = 1e-2;
+/// Differences of gaps that count as equal, that are small, and all, relative to the size of the face: the points with smaller ones
+/// come first.
+const TIERS: [f64; 3] = [LEVEL, 1e-2, f64::MAX];
 /// Difference of gaps that is rounding, relative to the size of the face.
 const EQUAL: f64 = 1e-11;
 
@@ -208,8 +209,8 @@ impl<'a> Manifold<'a> {
 
 /// Well-spread points of a `count`, given with their gaps: at most four, or two in 2D. The first is the outermost of those with
 /// nearly the smallest gap, the second the one farthest from it. The others are farthest from the line between these, on each
-/// side. The point with the smallest gap is always among them, if need be as one more. Points with much larger gaps follow where
-/// the others are too few.
+/// side. The point with the smallest gap is always among them, if need be as one more. Points with larger gaps follow where the
+/// others are too few.
 pub(crate) fn spread(
     count: usize,
     place: impl Fn(usize) -> (DVec3, f64),
@@ -221,18 +222,20 @@ pub(crate) fn spread(
         return (0..count).collect();
     }
     let point = |index: usize| place(index).0;
-    let gap = |index: usize| place(index).1;
+    let gap = &|index: usize| place(index).1;
     let size = (0..count).map(|index| point(index).distance(point(0))).fold(0.0, f64::max);
     let deepest = (1..count).fold(0, |best, one| if gap(one) < gap(best) { one } else { best });
     let lowest = gap(deepest);
-    let is_low = |&index: &usize| gap(index) <= lowest + TOGETHER * size;
-    let low = (0..count).filter(is_low).count();
+    let within = |tier: f64| (0..count).filter(move |&index| gap(index) <= lowest + tier * size);
+    // All points of a tier are chosen, or some of the first that has too many.
+    let few = TIERS.iter().take_while(|&&tier| within(tier).count() <= most).count();
+    let tier = TIERS[few.min(TIERS.len() - 1)];
     let best = |measure: &dyn Fn(usize) -> f64| {
         let better = |best: (usize, f64), one: usize| {
             let found = measure(one);
             if found > best.1 + BETTER * size { (one, found) } else { best }
         };
-        (0..count).filter(|index| low <= most || is_low(index)).fold((deepest, f64::NEG_INFINITY), better).0
+        within(tier).fold((deepest, f64::NEG_INFINITY), better).0
     };
     let middle = (0..count).map(point).sum::<DVec3>() / count as f64;
     let first = best(&|index| if gap(index) <= lowest + LEVEL * size { point(index).distance(middle) } else { -1.0 });
@@ -240,8 +243,7 @@ pub(crate) fn spread(
     let second = best(&|index| point(index).distance(from));
     let across = normal.cross(point(second) - from).normalize_or_zero();
     let sides = [1.0, -1.0].map(|side| best(&|index| side * across.dot(point(index) - from)));
-    let mut chosen: ArrayVec<usize, MOST> =
-        if low <= most { (0..count).filter(is_low).collect() } else { ArrayVec::from_iter([first]) };
+    let mut chosen: ArrayVec<usize, MOST> = if few > 0 { within(TIERS[few - 1]).collect() } else { ArrayVec::from_iter([first]) };
     for index in [second, sides[0], sides[1]] {
         if chosen.len() < most && !chosen.contains(&index) {
             chosen.push(index);

@@ -144,7 +144,7 @@ fn a_die_comes_to_rest() {
 }
 
 /// Pseudo-random numbers from 0 to 1.
-fn random(seed: &mut u64) -> f64 {
+pub fn random(seed: &mut u64) -> f64 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / (1_u64 << 53) as f64
 }
