@@ -8,6 +8,7 @@ import math
 import os
 import sys
 import time
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
@@ -144,7 +145,9 @@ def _demo(options: argparse.Namespace) -> int:
     except PhyscoreError as error:
         print(f"physcore: {error}", file=sys.stderr)
         return 2
-    with videos_beside() as films:
+    with videos_beside() as films, warnings.catch_warnings():
+        # Demos limit the size of their GIFs.
+        warnings.filterwarnings("ignore", message=".*only GIFs are made to fit")
         recordings = chosen.main(path, progress=True, **numbers)
     for title, recording in recordings.items():
         print(f"\n{title}: {audit(recording)}")

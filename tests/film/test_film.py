@@ -589,6 +589,13 @@ def test_common_formats_have_names(name: Any, size: tuple[int, int], suffix: str
         pc.film(recording, tmp_path / "film.gif", format="tall")
 
 
+def assert_alike(one: np.ndarray, other: np.ndarray) -> None:
+    """Pixels may keep the color of the frame before, within the tolerance: frames depend on it."""
+    difference = np.abs(one.astype(int) - other)
+    assert difference.max() <= 8
+    assert difference.mean() < 0.1
+
+
 def test_a_film_that_holds_bounces_or_fades(tmp_path: Path) -> None:
     recording, path = recorded(SCENES["particles"], shift, 12, fps=10.0), tmp_path / "film.gif"
     pc.film(recording, path, size=SIZE, labels=(), hold=1.5)
@@ -599,11 +606,11 @@ def test_a_film_that_holds_bounces_or_fades(tmp_path: Path) -> None:
     assert film.frames == len(bounced) == 22
     assert delays == [100] * 11 + [600] + [100] * 10
     for forward, backward in zip(plain[1:11], bounced[:11:-1], strict=True):
-        np.testing.assert_array_equal(forward, backward)
+        assert_alike(forward, backward)
     film = pc.film(recording, path, size=SIZE, labels=(), loop="crossfade")
     faded = frames(path)[0]
     assert film.frames == len(faded) == 8  # a third of the film is blended
-    np.testing.assert_array_equal(faded[0], plain[4])
+    assert_alike(faded[0], plain[4])
     # Weights go from 1/5 to 4/5 of the start; a palette lies between.
     mixture = np.array(plain[8]) * 0.8 + np.array(plain[0]) * 0.2
     assert np.abs(np.array(faded[4]) - mixture).mean() < 4.0

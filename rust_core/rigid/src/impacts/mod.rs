@@ -58,10 +58,10 @@ impl Island {
             let kick = h * h * (mass * before.acceleration.length_squared() + turning);
             gain += kinetic(&after) - kinetic(before) - work - kick;
             scale += kinetic(before) + work.abs();
-            // Free rotation by splitting errs by up to (hω)²/12 of its energy.
+            // Free rotation by splitting errs by up to (hω)²/12 of its energy, and not by more than the whole.
             let turn =
                 if self.planar { 0.0 } else { h * before.angular_velocity().length().max(after.angular_velocity().length()) };
-            gain -= turn * turn / 12.0 * before.rotational_energy().max(after.rotational_energy());
+            gain -= (turn * turn / 12.0).min(1.0) * before.rotational_energy().max(after.rotational_energy());
         }
         gain - GAINED * scale
     }
