@@ -17,8 +17,7 @@ const FLAT: f64 = 0.95;
 const BETTER: f64 = 1e-6;
 /// Difference of gaps that count as equal, relative to the size of the face.
 const LEVEL: f64 = 1e-6;
-/// Differences of gaps that count as equal, that are small, and all, relative to the size of the face: the points with smaller ones
-/// come first.
+/// Largest differences of gaps in each tier of points, relative to the size of the face. Lower tiers come first.
 const TIERS: [f64; 3] = [LEVEL, 1e-2, f64::MAX];
 /// Difference of gaps that is rounding, relative to the size of the face.
 const EQUAL: f64 = 1e-11;

@@ -121,8 +121,8 @@ fn a_cup_stands_on_its_rims() {
     assert!(lab.motions[0].velocity.length() < 1e-8);
 }
 
-/// An angle of two thin bars, which overlap at its corner, a bar and a cube stay in a box of thin walls, whatever feature of theirs
-/// comes first: they do not overlap deeper than half the thickness of a wall, 1 mm. Nor do they gain energy.
+/// An angle of two thin bars, a bar and a cube stay in a box of thin walls, whatever feature of theirs comes first. They do not
+/// overlap deeper than half the thickness of a wall, 1 mm, and gain no energy.
 #[test]
 fn corners_and_edges_stay_between_thin_walls() {
     let records = vec![cuboid(0.137, 0.0137, 0.02), cuboid(0.0101, 0.101, 0.005)];
