@@ -76,6 +76,7 @@ def test_dates_are_as_detailed_as_the_frames_require(start, units, interval, tex
 
 @given(st.integers(1, 1000), st.integers(1, 400))
 @example(75, 3)  # whose time is 224.99999999999997 d
+@example(600, 95)  # whose time is 0.6 µs before the day
 def test_days_are_counted_without_rounding(days, frames):
     # k/fps for 1/fps days may be a rounding error less than a whole day, which would show the day before.
     fps = 1.0 / days

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from datetime import date, datetime, timedelta, timezone
 from typing import Literal, TypeAlias
 
@@ -20,6 +21,11 @@ RESOLUTIONS: tuple[tuple[Resolution, float], ...] = (
     ("milliseconds", 1e-3),
 )
 """Resolutions of labels and their least frame intervals [s]; the finest resolution is a microsecond."""
+
+ROUNDING = 4.0 * sys.float_info.epsilon
+"""Relative error of times: they are quotients, in a unit that is itself rounded."""
+WHOLE = 2.0**53
+"""Number from which on each number is whole."""
 
 
 def check_start(start: object, units: UnitSystem) -> Start | None:
@@ -81,5 +87,8 @@ class Calendar:
         return moment.isoformat(" ", self._resolution).replace("+00:00", " UTC")
 
     def _at(self, time: float) -> datetime:
-        """The moment at a time, to a microsecond, so that rounding of times does not show the day before."""
-        return self._start + timedelta(seconds=float(time) * self._seconds)
+        """The moment at a time, to a microsecond. A time that is a whole second but for rounding is taken as one."""
+        seconds = float(time) * self._seconds
+        if abs(seconds) < WHOLE and abs(seconds - round(seconds)) <= ROUNDING * abs(seconds):
+            seconds = round(seconds)
+        return self._start + timedelta(seconds=seconds)
