@@ -11,8 +11,7 @@ use crate::rotation::Inertia;
 
 impl RigidWorld {
     /// Moves bodies and particles through a step of `h` seconds, with their contacts and joints; returns which of them these
-    /// have moved. If `predicts`, the velocities that are predicted for its end obey contacts and joints, and are those of all
-    /// bodies.
+    /// have moved. If `predicts`, the velocities that are predicted for its end obey contacts and joints.
     pub fn drift(
         &mut self,
         (h, predicts): (f64, bool),
@@ -79,15 +78,17 @@ impl RigidWorld {
             (motion.velocity, motion.turning) = (end.velocity, end.angular_velocity());
         }
         self.turn_free(h, bodies, &moved, executor);
-        if predicts {
-            for (index, motion) in bodies.iter_mut().enumerate().filter(|(index, _)| !moved[*index]) {
-                let mut end = self.mover(index, motion, h);
-                end.velocity = motion.drift;
-                end.kick(0.5 * h);
-                (motion.velocity, motion.turning) = (end.velocity, end.angular_velocity());
-            }
-        }
         moved
+    }
+
+    /// Predicts the velocities at the end of a step of `h` seconds of the bodies that have not been moved.
+    pub fn predict_free(&self, h: f64, bodies: &mut [CenterMotion], moved: &[bool]) {
+        for (index, motion) in bodies.iter_mut().enumerate().filter(|(index, _)| !moved[*index]) {
+            let mut end = self.mover(index, motion, h);
+            end.velocity = motion.drift;
+            end.kick(0.5 * h);
+            (motion.velocity, motion.turning) = (end.velocity, end.angular_velocity());
+        }
     }
 
     /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick. Changes their velocities;

@@ -246,8 +246,12 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let before: Vec<Turn> = if is_seen { self.world.state.turns.clone() } else { Vec::new() };
         let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
-        let predicts = step.predicts || is_seen || !self.tied.is_empty();
+        let needs_all = is_seen || !self.tied.is_empty();
+        let predicts = step.predicts || needs_all;
         let moved = self.world.drift((step.h, predicts), &mut self.motions, &points, &mut others, step.executor);
+        if needs_all {
+            self.world.predict_free(step.h, &mut self.motions, &moved);
+        }
         step.executor.check()?;
         self.moved.clear();
         self.moved.extend(&moved[..self.particles.len()]);
