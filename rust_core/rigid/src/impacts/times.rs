@@ -95,6 +95,17 @@ impl Island {
         limit.or(first)
     }
 
+    /// Paths and shapes of a pair, and the dimension.
+    fn sides<'a>(
+        &self,
+        pair: &BodyPair,
+        paths: &'a [BodyPath<'a>],
+        shapes: &'a [SolidShape],
+    ) -> ([&'a BodyPath<'a>; 2], [&'a SolidShape; 2], usize) {
+        let of_shape = |body: usize| &shapes[self.surfaces[body].shape];
+        (pair.bodies.map(|body| &paths[body]), pair.bodies.map(of_shape), if self.planar { 2 } else { 3 })
+    }
+
     /// Times until `until` at which features of a pair meet beside its contacts, as its bodies turn.
     fn others_that_close(
         &self,
@@ -104,9 +115,7 @@ impl Island {
         shapes: &[SolidShape],
         until: f64,
     ) -> Vec<f64> {
-        let [one, other] = pair.bodies.map(|body| &paths[body]);
-        let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
-        let dimension = if self.planar { 2 } else { 3 };
+        let ([one, other], [first, second], dimension) = self.sides(pair, paths, shapes);
         let mut points = Vec::new();
         collision::contacts((first, &one.at(until)), (second, &other.at(until)), 0.0, dimension, &mut points);
         let normal = (other.at(until).position - one.at(until).position).try_normalize().unwrap_or(DVec3::X);
@@ -117,9 +126,7 @@ impl Island {
 
     /// Whether a pair overlaps deeper after a time than at the start.
     fn deepens(&self, pair: &BodyPair, paths: &[BodyPath<'_>], shapes: &[SolidShape], time: f64) -> bool {
-        let [one, other] = pair.bodies.map(|body| &paths[body]);
-        let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
-        let dimension = if self.planar { 2 } else { 3 };
+        let ([one, other], [first, second], dimension) = self.sides(pair, paths, shapes);
         let depth = |time: f64| {
             let mut found = Vec::new();
             collision::separations((first, &one.at(time)), (second, &other.at(time)), 0.0, dimension, &mut found);
@@ -135,9 +142,7 @@ impl Island {
     /// Time until `until` at which the gap of a pair closes. Conservative advancement leads to where the bodies are near each
     /// other: each pair of convex parts has a gap along its own normal. From there on their contacts are followed.
     fn approach(&self, pair: &BodyPair, paths: &[BodyPath<'_>], shapes: &[SolidShape], until: f64) -> Option<f64> {
-        let [one, other] = pair.bodies.map(|body| &paths[body]);
-        let [first, second] = pair.bodies.map(|body| &shapes[self.surfaces[body].shape]);
-        let dimension = if self.planar { 2 } else { 3 };
+        let ([one, other], [first, second], dimension) = self.sides(pair, paths, shapes);
         let turning = one.turning() + other.turning();
         let bend = one.bend() - other.bend();
         let mut found = Vec::new();
