@@ -32,6 +32,7 @@ pub mod shapes;
 mod spatial;
 mod splitting;
 pub mod surface;
+mod sweep_steps;
 mod sweeps;
 mod thinning;
 pub mod world;

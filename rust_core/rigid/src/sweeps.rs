@@ -7,10 +7,11 @@
 
 use glam::DVec3;
 
-use crate::island::{Accuracy, CLOSED, FirstHalf, Island, lost, pushed};
+use crate::island::{CLOSED, FirstHalf, Island, lost, pushed};
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, InPlane, InSpace, RowSpace, RowVector, add_energy};
 use crate::shapes::SolidShape;
+use crate::sweep_steps::SweepPieces;
 
 /// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
 const DAMPING: f64 = 10.0;
@@ -26,9 +27,9 @@ struct Softness {
 }
 
 impl Softness {
-    /// Softness in pieces of a length [s].
-    fn of(length: f64) -> Self {
-        let frequency = std::f64::consts::TAU * PART_OF_PERIOD / length;
+    /// Softness in pieces of a length, of which the usual one is `usual` [s].
+    fn of(length: f64, usual: f64) -> Self {
+        let frequency = std::f64::consts::TAU * PART_OF_PERIOD / usual.max(length);
         let first = 2.0 * DAMPING + length * frequency;
         Self { rate: frequency / first, yields: 1.0 / (1.0 + length * frequency * first) }
     }
@@ -81,8 +82,10 @@ struct Touching<S: RowSpace> {
     restitution: f64,
     /// Least normal velocity at the end of the piece [m/s].
     rebound: f64,
-    /// Whether the normal impulse dissipates energy, and whether it pushes overlapping bodies apart.
+    /// Whether the bodies approach at the start of a piece, whether they are apart there, and whether they overlap and are pushed
+    /// apart. The normal impulse dissipates energy in the first two cases.
     strikes: bool,
+    closes: bool,
     pushes: bool,
     /// Mean force of the last piece.
     load: ContactImpulse<S>,
@@ -90,8 +93,9 @@ struct Touching<S: RowSpace> {
 
 impl Island {
     /// Advances the group by `h` seconds in equal pieces. The last one is left open.
-    pub fn sweep(&mut self, shapes: &[SolidShape], h: f64, (pieces, accuracy): (usize, Accuracy)) {
-        self.accuracy = accuracy;
+    pub fn sweep(&mut self, shapes: &[SolidShape], h: f64, pieces: &SweepPieces) {
+        self.accuracy = pieces.accuracy;
+        let length = h / pieces.count as f64;
         self.joints.iter_mut().for_each(|held| held.held = [true; 2]);
         // Impacts may pass the largest speed on to any body.
         let way = 2.0 * h * self.speed();
@@ -103,10 +107,10 @@ impl Island {
             sweep => sweep,
         };
         match &mut sweep {
-            GroupSweep::InPlane(sweep) => sweep.take(self, h, pieces),
-            GroupSweep::InSpace(sweep) => sweep.take(self, h, pieces),
+            GroupSweep::InPlane(sweep) => sweep.take(self, length, pieces),
+            GroupSweep::InSpace(sweep) => sweep.take(self, length, pieces),
         }
-        self.open_sweep(sweep, h / pieces as f64, h);
+        self.open_sweep(sweep, length, h);
     }
 
     /// Ends the last piece of a sweep, at the velocities after the kick.
@@ -131,13 +135,13 @@ impl Island {
 }
 
 impl<S: RowSpace> RowSweep<S> {
-    /// Takes all pieces of a step of `h` seconds but the second half of the last.
-    fn take(&mut self, island: &mut Island, h: f64, pieces: usize) {
-        let length = h / pieces as f64;
+    /// Takes all pieces of a length but the second half of the last.
+    fn take(&mut self, island: &mut Island, length: f64, pieces: &SweepPieces) {
+        let softness = Softness::of(length, pieces.usual);
         self.begin(island);
-        for piece in 0..pieces {
-            let last = piece + 1 == pieces;
-            self.first_half(island, length, piece == 0);
+        for piece in 0..pieces.count {
+            let last = piece + 1 == pieces.count;
+            self.first_half(island, (length, softness), piece == 0);
             self.drift(island, length, last);
             if !last {
                 self.v.kick(&island.movers, 0.5 * length);
@@ -164,6 +168,7 @@ impl<S: RowSpace> RowSweep<S> {
                 restitution: contact.restitution,
                 rebound: 0.0,
                 strikes: false,
+                closes: false,
                 pushes: false,
                 load: ContactImpulse::narrow(&contact.load),
             });
@@ -172,7 +177,7 @@ impl<S: RowSpace> RowSweep<S> {
     }
 
     /// Takes the impulses of the first half of a piece.
-    fn first_half(&mut self, island: &Island, length: f64, is_first: bool) {
+    fn first_half(&mut self, island: &Island, (length, softness): (f64, Softness), is_first: bool) {
         let joined = !island.joints.is_empty();
         if joined {
             self.start.clone_from(&self.v);
@@ -183,12 +188,12 @@ impl<S: RowSpace> RowSweep<S> {
             island.hold_joints((length, length), v, &mut self.joints);
         }
         let are_strange = is_first || self.touching.iter().any(|contact| contact.strikes);
-        let softness = Softness::of(length);
         for (row, contact) in self.rows.iter_mut().zip(&mut self.touching) {
             let approach = -row.normal.dot(contact.slip.0);
             // Bounces of less than a piece are contacts at rest.
             let least = 0.5 * length * contact.pressing;
             contact.strikes = approach > least;
+            contact.closes = contact.gap > CLOSED * contact.size;
             contact.pushes = !contact.strikes && contact.gap < -CLOSED * contact.size;
             let rebound = contact.restitution * approach;
             contact.rebound = if rebound > least { rebound } else { 0.0 };
@@ -205,7 +210,7 @@ impl<S: RowSpace> RowSweep<S> {
         self.start_impulses(are_strange);
         self.relax(island.accuracy.iterations);
         self.lost = 0.0;
-        self.meter();
+        self.meter(length);
         self.work = self.supplied();
         for (row, contact) in self.rows.iter().zip(&mut self.touching) {
             contact.gap += length * row.normal.dot(contact.slip.0);
@@ -269,7 +274,7 @@ impl<S: RowSpace> RowSweep<S> {
             island.keep_joint_loads(&first, &self.joints.rows, length);
             island.keep_reactions(&first, &self.joints.rows);
         }
-        self.meter();
+        self.meter(length);
         island.meters.work += self.work + self.supplied();
         // A sum below 0 is an error of the piece, which is left to the drift.
         island.meters.dissipated += self.lost.max(0.0);
@@ -344,15 +349,18 @@ impl<S: RowSpace> RowSweep<S> {
         }
     }
 
-    /// Adds the energy that contacts and limits dissipate in a half of a piece; takes the velocities of contacts for the start of
+    /// Adds the energy that contacts and limits dissipate in a half of a piece of a length [s]; takes the velocities of contacts for the start of
     /// the next.
-    fn meter(&mut self) {
+    fn meter(&mut self, length: f64) {
         let mut start = std::mem::take(&mut self.start);
         self.lost += self.stopped(&mut start);
         self.start = start;
         for (row, contact) in self.rows.iter().zip(&mut self.touching) {
             let after = row.slip_of(&self.v);
-            self.lost += lost(row, contact.strikes, contact.slip, after);
+            // Impacts of other contacts in the first half may have made the bodies approach.
+            let approaches = -row.normal.dot(contact.slip.0) > 0.5 * length * contact.pressing;
+            let strikes = contact.strikes || contact.closes || approaches;
+            self.lost += lost(row, strikes, contact.slip, after);
             contact.slip = after;
         }
     }

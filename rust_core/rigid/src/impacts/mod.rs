@@ -9,10 +9,11 @@ mod strikes;
 mod times;
 
 use crate::direct;
-use crate::island::{Accuracy, BodyPair, CLOSED, GroupContact, Island};
+use crate::island::{BodyPair, CLOSED, GroupContact, Island};
 use crate::mover::Mover;
 use crate::rows::BodyVelocities;
 use crate::shapes::SolidShape;
+use crate::sweep_steps::SweepPieces;
 
 pub(crate) use times::{BodyPath, first_zero};
 
@@ -25,21 +26,20 @@ const SHORTEST: f64 = 1e-9;
 /// Largest number of pieces of a step: these, one for each body, and one for each size that the fastest moves, up to a bound.
 const PIECES: usize = 8;
 const MOST_SIZES: usize = 1000;
-/// Largest number of sweeps in the rest of a step, and largest way of a body in one of them, over the size of the least.
-const MOST_SWEEPS: usize = 32;
-const PART_OF_SIZE: f64 = 0.1;
+/// Largest number of rows of contacts in all pieces of a step.
+const MOST_ROWS: usize = 2 * direct::MOST_OF_CONTACTS;
 
 impl Island {
     /// Advances the group by `h` seconds, with each impact at its time. The last piece is left open. A step whose impulses would
     /// add energy, because iterations did not converge, is taken in equal pieces instead.
-    pub fn advance(&mut self, shapes: &[SolidShape], h: f64, rest: (usize, Accuracy)) {
+    pub fn advance(&mut self, shapes: &[SolidShape], h: f64, pieces: &SweepPieces) {
         let (movers, meters, joints) = (self.movers.clone(), self.meters, self.joints.clone());
-        self.take_impacts(shapes, h, rest);
+        self.take_impacts(shapes, h, pieces);
         if self.gain(&movers, h) > self.meters.work - meters.work + self.open_work() {
             (self.movers, self.meters, self.joints) = (movers, meters, joints);
             self.contacts.clear();
             self.meters.retaken += 1;
-            self.sweep_rest(shapes, (h, h), rest);
+            self.take_sweeps(shapes, (h, h), pieces);
         }
     }
 
@@ -67,11 +67,11 @@ impl Island {
     }
 
     /// Advances the group by `h` seconds, with each impact at its time. After many impacts, or where many contacts bear, the rest
-    /// of the step is taken in equal pieces. Few bodies that are fast stay where they are instead: they might pass through walls
-    /// that are thinner than their way in a piece.
-    fn take_impacts(&mut self, shapes: &[SolidShape], h: f64, rest: (usize, Accuracy)) {
-        let sizes = ((h * self.sizes_per_second()) as usize).min(MOST_SIZES);
+    /// of the step is taken in sweeps. Bodies that would need too many of them after many impacts stay where they are.
+    fn take_impacts(&mut self, shapes: &[SolidShape], h: f64, pieces: &SweepPieces) {
+        let sizes = ((h * self.speed() / self.least(|pair| pair.size)) as usize).min(MOST_SIZES);
         let most = PIECES + self.movers.len() + sizes;
+        let mut rows = 0;
         let mut time = 0.0;
         for _ in 0..most {
             let reach = |island: &Self, pair: &BodyPair| {
@@ -86,8 +86,9 @@ impl Island {
             self.find_contacts(shapes, reach);
             self.strike(h);
             self.hold_resting(h);
-            if !self.is_small() {
-                return self.sweep_rest(shapes, (h - time, h), rest);
+            rows += self.rows_of_contacts();
+            if !self.is_small() || (rows > MOST_ROWS && self.may_be_swept(h - time)) {
+                return self.take_sweeps(shapes, (h - time, h), pieces);
             }
             let remaining = h - time;
             let mut start = self.movers.clone();
@@ -112,42 +113,22 @@ impl Island {
                 time += after;
             }
         }
-        if (h - time) * self.sizes_per_second() > PART_OF_SIZE {
+        if self.may_be_swept(h - time) {
+            self.take_sweeps(shapes, (h - time, h), pieces);
+        } else {
             self.meters.waits += 1;
             self.wait(h);
-        } else {
-            self.sweep_rest(shapes, (h - time, h), rest);
         }
     }
 
-    /// Largest speed of a surface point over the size of the least body [1/s].
-    fn sizes_per_second(&self) -> f64 {
-        self.speed() / self.pairs.iter().map(|pair| pair.size).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Takes the rest of a step of `h` seconds in equal pieces, so short that no body passes through another. Bodies that would
-    /// need too many of them stay where they are for what is left.
-    fn sweep_rest(&mut self, shapes: &[SolidShape], (mut left, h): (f64, f64), rest: (usize, Accuracy)) {
-        for _ in 0..MOST_SWEEPS {
-            let longest = PART_OF_SIZE / self.sizes_per_second();
-            if longest >= left {
-                self.sweep(shapes, left, rest);
-                return;
-            }
-            self.sweep(shapes, longest, rest);
-            let open = 0.5 * self.open;
-            self.movers.iter_mut().for_each(|mover| mover.kick(open));
-            self.end_piece();
-            left -= longest;
-        }
-        self.meters.waits += 1;
-        self.wait(h);
+    /// Number of rows of the contacts that hold.
+    fn rows_of_contacts(&self) -> usize {
+        self.contacts.iter().filter(|contact| contact.held).count() * if self.planar { 2 } else { 3 }
     }
 
     /// Whether the rows that hold are few enough to be solved by Newton steps.
     fn is_small(&self) -> bool {
-        let tangents = if self.planar { 1 } else { 2 };
-        let contacts = self.contacts.iter().filter(|contact| contact.held).count() * (1 + tangents);
+        let contacts = self.rows_of_contacts();
         let joints: usize = self.joints.iter().map(|held| held.joint.count()).sum();
         contacts <= direct::MOST_OF_CONTACTS && contacts + joints <= direct::MOST
     }

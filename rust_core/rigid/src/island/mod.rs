@@ -55,6 +55,8 @@ pub struct BodyPair {
     pub key: (u32, u32),
     /// Least size of the two bodies [m].
     pub size: f64,
+    /// Least thickness of the two bodies [m].
+    pub thickness: f64,
 }
 
 /// Energies of a group in a step [J].

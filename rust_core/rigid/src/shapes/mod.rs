@@ -39,6 +39,7 @@ pub struct SolidShape {
     /// Number of features, by which points of contact are told apart.
     pub(crate) features: u32,
     reach: f64,
+    thickness: f64,
 }
 
 /// Kind of a shape.
@@ -77,17 +78,18 @@ impl SolidShape {
 
     /// Half-space below the plane through the origin with this unit normal. Only for fixed bodies.
     pub fn half_space(normal: DVec3) -> Self {
-        Self { form: ShapeForm::HalfSpace(normal), features: 1, reach: f64::INFINITY }
+        Self { form: ShapeForm::HalfSpace(normal), features: 1, reach: f64::INFINITY, thickness: f64::INFINITY }
     }
 
     /// Outside of a sphere about the origin. Only for fixed bodies.
     pub fn hollow(radius: f64) -> Self {
-        Self { form: ShapeForm::Hollow(radius), features: 1, reach: f64::INFINITY }
+        Self { form: ShapeForm::Hollow(radius), features: 1, reach: f64::INFINITY, thickness: f64::INFINITY }
     }
 
     /// Ground below a height field. Only for fixed bodies.
     pub(crate) fn terrain(terrain: GroundProfile) -> Self {
-        Self { features: terrain.features(), form: ShapeForm::GroundProfile(terrain), reach: f64::INFINITY }
+        let features = terrain.features();
+        Self { form: ShapeForm::GroundProfile(terrain), features, reach: f64::INFINITY, thickness: f64::INFINITY }
     }
 
     /// Union of convex parts.
@@ -103,7 +105,8 @@ impl SolidShape {
             .collect();
         let farthest = |part: &Part| part.vertices.iter().map(|vertex| vertex.length()).fold(0.0, f64::max) + part.radius;
         let reach = parts.iter().map(farthest).fold(0.0, f64::max);
-        Self { form: ShapeForm::ConvexParts(ConvexParts::new(parts)), features, reach }
+        let thickness = parts.iter().map(|part| part.inner + part.radius).fold(f64::INFINITY, f64::min);
+        Self { form: ShapeForm::ConvexParts(ConvexParts::new(parts)), features, reach, thickness }
     }
 
     /// Shape with its parts moved by a vector in the frame of the body [m]. Ground stays where it is.
@@ -117,6 +120,11 @@ impl SolidShape {
     /// Largest distance of a point of the surface from the origin [m]; infinite for a half-space.
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Radius of a ball that each convex part contains [m]; infinite for ground.
+    pub fn thickness(&self) -> f64 {
+        self.thickness
     }
 
     /// Whether the shape is a disc or a ball about the origin, which turning does not change.

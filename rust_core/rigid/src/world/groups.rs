@@ -86,7 +86,9 @@ impl StepMembers<'_> {
             } else {
                 let size = ends.map(|end| self.reach(end)).map(|reach| if reach > 0.0 { reach } else { f64::INFINITY });
                 let size = size[0].min(size[1]);
-                island.pairs.push(BodyPair { bodies: local, key: (self.name(ends[0]), self.name(ends[1])), size });
+                let key = (self.name(ends[0]), self.name(ends[1]));
+                let [one, other] = ends.map(|end| self.thickness(end));
+                island.pairs.push(BodyPair { bodies: local, key, size, thickness: one.min(other) });
             }
         }
         islands.iter_mut().for_each(|island| island.remember(&self.world.state.loads));

@@ -123,6 +123,12 @@ impl StepMembers<'_> {
         self.world.shapes[self.surface(index).shape].reach()
     }
 
+    /// Thickness of a member [m]; infinite for a particle.
+    pub fn thickness(&self, index: usize) -> f64 {
+        let shape = &self.world.shapes[self.surface(index).shape];
+        if shape.reach() > 0.0 { shape.thickness() } else { f64::INFINITY }
+    }
+
     /// Box around a member.
     pub fn bounds(&self, index: usize) -> BoundingBox {
         self.world.shapes[self.surface(index).shape].bounds(&self.pose(index))

@@ -8,6 +8,7 @@ use super::{CenterMotion, FreePoint, RigidWorld, Turn};
 use crate::island::{Accuracy, Island, Meters};
 use crate::mover::Mover;
 use crate::rotation::Inertia;
+use crate::sweep_steps::SweepPieces;
 
 impl RigidWorld {
     /// Moves bodies and particles through a step of `h` seconds, with their contacts and joints; returns which of them these
@@ -31,11 +32,12 @@ impl RigidWorld {
             for island in block.items {
                 let sized = |mover: &&Mover| !mover.is_fixed() && mover.inertia != Inertia::NONE;
                 let accuracy = Accuracy { iterations: solver.iterations, velocities: 1e-9, linearizations: 1, positions: 0.0 };
-                let sweep = (solver.substeps, accuracy);
+                let (count, usual) = (solver.substeps, h / solver.substeps as f64);
+                let pieces = SweepPieces { count, usual, accuracy };
                 if island.movers.iter().filter(sized).count() <= solver.sequential {
-                    island.advance(shapes, h, sweep);
+                    island.advance(shapes, h, &pieces);
                 } else {
-                    island.sweep(shapes, h, sweep);
+                    island.take_sweeps(shapes, (h, h), &pieces);
                 }
                 island.ahead.resize(island.movers.len(), [DVec3::ZERO; 2]);
                 if obeys {

@@ -184,7 +184,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         }
         if waits > 0 {
             notes.push(format!(
-                "rigid bodies: in {waits} steps of small groups bodies met too often, and stayed where they were for a part of the \
+                "rigid bodies: in {waits} steps bodies were too fast or met too often, and stayed where they were for a part of the \
                  step; a smaller dt helps"
             ));
         }

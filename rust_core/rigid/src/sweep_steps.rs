@@ -1,0 +1,56 @@
+//! Steps of a group in sweeps, so short that no body passes through another.
+
+use crate::island::{Accuracy, BodyPair, Island};
+use crate::shapes::SolidShape;
+
+/// Largest number of sweeps in a step, and largest way of a body in one of them, over the thickness of the thinnest.
+const MOST_SWEEPS: usize = 32;
+const PART_OF_THICKNESS: f64 = 0.1;
+
+/// Equal pieces of a sweep.
+#[derive(Debug, Clone, Copy)]
+pub struct SweepPieces {
+    pub count: usize,
+    /// Length of a piece of a whole step [s]: overlaps do not vanish faster in shorter ones.
+    pub usual: f64,
+    pub accuracy: Accuracy,
+}
+
+impl Island {
+    /// Number of sweeps of a time in which no body moves farther than a part of the least of a length of the pairs.
+    fn sweeps_of(&self, time: f64, length: impl Fn(&BodyPair) -> f64) -> usize {
+        (time * self.speed() / (PART_OF_THICKNESS * self.least(length))).ceil().max(1.0) as usize
+    }
+
+    /// Least of a length of the pairs [m].
+    pub fn least(&self, length: impl Fn(&BodyPair) -> f64) -> f64 {
+        self.pairs.iter().map(length).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether sweeps of a time let no body pass through another.
+    pub fn may_be_swept(&self, time: f64) -> bool {
+        self.sweeps_of(time, |pair| pair.thickness) <= MOST_SWEEPS
+    }
+
+    /// Takes what is `left` of a step of `h` seconds in sweeps so short that no body passes through another. Where these would be
+    /// too many, sizes bound them in place of thicknesses: thin bodies may be passed through. If these are too many as well, the
+    /// bodies stay where they are for the rest of the step.
+    pub fn take_sweeps(&mut self, shapes: &[SolidShape], (mut left, h): (f64, f64), pieces: &SweepPieces) {
+        for done in 0..MOST_SWEEPS {
+            let by_thickness = self.sweeps_of(left, |pair| pair.thickness);
+            let fits = by_thickness <= MOST_SWEEPS - done;
+            let count = if fits { by_thickness } else { self.sweeps_of(left, |pair| pair.size) };
+            let length = left / count as f64;
+            self.sweep(shapes, length, pieces);
+            if count == 1 {
+                return;
+            }
+            let open = 0.5 * self.open;
+            self.movers.iter_mut().for_each(|mover| mover.kick(open));
+            self.end_piece();
+            left -= length;
+        }
+        self.meters.waits += 1;
+        self.wait(h);
+    }
+}

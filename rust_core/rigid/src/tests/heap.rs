@@ -1,0 +1,46 @@
+//! Heaps of cuboids that fall on each other.
+
+use glam::DVec3;
+
+use super::laboratory::{Laboratory, cuboid, turned};
+
+const HALF: f64 = 0.3;
+const MASS: f64 = 0.48;
+const GRAVITY: f64 = 9.81;
+
+/// Cuboids above each other in any orientation.
+fn heap(side: usize) -> Laboratory {
+    let mut laboratory = Laboratory::new(3, DVec3::new(0.0, 0.0, -GRAVITY));
+    laboratory.add_plane(DVec3::Z, 0.5, 0.0);
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    for index in 0..side.pow(3) {
+        let [i, j, k] = [index / side / side, index / side % side, index % side].map(|place| 1.5 * place as f64);
+        let orientation = turned(random(), random(), random(), random());
+        let position = DVec3::new(i, j, k + 1.0);
+        laboratory.add(&cuboid(1.0, 0.8, 2.0 * HALF), (MASS, 0.5, 0.0), (position, orientation), (DVec3::ZERO, DVec3::ZERO));
+    }
+    laboratory
+}
+
+/// A body moves by a tenth of its half thickness in a sweep at most: overlaps are not deeper than that. The drift is at most the
+/// work that lifts all bodies out of such an overlap. A small group and a large one; neither waits for its impacts.
+#[test]
+fn a_heap_falls_without_drift() {
+    for side in [3, 4] {
+        let mut laboratory = heap(side);
+        let start = laboratory.balance();
+        let deepest = 0.1 * HALF;
+        for _ in 0..120 {
+            laboratory.step(1.0 / 60.0, 1);
+            assert!(laboratory.overlap() <= deepest, "{side}: {}", laboratory.overlap());
+        }
+        let weight = MASS * GRAVITY * side.pow(3) as f64;
+        let drift = laboratory.balance() - start;
+        assert!(drift.abs() <= weight * deepest, "{side}: {drift} J of {start} J");
+        assert_eq!(laboratory.world.state.waits, 0);
+    }
+}
