@@ -1,6 +1,7 @@
 //! Pairs of bodies of small groups that impacts throw, at up to twice the largest speed of the group.
 
 use super::members::StepMembers;
+use crate::broad;
 use crate::shapes::BoundingBox;
 
 /// Largest number of times that groups are widened by those whom they may meet.
@@ -14,6 +15,7 @@ impl StepMembers<'_> {
         let mut boxes: Vec<BoundingBox> =
             (0..self.count()).map(|index| self.bounds(index).grown(self.h * speeds[index])).collect();
         let mut ways = vec![0.0_f64; self.count()];
+        let mut found = Vec::new();
         for _ in 0..MOST {
             let mut roots = self.roots(pairs);
             let mut groups = vec![(0, 0.0_f64); self.count() + 1];
@@ -38,11 +40,10 @@ impl StepMembers<'_> {
             if thrown.is_empty() {
                 return;
             }
-            for one in thrown {
-                let meets = |other: &usize| *other != one && self.can_meet(one, *other) && boxes[one].overlaps(&boxes[*other]);
-                let others = (0..self.count()).filter(meets);
-                pairs.extend(others.map(|other| [one.min(other) as u32, one.max(other) as u32]));
-            }
+            let mut is_thrown = vec![false; self.count()];
+            thrown.iter().for_each(|&index| is_thrown[index] = true);
+            broad::pairs(&boxes, &is_thrown, &mut found);
+            pairs.extend(found.iter().filter(|[one, other]| self.can_meet(*one as usize, *other as usize)));
             pairs.sort_unstable();
             pairs.dedup();
         }
