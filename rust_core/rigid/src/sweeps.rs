@@ -124,6 +124,7 @@ impl<S: RowSpace> RowSweep<S> {
             let size = island.pairs[contact.pair].size;
             self.touching[batch].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
         }
+        self.rows.equip(&self.v);
     }
 
     /// Takes the velocities of the movers, and adds a body at rest for lanes without a row.
@@ -160,6 +161,7 @@ impl<S: RowSpace> RowSweep<S> {
             take_velocities(island, &self.v);
             island.movers.iter_mut().for_each(|mover| mover.drift(length));
             self.fill(island);
+            self.rows.equip(&self.v);
         } else {
             for (mover, body) in island.movers.iter_mut().zip(&self.v.bodies) {
                 mover.position += S::widen(body.linear * length);

@@ -53,17 +53,15 @@ impl<S: RowSpace> ImpulseLanes<S> {
     }
 }
 
-/// Bodies side by side.
+/// Velocities of bodies side by side.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct BodyLanes<S: RowSpace> {
+pub struct VelocityLanes<S: RowSpace> {
     linear: LanesOf<S::Vector>,
     angular: LanesOf<S::Turn>,
-    inverse_mass: [f64; SIDE],
-    inverse_inertia: LanesOf<S::Inverse>,
 }
 
-impl<S: RowSpace> BodyLanes<S> {
-    /// Bodies of some indices.
+impl<S: RowSpace> VelocityLanes<S> {
+    /// Velocities of bodies by their indices.
     #[inline(always)]
     fn gather(indices: &[u32; SIDE], v: &BodyVelocities<S>) -> Self {
         let mut lanes = Self::default();
@@ -71,8 +69,6 @@ impl<S: RowSpace> BodyLanes<S> {
             let body = &v.bodies[indices[lane] as usize];
             body.linear.write(&mut lanes.linear, lane);
             body.angular.write(&mut lanes.angular, lane);
-            lanes.inverse_mass[lane] = body.inverse_mass;
-            body.inverse_inertia.write(&mut lanes.inverse_inertia, lane);
         }
         lanes
     }
@@ -87,17 +83,6 @@ impl<S: RowSpace> BodyLanes<S> {
         }
     }
 
-    /// Loads the lanes from `first` on.
-    #[inline(always)]
-    fn load<P: Pack<Scalar = f64>>(&self, first: usize) -> BodyVelocity<S::Wide<P>> {
-        BodyVelocity {
-            linear: Loaded::load(&self.linear, first),
-            angular: Loaded::load(&self.angular, first),
-            inverse_mass: P::load(&self.inverse_mass[first..]),
-            inverse_inertia: Loaded::load(&self.inverse_inertia, first),
-        }
-    }
-
     /// Writes the velocities of the lanes from `first` on.
     #[inline(always)]
     fn store<P: Pack<Scalar = f64>>(&mut self, body: &BodyVelocity<S::Wide<P>>, first: usize) {
@@ -106,10 +91,18 @@ impl<S: RowSpace> BodyLanes<S> {
     }
 }
 
+/// Inverse masses and inertias of bodies side by side.
+#[derive(Debug, Clone, Copy, Default)]
+struct InverseLanes<S: RowSpace> {
+    mass: [f64; SIDE],
+    inertia: LanesOf<S::Inverse>,
+}
+
 /// Rows of contacts that share no body that moves.
 #[derive(Debug, Clone, Copy)]
 pub struct RowBatch<S: RowSpace> {
     bodies: [[u32; SIDE]; 2],
+    inverses: [InverseLanes<S>; 2],
     /// Number of rows; the other lanes act on the last body, which does not move.
     count: usize,
     arms: [LanesOf<S::Vector>; 2],
@@ -136,6 +129,7 @@ impl<S: RowSpace> RowBatch<S> {
         let zeros = [0.0; SIDE];
         Self {
             bodies: [[bodies as u32 - 1; SIDE]; 2],
+            inverses: [InverseLanes::default(); 2],
             count: 0,
             arms: Default::default(),
             normal: Default::default(),
@@ -206,10 +200,44 @@ impl<S: RowSpace> RowBatch<S> {
         }
     }
 
-    /// Bodies of the rows, on both sides.
+    /// Takes the inverse masses and inertias of the bodies.
+    fn equip(&mut self, v: &BodyVelocities<S>) {
+        for (bodies, inverses) in self.bodies.iter().zip(&mut self.inverses) {
+            for (lane, &body) in bodies.iter().enumerate() {
+                let body = &v.bodies[body as usize];
+                inverses.mass[lane] = body.inverse_mass;
+                body.inverse_inertia.write(&mut inverses.inertia, lane);
+            }
+        }
+    }
+
+    /// Velocities of the bodies on both sides.
     #[inline(always)]
-    pub fn gather(&self, v: &BodyVelocities<S>) -> [BodyLanes<S>; 2] {
-        [BodyLanes::gather(&self.bodies[0], v), BodyLanes::gather(&self.bodies[1], v)]
+    pub fn gather(&self, v: &BodyVelocities<S>) -> [VelocityLanes<S>; 2] {
+        [VelocityLanes::gather(&self.bodies[0], v), VelocityLanes::gather(&self.bodies[1], v)]
+    }
+
+    /// Loads the bodies of a side from lane `first` on.
+    #[inline(always)]
+    fn body<P: Pack<Scalar = f64>>(&self, side: usize, v: &VelocityLanes<S>, first: usize) -> BodyVelocity<S::Wide<P>> {
+        BodyVelocity {
+            linear: Loaded::load(&v.linear, first),
+            angular: Loaded::load(&v.angular, first),
+            inverse_mass: P::load(&self.inverses[side].mass[first..]),
+            inverse_inertia: Loaded::load(&self.inverses[side].inertia, first),
+        }
+    }
+
+    /// Velocities and angular velocities at the contacts of the rows from lane `first` on.
+    #[inline(always)]
+    pub fn slip<P: Pack<Scalar = f64>>(
+        &self,
+        row: &WideRow<S, P>,
+        sides: &[VelocityLanes<S>; 2],
+        first: usize,
+    ) -> WideSlip<S, P> {
+        let [one, other] = [self.body(0, &sides[0], first), self.body(1, &sides[1], first)];
+        (row.between([&one, &other]), other.angular - one.angular)
     }
 
     /// Calls `act` with the rows of each register, their bodies and their first lane, and takes over the velocities.
@@ -221,7 +249,7 @@ impl<S: RowSpace> RowBatch<S> {
     ) {
         let [mut one, mut other] = self.gather(v);
         for first in (0..SIDE).step_by(P::WIDTH) {
-            let (row, mut bodies) = (self.load(first), [one.load(first), other.load(first)]);
+            let (row, mut bodies) = (self.load(first), [self.body(0, &one, first), self.body(1, &other, first)]);
             act(self, &row, &mut bodies, first);
             one.store(&bodies[0], first);
             other.store(&bodies[1], first);
@@ -229,13 +257,6 @@ impl<S: RowSpace> RowBatch<S> {
         one.scatter(&self.bodies[0], v);
         other.scatter(&self.bodies[1], v);
     }
-}
-
-/// Velocities and angular velocities at the contacts of several rows.
-#[inline(always)]
-pub fn slip<S: RowSpace, P: Pack<Scalar = f64>>(row: &WideRow<S, P>, sides: &[BodyLanes<S>; 2], first: usize) -> WideSlip<S, P> {
-    let [one, other] = [sides[0].load(first), sides[1].load(first)];
-    (row.between([&one, &other]), other.angular - one.angular)
 }
 
 /// Action on all batches.
@@ -292,6 +313,11 @@ impl<S: RowSpace> Batches<S> {
             place = beyond as usize;
         }
         place
+    }
+
+    /// Takes the inverse masses and inertias of the bodies.
+    pub fn equip(&mut self, v: &BodyVelocities<S>) {
+        self.batches.iter_mut().for_each(|batch| batch.equip(v));
     }
 
     /// Rows, batch by batch.

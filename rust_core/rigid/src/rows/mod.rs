@@ -16,7 +16,7 @@ use glam::DVec3;
 use crate::joint_system::JointSystem;
 use crate::mover::Mover;
 
-pub use batch::{Batches, ImpulseLanes, Pass, RowBatch, slip};
+pub use batch::{Batches, ImpulseLanes, Pass, RowBatch};
 pub use contact::{ContactImpulse, ContactRow, add_energy, adds_energy};
 pub(crate) use joint::inverted;
 pub use joint::{BoundedRow, JointRows, Row};

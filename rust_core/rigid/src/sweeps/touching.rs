@@ -5,7 +5,6 @@ use physcore_base::simd::Pack;
 use crate::island::{CLOSED, GroupContact, lost, pushed};
 use crate::rows::{
     BodyVelocities, ContactImpulse, ImpulseLanes, Laned, LanesOf, Linear, Loaded, Pass, RowAlgebra, RowBatch, RowSpace, SIDE,
-    slip,
 };
 
 /// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
@@ -189,7 +188,7 @@ impl<S: RowSpace> Pass<S> for Gain<'_, S> {
         let [before, after] = [batch.gather(self.free), batch.gather(v)];
         for first in (0..SIDE).step_by(P::WIDTH) {
             let row = batch.load::<P>(first);
-            let [gain, size] = row.gain(slip::<S, P>(&row, &before, first), slip::<S, P>(&row, &after, first));
+            let [gain, size] = row.gain(batch.slip(&row, &before, first), batch.slip(&row, &after, first));
             (P::load(&self.sum[first..]) + gain).store(&mut self.sum[first..]);
             (P::load(&self.size[first..]) + size).store(&mut self.size[first..]);
         }
@@ -214,7 +213,7 @@ impl<S: RowSpace, const ENDS: bool> Pass<S> for Meter<'_, S, ENDS> {
         for first in (0..SIDE).step_by(P::WIDTH) {
             let row = batch.load::<P>(first);
             let before = (Loaded::load(&contact.slip.0, first), Loaded::load(&contact.slip.1, first));
-            let after = slip::<S, P>(&row, &sides, first);
+            let after = batch.slip(&row, &sides, first);
             let strikes = zero.less(P::load(&contact.strikes[first..]));
             (P::load(&self.lost[first..]) + lost(&row, strikes, before, after)).store(&mut self.lost[first..]);
             after.0.store(&mut contact.slip.0, first);
