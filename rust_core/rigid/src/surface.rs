@@ -2,13 +2,13 @@
 
 /// Friction of a contact.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Friction {
+pub struct Friction<N = f64> {
     /// Coulomb's coefficient μ.
-    pub sliding: f64,
+    pub sliding: N,
     /// Lever arm of the moment of friction about the tangents [m].
-    pub rolling: f64,
+    pub rolling: N,
     /// Lever arm of the moment of friction about the normal [m].
-    pub torsional: f64,
+    pub torsional: N,
 }
 
 impl Friction {

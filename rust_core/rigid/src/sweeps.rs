@@ -7,33 +7,15 @@
 
 use glam::DVec3;
 
-use crate::island::{CLOSED, FirstHalf, Island, lost, pushed};
+use crate::island::{FirstHalf, Island};
 use crate::rotation::{Inertia, Orientation};
-use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, InPlane, InSpace, RowSpace, RowVector, add_energy};
+use crate::rows::{Batches, BodyVelocities, BodyVelocity, InPlane, InSpace, RowSpace, SIDE, adds_energy};
 use crate::shapes::SolidShape;
 use crate::sweep_steps::SweepPieces;
 
-/// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
-const DAMPING: f64 = 10.0;
-const PART_OF_PERIOD: f64 = 0.25;
+mod touching;
 
-/// Response of contacts that overlap.
-#[derive(Debug, Clone, Copy)]
-struct Softness {
-    /// Rate at which overlaps vanish [1/s].
-    rate: f64,
-    /// Part of the impulse that yields.
-    yields: f64,
-}
-
-impl Softness {
-    /// Softness in pieces of a length, of which the usual one is `usual` [s].
-    fn of(length: f64, usual: f64) -> Self {
-        let frequency = std::f64::consts::TAU * PART_OF_PERIOD / usual.max(length);
-        let first = 2.0 * DAMPING + length * frequency;
-        Self { rate: frequency / first, yields: 1.0 / (1.0 + length * frequency * first) }
-    }
-}
+use touching::{Begin, Clear, Gain, Meter, Resume, Softness, Touching, Undo};
 
 /// Contacts of a group during a step: in the plane if it has no joints.
 #[derive(Debug, Clone)]
@@ -53,9 +35,11 @@ impl Default for GroupSweep {
 pub struct RowSweep<S: RowSpace> {
     /// Rows of joints in a half of a piece.
     joints: FirstHalf,
-    /// Rows of contacts, which last throughout the step, with the contact of each.
-    rows: Vec<ContactRow<S>>,
+    /// Rows of contacts, which last throughout the step, with the contacts of each batch.
+    rows: Batches<S>,
     touching: Vec<Touching<S>>,
+    /// Whether a contact strikes.
+    strikes: bool,
     /// Velocities, and those at the start of a half if there are joints.
     v: BodyVelocities<S>,
     start: BodyVelocities<S>,
@@ -64,31 +48,6 @@ pub struct RowSweep<S: RowSpace> {
     work: f64,
     /// Whether a fixed body moves.
     is_driven: bool,
-}
-
-/// Contact during a step.
-#[derive(Debug, Clone, Copy)]
-struct Touching<S: RowSpace> {
-    /// Index of the contact.
-    contact: usize,
-    /// Gap [m].
-    gap: f64,
-    /// Velocity and angular velocity at the contact at the start of a half.
-    slip: (S::Vector, S::Turn),
-    /// Bound on the acceleration that presses the contact [m/s²].
-    pressing: f64,
-    /// Size of the smaller body [m].
-    size: f64,
-    restitution: f64,
-    /// Least normal velocity at the end of the piece [m/s].
-    rebound: f64,
-    /// Whether the bodies approach at the start of a piece, whether they are apart there, and whether they overlap and are pushed
-    /// apart. The normal impulse dissipates energy in the first two cases.
-    strikes: bool,
-    closes: bool,
-    pushes: bool,
-    /// Mean force of the last piece.
-    load: ContactImpulse<S>,
 }
 
 impl Island {
@@ -125,10 +84,10 @@ impl Island {
 
     /// Adds the impulses of the second half of the open piece of a sweep to the velocities after the kick, and leaves it open.
     pub fn add_second_half(&mut self) {
-        let sweep = self.take_sweep();
-        match sweep.clone() {
-            GroupSweep::InPlane(mut sweep) => sweep.predict(self),
-            GroupSweep::InSpace(mut sweep) => sweep.predict(self),
+        let mut sweep = self.take_sweep();
+        match &mut sweep {
+            GroupSweep::InPlane(sweep) => sweep.predict(self),
+            GroupSweep::InSpace(sweep) => sweep.predict(self),
         }
         self.keep_sweep(sweep);
     }
@@ -154,26 +113,26 @@ impl<S: RowSpace> RowSweep<S> {
     fn begin(&mut self, island: &Island) {
         let moves = |velocity: DVec3, spin: DVec3| velocity != DVec3::ZERO || spin != DVec3::ZERO;
         self.is_driven = island.movers.iter().any(|mover| mover.is_fixed() && moves(mover.velocity, mover.spin));
-        self.v.fill(&island.movers);
-        self.rows.clear();
+        self.fill(island);
+        self.rows.clear(self.v.bodies.len());
         self.touching.clear();
+        self.strikes = false;
         for (index, contact) in island.contacts.iter().enumerate() {
             let Some(row) = island.row(contact, &self.v) else { continue };
-            self.touching.push(Touching {
-                contact: index,
-                gap: contact.touch.gap,
-                slip: row.slip_of(&self.v),
-                pressing: island.pressing(contact),
-                size: island.pairs[contact.pair].size,
-                restitution: contact.restitution,
-                rebound: 0.0,
-                strikes: false,
-                closes: false,
-                pushes: false,
-                load: ContactImpulse::narrow(&contact.load),
-            });
-            self.rows.push(row);
+            let [batch, lane] = self.rows.add(&row, &self.v);
+            if batch == self.touching.len() {
+                self.touching.push(Touching::default());
+            }
+            let size = island.pairs[contact.pair].size;
+            self.touching[batch].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
         }
+        self.rows.equip(&self.v);
+    }
+
+    /// Takes the velocities of the movers, and adds a body at rest for lanes without a row.
+    fn fill(&mut self, island: &Island) {
+        self.v.fill(&island.movers);
+        self.v.bodies.push(BodyVelocity::default());
     }
 
     /// Takes the impulses of the first half of a piece.
@@ -187,42 +146,24 @@ impl<S: RowSpace> RowSweep<S> {
         if let Some(v) = S::in_space(&mut self.v) {
             island.hold_joints((length, length), v, &mut self.joints);
         }
-        let are_strange = is_first || self.touching.iter().any(|contact| contact.strikes);
-        for (row, contact) in self.rows.iter_mut().zip(&mut self.touching) {
-            let approach = -row.normal.dot(contact.slip.0);
-            // Bounces of less than a piece are contacts at rest.
-            let least = 0.5 * length * contact.pressing;
-            contact.strikes = approach > least;
-            contact.closes = contact.gap > CLOSED * contact.size;
-            contact.pushes = !contact.strikes && contact.gap < -CLOSED * contact.size;
-            let rebound = contact.restitution * approach;
-            contact.rebound = if rebound > least { rebound } else { 0.0 };
-            (row.least, row.yields) = if contact.gap < 0.0 {
-                // Overlaps are left no faster than a fall through the size of the bodies is.
-                let push = (-contact.gap * softness.rate).min((2.0 * contact.pressing * contact.size).sqrt());
-                (push, softness.yields)
-            } else {
-                (-contact.gap / length, 0.0)
-            };
-            row.before = ContactImpulse::default();
-            row.impulse = contact.load.scaled(0.5 * length);
-        }
+        let are_strange = is_first || self.strikes;
+        let mut begin = Begin { touching: &mut self.touching, softness, length, strikes: false };
+        self.rows.pass(&mut self.v, &mut begin, false);
+        self.strikes = begin.strikes;
         self.start_impulses(are_strange);
         self.relax(island.accuracy.iterations);
         self.lost = 0.0;
-        self.meter(length);
+        self.meter::<false>(length);
         self.work = self.supplied();
-        for (row, contact) in self.rows.iter().zip(&mut self.touching) {
-            contact.gap += length * row.normal.dot(contact.slip.0);
-        }
     }
 
     /// Moves the bodies to the end of a piece.
     fn drift(&mut self, island: &mut Island, length: f64, last: bool) {
-        if let Some(v) = S::in_space(&mut self.v) {
-            take_velocities(island, v);
+        if S::in_space(&mut self.v).is_some() {
+            take_velocities(island, &self.v);
             island.movers.iter_mut().for_each(|mover| mover.drift(length));
-            v.fill(&island.movers);
+            self.fill(island);
+            self.rows.equip(&self.v);
         } else {
             for (mover, body) in island.movers.iter_mut().zip(&self.v.bodies) {
                 mover.position += S::widen(body.linear * length);
@@ -248,16 +189,7 @@ impl<S: RowSpace> RowSweep<S> {
         if let Some(v) = S::in_space(&mut self.v) {
             island.hold_joint_velocities(&first, v, &mut self.joints.rows);
         }
-        for (row, contact) in self.rows.iter_mut().zip(&self.touching) {
-            row.before = row.impulse;
-            row.yields = 0.0;
-            row.least = match row.before.normal > 0.0 {
-                true => contact.rebound,
-                // A gap that is open may close in the next piece.
-                false if contact.gap > 0.0 => f64::NEG_INFINITY,
-                false => 0.0,
-            };
-        }
+        self.rows.pass(&mut self.v, &mut Resume { touching: &self.touching }, false);
         self.start_impulses(false);
         self.relax(island.accuracy.iterations);
         first
@@ -266,15 +198,11 @@ impl<S: RowSpace> RowSweep<S> {
     /// Takes the second half of a piece.
     fn second_half(&mut self, island: &mut Island, length: f64) {
         let first = self.solve_second_half(island);
-        for (row, contact) in self.rows.iter().zip(&mut self.touching) {
-            contact.load = row.before.plus(&row.impulse).scaled(1.0 / length);
-            island.meters.pushed += if contact.pushes { pushed(row, contact.slip.0) } else { 0.0 };
-        }
         if !island.joints.is_empty() {
             island.keep_joint_loads(&first, &self.joints.rows, length);
             island.keep_reactions(&first, &self.joints.rows);
         }
-        self.meter(length);
+        island.meters.pushed += self.meter::<true>(length);
         island.meters.work += self.work + self.supplied();
         // A sum below 0 is an error of the piece, which is left to the drift.
         island.meters.dissipated += self.lost.max(0.0);
@@ -282,18 +210,19 @@ impl<S: RowSpace> RowSweep<S> {
 
     /// Takes the velocities after the second half of the last piece.
     fn predict(&mut self, island: &mut Island) {
-        self.v.fill(&island.movers);
-        self.solve_second_half(island);
+        self.fill(island);
+        self.joints = self.solve_second_half(island);
         take_velocities(island, &self.v);
+        self.rows.pass(&mut self.v, &mut Undo, false);
     }
 
     /// Ends the last piece.
     fn end(&mut self, island: &mut Island) {
-        self.v.fill(&island.movers);
+        self.fill(island);
         self.second_half(island, island.open);
         take_velocities(island, &self.v);
-        for touching in &self.touching {
-            island.contacts[touching.contact].load = touching.load.widen();
+        for (contact, load) in self.touching.iter().flat_map(Touching::loads) {
+            island.contacts[contact].load = load;
         }
     }
 
@@ -304,31 +233,26 @@ impl<S: RowSpace> RowSweep<S> {
         if let Some(v) = S::in_space(&mut self.v) {
             self.joints.rows.start(v);
         }
-        self.rows.iter().for_each(|row| row.start(&mut self.v));
+        self.rows.start(&mut self.v);
         let Some(mut free) = free else { return };
+        let mut gain = Gain { free: &free, sum: [0.0; SIDE], size: [0.0; SIDE] };
+        self.rows.pass(&mut self.v, &mut gain, false);
+        let (sum, size): (f64, f64) = (gain.sum.iter().sum(), gain.size.iter().sum());
         let stopped = self.stopped(&mut free);
-        if add_energy(&self.rows, stopped, &free, &self.v) {
+        if adds_energy(sum - stopped, size + stopped.abs()) {
             self.joints.rows.clear_impulses();
-            self.rows.iter_mut().for_each(|row| row.impulse = ContactImpulse::default());
+            self.rows.pass(&mut self.v, &mut Clear, false);
             self.v = free;
         }
     }
 
     /// Iterates over all rows, in alternating order.
     fn relax(&mut self, iterations: usize) {
-        let v = &mut self.v;
         for iteration in 0..iterations {
-            if let Some(v) = S::in_space(v) {
+            if let Some(v) = S::in_space(&mut self.v) {
                 self.joints.rows.relax_all(iteration, v);
             }
-            let mut relax = |row: &mut ContactRow<S>| {
-                row.relax(v);
-            };
-            if iteration.is_multiple_of(2) {
-                self.rows.iter_mut().for_each(&mut relax);
-            } else {
-                self.rows.iter_mut().rev().for_each(&mut relax);
-            }
+            self.rows.relax(&mut self.v, !iteration.is_multiple_of(2));
         }
     }
 
@@ -349,20 +273,16 @@ impl<S: RowSpace> RowSweep<S> {
         }
     }
 
-    /// Adds the energy that contacts and limits dissipate in a half of a piece of a length [s]; takes the velocities of contacts for the start of
-    /// the next.
-    fn meter(&mut self, length: f64) {
+    /// Adds the energy that contacts and limits dissipate in a half of a piece; takes the velocities of contacts for the start of
+    /// the next. At the end of a piece, takes the loads, and returns the energy gained by pushing overlapping bodies apart [J].
+    fn meter<const ENDS: bool>(&mut self, length: f64) -> f64 {
         let mut start = std::mem::take(&mut self.start);
         self.lost += self.stopped(&mut start);
         self.start = start;
-        for (row, contact) in self.rows.iter().zip(&mut self.touching) {
-            let after = row.slip_of(&self.v);
-            // Impacts of other contacts in the first half may have made the bodies approach.
-            let approaches = -row.normal.dot(contact.slip.0) > 0.5 * length * contact.pressing;
-            let strikes = contact.strikes || contact.closes || approaches;
-            self.lost += lost(row, strikes, contact.slip, after);
-            contact.slip = after;
-        }
+        let mut meter = Meter::<S, ENDS> { touching: &mut self.touching, length, lost: [0.0; SIDE], pushed: [0.0; SIDE] };
+        self.rows.pass(&mut self.v, &mut meter, false);
+        self.lost += meter.lost.iter().sum::<f64>();
+        meter.pushed.iter().sum()
     }
 }
 

@@ -2,10 +2,11 @@
 
 use arrayvec::ArrayVec;
 use glam::DVec3;
+use physcore_base::simd::Number;
 
 use super::{CLOSED, HIT, Island};
 use crate::mover::Mover;
-use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, MOST_ROWS, RowSpace, RowVector, Rows};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, Linear, MOST_ROWS, RowAlgebra, Rows};
 
 /// Length of a piece whose forces are kept, over the step: those of shorter ones are impulses of impacts.
 const LONG: f64 = 0.1;
@@ -270,12 +271,19 @@ fn work_on_kick(kicked: &[Mover], ended: &[Mover], length: f64) -> f64 {
 }
 
 /// Energy that a contact dissipates in half a piece [J]: by friction, and by the normal impulse if it strikes.
-pub fn lost<S: RowSpace>(row: &ContactRow<S>, strikes: bool, before: (S::Vector, S::Turn), after: (S::Vector, S::Turn)) -> f64 {
-    let normal = 0.5 * row.impulse.normal * row.normal.dot(before.0 + after.0);
-    -row.work(before, after) + if strikes { 0.0 } else { normal }
+#[inline(always)]
+pub fn lost<S: RowAlgebra>(
+    row: &ContactRow<S>,
+    strikes: <S::Number as Number>::Mask,
+    before: (S::Vector, S::Turn),
+    after: (S::Vector, S::Turn),
+) -> S::Number {
+    let normal = S::Number::constant(0.5) * row.impulse.normal * row.normal.dot(before.0 + after.0);
+    S::Number::select(strikes, S::Number::constant(0.0), normal) - row.work(before, after)
 }
 
 /// Work of the normal impulses of a piece at the velocity of its drift [J]: the energy gained as the gap grows under load.
-pub fn pushed<S: RowSpace>(row: &ContactRow<S>, drift: S::Vector) -> f64 {
+#[inline(always)]
+pub fn pushed<S: RowAlgebra>(row: &ContactRow<S>, drift: S::Vector) -> S::Number {
     (row.before.normal + row.impulse.normal) * row.normal.dot(drift)
 }

@@ -1,8 +1,9 @@
 //! Rows of contacts with friction.
 
 use glam::DVec3;
+use physcore_base::simd::Number;
 
-use super::{BodyVelocities, InSpace, RowSpace, RowVector};
+use super::{BodyVelocities, BodyVelocity, InSpace, Linear, RowAlgebra, RowSpace};
 use crate::mover::Mover;
 use crate::surface::Friction;
 
@@ -11,22 +12,24 @@ const GAINED: f64 = 1e-6;
 
 /// Impulses of a contact.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ContactImpulse<S: RowSpace = InSpace> {
+pub struct ContactImpulse<S: RowAlgebra = InSpace> {
     /// Normal impulse λ [N·s].
-    pub normal: f64,
+    pub normal: S::Number,
     /// Impulse of friction [N·s].
     pub tangential: S::Vector,
     /// Impulse of the moments of rolling and torsional friction [N·m·s].
     pub turning: S::Turn,
 }
 
-impl<S: RowSpace> ContactImpulse<S> {
+impl<S: RowAlgebra> ContactImpulse<S> {
     /// Impulses times a factor.
-    pub fn scaled(&self, factor: f64) -> Self {
+    #[inline(always)]
+    pub fn scaled(&self, factor: S::Number) -> Self {
         Self { normal: factor * self.normal, tangential: self.tangential * factor, turning: self.turning * factor }
     }
 
     /// Sum with other impulses.
+    #[inline(always)]
     pub fn plus(&self, other: &Self) -> Self {
         Self {
             normal: self.normal + other.normal,
@@ -34,7 +37,9 @@ impl<S: RowSpace> ContactImpulse<S> {
             turning: self.turning + other.turning,
         }
     }
+}
 
+impl<S: RowSpace> ContactImpulse<S> {
     /// Impulses from vectors in space.
     pub fn narrow(impulse: &ContactImpulse) -> Self {
         let ContactImpulse { normal, tangential, turning } = *impulse;
@@ -49,26 +54,80 @@ impl<S: RowSpace> ContactImpulse<S> {
 
 /// Contact between two bodies at one point.
 #[derive(Debug, Clone, Copy)]
-pub struct ContactRow<S: RowSpace = InSpace> {
+pub struct ContactRow<S: RowAlgebra = InSpace> {
     pub bodies: [usize; 2],
     /// Arms from the centers to the point [m].
     pub arms: [S::Vector; 2],
     /// Unit normal n, from the first body to the second.
     pub normal: S::Vector,
     /// Least normal velocity b [m/s].
-    pub least: f64,
+    pub least: S::Number,
     /// Effective masses along the normal and, at least, along the tangents [kg].
-    masses: [f64; 2],
+    pub(super) masses: [S::Number; 2],
     /// Part of the normal impulse that yields; 0 for a rigid contact.
-    pub yields: f64,
+    pub yields: S::Number,
     pub impulse: ContactImpulse<S>,
     /// Impulses that bounds on the sum include.
     pub before: ContactImpulse<S>,
-    pub friction: Friction,
+    pub friction: Friction<S::Number>,
     /// Slip that friction leaves [m/s].
     pub slip: S::Vector,
     /// Effective moments of inertia about the normal and, at least, about the tangents [kg·m²].
-    moments: [f64; 2],
+    pub(super) moments: [S::Number; 2],
+}
+
+impl<S: RowAlgebra> ContactRow<S> {
+    /// Velocity of the second of two bodies at the point, relative to the first [m/s].
+    #[inline(always)]
+    pub fn between(&self, [one, other]: [&BodyVelocity<S>; 2]) -> S::Vector {
+        other.at(self.arms[1]) - one.at(self.arms[0])
+    }
+
+    /// Sum of the normal impulse and that of friction.
+    #[inline(always)]
+    pub(super) fn sum(&self) -> S::Vector {
+        self.normal * self.impulse.normal + self.impulse.tangential
+    }
+
+    /// Normal impulse and that of friction which solve this contact alone, at a relative velocity [m/s].
+    #[inline(always)]
+    pub fn solved(&self, relative: S::Vector) -> (S::Number, S::Vector) {
+        let along = self.normal.dot(relative);
+        let (zero, one) = (S::Number::constant(0.0), S::Number::constant(1.0));
+        let stiff = one - self.yields;
+        let normal = stiff * (self.impulse.normal + self.masses[0] * (self.least - along));
+        let normal = normal.max(zero - self.before.normal);
+        let slip = relative - self.normal * along - self.slip;
+        let wanted = self.before.tangential + self.impulse.tangential - slip * self.masses[1];
+        let most = self.friction.sliding * (self.before.normal + normal);
+        let tangential = S::held(self.normal, wanted, most) - self.before.tangential;
+        (normal, S::Vector::select(zero.less(self.friction.sliding), tangential, self.impulse.tangential))
+    }
+
+    /// Moments of rolling and torsional friction under a normal impulse, at a relative angular velocity [rad/s].
+    #[inline(always)]
+    pub fn solved_turning(&self, load: S::Number, turning: S::Turn) -> S::Turn {
+        let about = S::about(self.normal, turning);
+        let [torsion, roll] = self.moments;
+        let wanted = self.before.turning + self.impulse.turning - about * torsion - (turning - about) * roll;
+        let along = S::about(self.normal, wanted);
+        along.limited(self.friction.torsional * load) + (wanted - along).limited(self.friction.rolling * load)
+            - self.before.turning
+    }
+
+    /// Work of the impulses on the relative motion, from velocities before to velocities after them [J].
+    #[inline(always)]
+    pub fn work(&self, before: (S::Vector, S::Turn), after: (S::Vector, S::Turn)) -> S::Number {
+        let sum = self.sum().dot(before.0 + after.0) + self.impulse.turning.dot(before.1 + after.1);
+        S::Number::constant(0.5) * sum
+    }
+
+    /// Work beyond that of a gap which the impulses open, and the absolute value of the work [J].
+    #[inline(always)]
+    pub fn gain(&self, before: (S::Vector, S::Turn), after: (S::Vector, S::Turn)) -> [S::Number; 2] {
+        let (work, zero) = (self.work(before, after), S::Number::constant(0.0));
+        [work - self.impulse.normal * self.least.max(zero), work.max(zero - work)]
+    }
 }
 
 impl<S: RowSpace> ContactRow<S> {
@@ -110,7 +169,7 @@ impl<S: RowSpace> ContactRow<S> {
     /// Relative velocity of the second body at the point [m/s].
     #[inline(always)]
     pub fn velocity(&self, v: &BodyVelocities<S>) -> S::Vector {
-        v.bodies[self.bodies[1]].at(self.arms[1]) - v.bodies[self.bodies[0]].at(self.arms[0])
+        self.between([&v.bodies[self.bodies[0]], &v.bodies[self.bodies[1]]])
     }
 
     /// Relative angular velocity [rad/s].
@@ -123,12 +182,6 @@ impl<S: RowSpace> ContactRow<S> {
     #[inline(always)]
     pub fn slip_of(&self, v: &BodyVelocities<S>) -> (S::Vector, S::Turn) {
         (self.velocity(v), self.turning(v))
-    }
-
-    /// Sum of the normal impulse and that of friction.
-    #[inline(always)]
-    fn sum(&self) -> S::Vector {
-        self.normal * self.impulse.normal + self.impulse.tangential
     }
 
     #[inline(always)]
@@ -145,7 +198,7 @@ impl<S: RowSpace> ContactRow<S> {
 
     /// Whether moments resist rolling or torsion.
     #[inline(always)]
-    fn resists_turning(&self) -> bool {
+    pub fn resists_turning(&self) -> bool {
         self.friction.rolling > 0.0 || self.friction.torsional > 0.0
     }
 
@@ -169,44 +222,19 @@ impl<S: RowSpace> ContactRow<S> {
     /// Solves this contact alone; returns the largest change of a relative velocity [m/s].
     #[inline(always)]
     pub fn relax(&mut self, v: &mut BodyVelocities<S>) -> f64 {
-        let relative = self.velocity(v);
-        let along = self.normal.dot(relative);
-        let stiff = 1.0 - self.yields;
-        let impulse = stiff * (self.impulse.normal + self.masses[0] * (self.least - along));
-        let impulse = impulse.max(-self.before.normal);
-        let mut push = self.normal * (impulse - self.impulse.normal);
-        let mut change = (impulse - self.impulse.normal).abs() / self.masses[0];
-        self.impulse.normal = impulse;
-        let load = self.before.normal + impulse;
-        if self.friction.sliding > 0.0 {
-            let slip = relative - self.normal * along - self.slip;
-            let wanted = self.before.tangential + self.impulse.tangential - slip * self.masses[1];
-            let tangential = wanted.limited(self.friction.sliding * load) - self.before.tangential;
-            let difference = tangential - self.impulse.tangential;
-            change = change.max(difference.dot(difference).sqrt() / self.masses[1]);
-            push += difference;
-            self.impulse.tangential = tangential;
-        }
+        let (normal, tangential) = self.solved(self.velocity(v));
+        let (pressed, held) = (normal - self.impulse.normal, tangential - self.impulse.tangential);
+        (self.impulse.normal, self.impulse.tangential) = (normal, tangential);
+        let push = self.normal * pressed + held;
         if push != S::Vector::default() {
             self.push(push, v);
         }
         if self.resists_turning() {
-            self.relax_turning(load, v);
+            let turning = self.solved_turning(self.before.normal + normal, self.turning(v));
+            self.twist(turning - self.impulse.turning, v);
+            self.impulse.turning = turning;
         }
-        change
-    }
-
-    /// Solves the moments of rolling and torsional friction under a normal impulse.
-    fn relax_turning(&mut self, load: f64, v: &mut BodyVelocities<S>) {
-        let turning = self.turning(v);
-        let about = S::about(self.normal, turning);
-        let [torsion, roll] = self.moments;
-        let wanted = self.before.turning + self.impulse.turning - about * torsion - (turning - about) * roll;
-        let along = S::about(self.normal, wanted);
-        let bounded = along.limited(self.friction.torsional * load) + (wanted - along).limited(self.friction.rolling * load)
-            - self.before.turning;
-        self.twist(bounded - self.impulse.turning, v);
-        self.impulse.turning = bounded;
+        (pressed.abs() / self.masses[0]).max(held.dot(held).sqrt() / self.masses[1])
     }
 
     /// Energy supplied by fixed bodies, which move as prescribed [J].
@@ -217,12 +245,6 @@ impl<S: RowSpace> ContactRow<S> {
             if body.is_fixed() { sign * power } else { 0.0 }
         };
         of(0, 1.0) + of(1, -1.0)
-    }
-
-    /// Work of the impulses on the relative motion, from velocities before to velocities after them [J].
-    #[inline(always)]
-    pub fn work(&self, before: (S::Vector, S::Turn), after: (S::Vector, S::Turn)) -> f64 {
-        0.5 * (self.sum().dot(before.0 + after.0) + self.impulse.turning.dot(before.1 + after.1))
     }
 }
 
@@ -242,17 +264,17 @@ impl ContactRow {
 
 /// Whether impulses of contacts add energy, beyond that of gaps which they open, together with the limits of joints, which
 /// dissipate `stopped` [J].
-pub fn add_energy<S: RowSpace>(
-    contacts: &[ContactRow<S>],
-    stopped: f64,
-    free: &BodyVelocities<S>,
-    v: &BodyVelocities<S>,
-) -> bool {
+pub fn add_energy(contacts: &[ContactRow], stopped: f64, free: &BodyVelocities, v: &BodyVelocities) -> bool {
     let (mut sum, mut size) = (-stopped, stopped.abs());
     for row in contacts {
-        let work = row.work(row.slip_of(free), row.slip_of(v));
-        sum += work - row.impulse.normal * row.least.max(0.0);
-        size += work.abs();
+        let [gain, work] = row.gain(row.slip_of(free), row.slip_of(v));
+        sum += gain;
+        size += work;
     }
+    adds_energy(sum, size)
+}
+
+/// Whether a sum of energies is positive, given that of their absolute values.
+pub fn adds_energy(sum: f64, size: f64) -> bool {
     sum > GAINED * size
 }

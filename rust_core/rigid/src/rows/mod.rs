@@ -5,8 +5,10 @@
 //! opposite impulses at one point, so that momentum and angular momentum are kept to rounding. Sources: M. Jean, Comput. Meth.
 //! Appl. Mech. Eng. 177, 235 (1999); V. Acary, B. Brogliato, "Numerical Methods for Nonsmooth Dynamical Systems", 2008.
 
+mod batch;
 mod contact;
 mod joint;
+mod lanes;
 mod space;
 
 use glam::DVec3;
@@ -14,20 +16,22 @@ use glam::DVec3;
 use crate::joint_system::JointSystem;
 use crate::mover::Mover;
 
-pub use contact::{ContactImpulse, ContactRow, add_energy};
+pub use batch::{Batches, ImpulseLanes, Pass, RowBatch};
+pub use contact::{ContactImpulse, ContactRow, add_energy, adds_energy};
 pub(crate) use joint::inverted;
 pub use joint::{BoundedRow, JointRows, Row};
-pub use space::{InPlane, InSpace, RowSpace, RowVector};
+pub use lanes::{Laned, LanesOf, Loaded, SIDE};
+pub use space::{InPlane, InSpace, Linear, RowAlgebra, RowSpace};
 
 /// Largest number of rows of a joint.
 pub const MOST_ROWS: usize = 6;
 
 /// Velocities of a body during a solve, with its inverse mass and inertia.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct BodyVelocity<S: RowSpace = InSpace> {
+pub struct BodyVelocity<S: RowAlgebra = InSpace> {
     pub linear: S::Vector,
     pub angular: S::Turn,
-    pub inverse_mass: f64,
+    pub inverse_mass: S::Number,
     pub inverse_inertia: S::Inverse,
 }
 
@@ -37,7 +41,9 @@ impl<S: RowSpace> BodyVelocity<S> {
     pub fn is_fixed(&self) -> bool {
         self.inverse_mass == 0.0
     }
+}
 
+impl<S: RowAlgebra> BodyVelocity<S> {
     /// Velocity of a point at an arm from the center [m/s].
     #[inline(always)]
     pub fn at(&self, arm: S::Vector) -> S::Vector {
@@ -47,14 +53,14 @@ impl<S: RowSpace> BodyVelocity<S> {
     /// Adds an impulse at an arm from the center.
     #[inline(always)]
     pub fn push(&mut self, arm: S::Vector, impulse: S::Vector) {
-        self.linear += impulse * self.inverse_mass;
+        self.linear = self.linear + impulse * self.inverse_mass;
         self.twist(S::moment(arm, impulse));
     }
 
     /// Adds an angular impulse.
     #[inline(always)]
     pub fn twist(&mut self, moment: S::Turn) {
-        self.angular += S::turned(&self.inverse_inertia, moment);
+        self.angular = self.angular + S::turned(&self.inverse_inertia, moment);
     }
 
     /// Response of the velocity at an arm to an impulse there.

@@ -1,68 +1,99 @@
 //! Vectors of rows: in the plane without the components that vanish there.
 
 use std::fmt::Debug;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use glam::{DMat3, DVec2, DVec3};
+use physcore_base::simd::{Number, Pack};
 
 use super::BodyVelocities;
+use super::lanes::{Laned, LanesOf, Loaded, WidePlane, WideSpace};
 use crate::mover::perpendicular;
 
-/// Vector of a row, or the number that remains of one in the plane.
-pub trait RowVector:
-    Copy
-    + Debug
-    + Default
-    + PartialEq
-    + Add<Output = Self>
-    + AddAssign
-    + Sub<Output = Self>
-    + SubAssign
-    + Neg<Output = Self>
-    + Mul<f64, Output = Self>
-    + Div<f64, Output = Self>
+/// Element of a vector space: vector of a row, or the number that remains of one in the plane.
+pub trait Linear:
+    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> + Mul<Self::Number, Output = Self>
 {
+    /// Factor: a number, or a register of numbers.
+    type Number: Number;
+
     /// Scalar product.
-    fn dot(self, other: Self) -> f64;
-
+    fn dot(self, other: Self) -> Self::Number;
     /// Vector of the same direction, not longer than `most`.
-    #[inline(always)]
     #[must_use]
-    fn limited(self, most: f64) -> Self {
-        let squared = RowVector::dot(self, self);
-        if squared > most * most { self / squared.sqrt() * most } else { self }
-    }
+    fn limited(self, most: Self::Number) -> Self;
+    /// Selects one vector in the lanes of a mask, another elsewhere.
+    fn select(mask: <Self::Number as Number>::Mask, one: Self, other: Self) -> Self;
 }
 
-impl RowVector for f64 {
-    #[inline(always)]
-    fn dot(self, other: Self) -> f64 {
-        self * other
-    }
+/// Vector of one row.
+pub trait RowVector: Linear<Number = f64> + Laned + Debug + Default + PartialEq + AddAssign {}
+
+macro_rules! row_vector {
+    ($vector:ident, |$one:ident, $other:ident| $dot:expr) => {
+        impl Linear for $vector {
+            type Number = f64;
+
+            #[inline(always)]
+            fn dot(self, other: Self) -> f64 {
+                let ($one, $other) = (self, other);
+                $dot
+            }
+
+            #[inline(always)]
+            fn limited(self, most: f64) -> Self {
+                let squared = Linear::dot(self, self);
+                if squared > most * most { self / squared.sqrt() * most } else { self }
+            }
+
+            #[inline(always)]
+            fn select(mask: bool, one: Self, other: Self) -> Self {
+                if mask { one } else { other }
+            }
+        }
+
+        impl RowVector for $vector {}
+    };
 }
 
-impl RowVector for DVec2 {
-    #[inline(always)]
-    fn dot(self, other: Self) -> f64 {
-        self.dot(other)
-    }
-}
+row_vector!(f64, |one, other| one * other);
+row_vector!(DVec2, |one, other| one.dot(other));
+row_vector!(DVec3, |one, other| one.dot(other));
 
-impl RowVector for DVec3 {
-    #[inline(always)]
-    fn dot(self, other: Self) -> f64 {
-        self.dot(other)
-    }
+/// Vectors of rows with their products.
+pub trait RowAlgebra: Copy {
+    /// Number, or register of numbers.
+    type Number: Number;
+    /// Velocity, arm or impulse.
+    type Vector: Linear<Number = Self::Number>;
+    /// Angular velocity or moment.
+    type Turn: Linear<Number = Self::Number>;
+    /// Inverse of an inertia tensor.
+    type Inverse: Copy;
+
+    /// Moment of an impulse at an arm.
+    fn moment(arm: Self::Vector, impulse: Self::Vector) -> Self::Turn;
+    /// Velocity of the end of an arm.
+    fn swept(turn: Self::Turn, arm: Self::Vector) -> Self::Vector;
+    /// Change of the angular velocity by a moment.
+    fn turned(inverse: &Self::Inverse, moment: Self::Turn) -> Self::Turn;
+    /// Part of a turn about a normal.
+    fn about(normal: Self::Vector, turn: Self::Turn) -> Self::Turn;
+    /// Vector across a normal that is not longer than `most`.
+    fn held(normal: Self::Vector, vector: Self::Vector, most: Self::Number) -> Self::Vector;
 }
 
 /// Plane or space.
-pub trait RowSpace: Copy + Debug + Default {
-    /// Velocity, arm or impulse.
-    type Vector: RowVector;
-    /// Angular velocity or moment.
-    type Turn: RowVector;
-    /// Inverse of an inertia tensor.
-    type Inverse: Copy + Debug + Default;
+pub trait RowSpace:
+    RowAlgebra<Number = f64, Vector: RowVector, Turn: RowVector, Inverse: Laned + Debug + Default> + Debug + Default
+{
+    /// Vectors of several rows in registers.
+    type Wide<P: Pack<Scalar = f64>>: RowAlgebra<
+            Number = P,
+            Vector: Loaded<LanesOf<Self::Vector>>,
+            Turn: Loaded<LanesOf<Self::Turn>>,
+            Inverse: Loaded<LanesOf<Self::Inverse>>,
+        >;
 
     /// Vector of the space.
     fn vector(vector: DVec3) -> Self::Vector;
@@ -75,14 +106,6 @@ pub trait RowSpace: Copy + Debug + Default {
     /// Inverse of an inertia tensor.
     fn inverse(inverse: &DMat3) -> Self::Inverse;
 
-    /// Moment of an impulse at an arm.
-    fn moment(arm: Self::Vector, impulse: Self::Vector) -> Self::Turn;
-    /// Velocity of the end of an arm.
-    fn swept(turn: Self::Turn, arm: Self::Vector) -> Self::Vector;
-    /// Change of the angular velocity by a moment.
-    fn turned(inverse: &Self::Inverse, moment: Self::Turn) -> Self::Turn;
-    /// Part of a turn about a normal.
-    fn about(normal: Self::Vector, turn: Self::Turn) -> Self::Turn;
     /// Largest response to a unit impulse across a normal.
     fn across(normal: Self::Vector, response: impl Fn(Self::Vector) -> Self::Vector) -> f64;
     /// Sums of inverse moments of inertia: about a normal, and a bound across it.
@@ -100,10 +123,41 @@ pub struct InPlane;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct InSpace;
 
-impl RowSpace for InPlane {
+impl RowAlgebra for InPlane {
+    type Number = f64;
     type Vector = DVec2;
     type Turn = f64;
     type Inverse = f64;
+
+    #[inline(always)]
+    fn moment(arm: DVec2, impulse: DVec2) -> f64 {
+        arm.perp_dot(impulse)
+    }
+
+    #[inline(always)]
+    fn swept(turn: f64, arm: DVec2) -> DVec2 {
+        DVec2::new(-turn * arm.y, turn * arm.x)
+    }
+
+    #[inline(always)]
+    fn turned(inverse: &f64, moment: f64) -> f64 {
+        inverse * moment
+    }
+
+    #[inline(always)]
+    fn about(_normal: DVec2, _turn: f64) -> f64 {
+        0.0
+    }
+
+    #[inline(always)]
+    fn held(normal: DVec2, vector: DVec2, most: f64) -> DVec2 {
+        let tangent = normal.perp();
+        tangent * Number::max(Number::min(tangent.dot(vector), most), -most)
+    }
+}
+
+impl RowSpace for InPlane {
+    type Wide<P: Pack<Scalar = f64>> = WidePlane<P>;
 
     #[inline(always)]
     fn vector(vector: DVec3) -> DVec2 {
@@ -131,26 +185,6 @@ impl RowSpace for InPlane {
     }
 
     #[inline(always)]
-    fn moment(arm: DVec2, impulse: DVec2) -> f64 {
-        arm.perp_dot(impulse)
-    }
-
-    #[inline(always)]
-    fn swept(turn: f64, arm: DVec2) -> DVec2 {
-        DVec2::new(-turn * arm.y, turn * arm.x)
-    }
-
-    #[inline(always)]
-    fn turned(inverse: &f64, moment: f64) -> f64 {
-        inverse * moment
-    }
-
-    #[inline(always)]
-    fn about(_normal: DVec2, _turn: f64) -> f64 {
-        0.0
-    }
-
-    #[inline(always)]
     fn across(normal: DVec2, response: impl Fn(DVec2) -> DVec2) -> f64 {
         let tangent = normal.perp();
         tangent.dot(response(tangent))
@@ -167,10 +201,40 @@ impl RowSpace for InPlane {
     }
 }
 
-impl RowSpace for InSpace {
+impl RowAlgebra for InSpace {
+    type Number = f64;
     type Vector = DVec3;
     type Turn = DVec3;
     type Inverse = DMat3;
+
+    #[inline(always)]
+    fn moment(arm: DVec3, impulse: DVec3) -> DVec3 {
+        arm.cross(impulse)
+    }
+
+    #[inline(always)]
+    fn swept(turn: DVec3, arm: DVec3) -> DVec3 {
+        turn.cross(arm)
+    }
+
+    #[inline(always)]
+    fn turned(inverse: &DMat3, moment: DVec3) -> DVec3 {
+        *inverse * moment
+    }
+
+    #[inline(always)]
+    fn about(normal: DVec3, turn: DVec3) -> DVec3 {
+        normal.dot(turn) * normal
+    }
+
+    #[inline(always)]
+    fn held(_normal: DVec3, vector: DVec3, most: f64) -> DVec3 {
+        vector.limited(most)
+    }
+}
+
+impl RowSpace for InSpace {
+    type Wide<P: Pack<Scalar = f64>> = WideSpace<P>;
 
     #[inline(always)]
     fn vector(vector: DVec3) -> DVec3 {
@@ -195,26 +259,6 @@ impl RowSpace for InSpace {
     #[inline(always)]
     fn inverse(inverse: &DMat3) -> DMat3 {
         *inverse
-    }
-
-    #[inline(always)]
-    fn moment(arm: DVec3, impulse: DVec3) -> DVec3 {
-        arm.cross(impulse)
-    }
-
-    #[inline(always)]
-    fn swept(turn: DVec3, arm: DVec3) -> DVec3 {
-        turn.cross(arm)
-    }
-
-    #[inline(always)]
-    fn turned(inverse: &DMat3, moment: DVec3) -> DVec3 {
-        *inverse * moment
-    }
-
-    #[inline(always)]
-    fn about(normal: DVec3, turn: DVec3) -> DVec3 {
-        normal.dot(turn) * normal
     }
 
     fn across(normal: DVec3, response: impl Fn(DVec3) -> DVec3) -> f64 {

@@ -149,7 +149,10 @@ impl RigidWorld {
                 }
             }
         }
-        self.state.loads.sort_unstable_by_key(|(key, _)| *key);
+        // Contacts of a group stand in the order of its pairs.
+        let pairs = self.state.loads.chunk_by_mut(|(one, _), (other, _)| (one.0, one.1) == (other.0, other.1));
+        pairs.for_each(|pair| pair.sort_unstable_by_key(|(key, _)| *key));
+        self.state.loads.sort_by_key(|(key, _)| *key);
         islands.iter_mut().for_each(Island::clear);
         self.spare.append(&mut islands);
         self.meter_springs(h, bodies, others);
