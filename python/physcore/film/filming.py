@@ -181,7 +181,7 @@ def film(
     rate = writer.rate(found[0].fps, speed, units)
     shown = None if progress is None else flag(progress, "progress")
     with_bar, unit = flag(color_bar, "color_bar"), check_unit(time_unit, units)
-    repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving)
+    repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving, blends=writer.blends)
     _check_bytes(quality, max_bytes)
     sides = check_format(format, check_size(size), video=writer.video)
     colors = chosen_theme(theme, background)
@@ -194,7 +194,7 @@ def film(
             found, sides, style, camera, colors, heading, shown,
             labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
             inset=inset, credit=note, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
-            columns=columns, in_turn=in_turn,
+            columns=columns, in_turn=in_turn, captioned=writer.captioned,
         ) as renderer:  # fmt: skip
             job = FilmJob(renderer, rate, max_bytes, lambda: metadata(found), shown, repeat)
             written = write_film(writer, job, target)
