@@ -14,9 +14,10 @@ function rotation([x, y, z], angle) {
 
 class Drawing {
   constructor(canvas, film, bytes) {
-    const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, stencil: true, preserveDrawingBuffer: true});
+    const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, preserveDrawingBuffer: true});
     if (!gl) throw new Error("no WebGL2");
-    Object.assign(this, {gl, canvas, film, turn: STRAIGHT, zoom: [1, 0, 0], programs: {}, buffers: new Map()});
+    Object.assign(this, {gl, canvas, film, turn: STRAIGHT, zoom: [1, 0, 0], programs: {}, buffers: new Map(), pictures: {}});
+    this.fields = gl.getExtension("EXT_color_buffer_float") && gl.getExtension("OES_texture_float_linear") !== undefined;
     for (const kind of Object.keys(PROGRAMS)) this.programs[kind] = this.program(...PROGRAMS[kind]);
     this.tracks = film.tracks.map(track => {
       const streams = Object.fromEntries(Object.entries(track.streams || {}).map(([name, spec]) => [name, new Stream(spec, bytes, track.still ? 1 : film.count)]));
@@ -73,12 +74,53 @@ class Drawing {
     entry.data = data;
     gl.uniform1i(this.now.uniforms[name], at);
   }
+  // Draws into a picture beside the canvas, smaller by a factor, and returns the function that ends this.
+  beside(name, factor, format) {
+    const gl = this.gl, width = Math.max(1, Math.round(this.canvas.width / factor)), height = Math.max(1, Math.round(this.canvas.height / factor));
+    const own = this.pictures[name] || (this.pictures[name] = {texture: gl.createTexture(), frame: gl.createFramebuffer()});
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, own.texture);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, own.frame);
+    if (own.width !== width || own.height !== height) {
+      Object.assign(own, {width, height});
+      gl.texImage2D(gl.TEXTURE_2D, 0, format, width, height, 0, gl.RGBA, format === gl.RGBA8 ? gl.UNSIGNED_BYTE : gl.HALF_FLOAT, null);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+      for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, own.texture, 0);
+    }
+    this.wide = width;
+    gl.disable(gl.SCISSOR_TEST);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    return () => {
+      this.wide = this.canvas.width;
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      gl.enable(gl.SCISSOR_TEST);
+      gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+      gl.activeTexture(gl.TEXTURE0);
+      gl.bindTexture(gl.TEXTURE_2D, own.texture);
+      gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    };
+  }
+  // Draws a picture beside the canvas over the whole canvas.
+  over(kind, panel, frame, values) {
+    const gl = this.gl, [width, height] = this.film.size, kept = this.zoom;
+    this.zoom = [1, 0, 0];
+    this.use(kind, panel, {}, frame, 0);
+    this.zoom = kept;
+    gl.uniform1i(this.now.uniforms.picture, 0);
+    for (const [name, value] of Object.entries(values)) gl.uniform1f(this.now.uniforms[name], value);
+    this.rectangle("over", [[0, 0], [width, 0], [width, height], [0, height]], [[0, 1], [1, 1], [1, 0], [0, 0]]);
+    this.finish();
+  }
   use(kind, panel, track, frame, share) {
     const gl = this.gl, now = this.now = this.programs[kind], film = this.film, place = film.panels[panel];
     const eyes = film.eyes[panel] || [[1, 0, 0, 0]], deep = Boolean(track.deep);
     gl.useProgram(now.program);
     gl.uniform2f(now.uniforms.size, ...film.size);
-    gl.uniform1f(now.uniforms.pixel, this.canvas.width / film.size[0]);
+    gl.uniform1f(now.uniforms.pixel, this.wide / film.size[0]);
     gl.uniform4f(now.uniforms.eye, ...eyes[Math.min(frame, eyes.length - 1)]);
     gl.uniformMatrix3fv(now.uniforms.turn, false, deep ? this.turn : STRAIGHT);
     gl.uniform3f(now.uniforms.zoom, ...this.zoom);
@@ -121,8 +163,9 @@ class Drawing {
     gl.clearColor(...film.background.map(each => each / 255), 1);
     gl.clearDepth(1);
     gl.depthMask(true);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.SCISSOR_TEST);
+    this.wide = this.canvas.width;
     gl.depthFunc(gl.LEQUAL);
     film.panels.forEach((panel, number) => {
       const tracks = this.tracks.filter(track => track.panel === number);
@@ -161,15 +204,15 @@ class Drawing {
   shadows(tracks, {normal, center}, frame, share) {
     const gl = this.gl, n = apply(this.turn, normal), c = apply(this.turn, center);
     if (dot(n, [-0.42, 0.62, 0.66]) < 0.1 || n[2] < 0) return;
+    const casts = track => !track.still && (["line", "triangle", "surface", "solid"].includes(track.kind) || (track.kind === "disc" && track.shading > 0));
+    const cast = tracks.filter(casts);
+    if (!cast.length) return;
+    const end = this.beside("shadow", 2, gl.RGBA8);
     this.plane = [...n, dot(n, c)];
-    gl.clear(gl.STENCIL_BUFFER_BIT);
-    gl.enable(gl.STENCIL_TEST);
-    gl.stencilFunc(gl.EQUAL, 0, 255);
-    gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
-    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    const casts = track => ["line", "triangle", "surface", "solid"].includes(track.kind) || (track.kind === "disc" && track.shading > 0);
-    for (const track of tracks) if (casts(track) && !track.still) this.track(track, frame, share);
-    gl.disable(gl.STENCIL_TEST);
+    for (const track of cast) this.track(track, frame, share);
+    this.plane = [0, 0, 0, 0];
+    end();
+    this.over("dimmed", cast[0].panel, frame, {blur: 0.012 * Math.min(...this.film.size) * this.zoom[0]});
   }
   track(track, frame, share) {
     const gl = this.gl, at = track.still ? 0 : frame, between = track.still || !track.even ? 0 : share;
@@ -194,6 +237,21 @@ class Drawing {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, track.streams.places.rows(frame));
   }
   draw_halo(track, frame, share) { this.draw_disc(track, frame, share); }
+  draw_liquid(track, frame, share) {
+    const gl = this.gl;
+    if (!this.fields) { this.use("disc", track.panel, track, frame, share); this.draw_disc(track, frame, share); return; }
+    const scissor = gl.getParameter(gl.SCISSOR_BOX), end = this.beside("field", 1, gl.RGBA16F), sizes = track.streams.sizes.real(frame, share);
+    this.use("liquid", track.panel, track, frame, share);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    this.draw_disc(track, frame, share);
+    this.finish();
+    end();
+    gl.scissor(...scissor);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    const reach = Math.min(Math.max(4 * sizes[0] * this.zoom[0], 1), 64) * this.wide / this.film.size[0];
+    this.over("water", track.panel, frame, {glow: track.glow, blur: Math.log2(2 * reach)});
+  }
   draw_line(track, frame, share) {
     const gl = this.gl;
     this.square();
@@ -251,12 +309,13 @@ class Drawing {
     gl.uniform2f(uniforms.cells, ...track.cells);
     gl.uniform1f(uniforms.contours, track.contours);
     gl.uniform1f(uniforms.relief, track.relief);
+    gl.uniform1f(uniforms.zero, track.zero);
     gl.uniform3f(uniforms.isoline, ...track.ink.map(each => each / 255));
     gl.uniform3f(uniforms.wall, ...track.wall.map(each => each / 255));
     gl.uniform1i(uniforms.walled, Boolean(walls));
     this.texture(track.id, "values", 0, ...track.cells, values.at(frame), "values");
     this.texture(track.id, "later", 1, ...track.cells, values.at(share > 0 ? frame + 1 : frame), "values");
-    this.texture(track.id, "table", 2, 256, 1, track.fixed("table").at(0), "color");
+    this.texture(track.id, "table", 2, 255, 1, track.fixed("table").at(0), "color");
     this.texture(track.id, "walls", 3, ...(walls ? track.cells : [1, 1]), walls ? walls.at(0) : WHITE.subarray(0, 1), "smooth");
     this.rectangle(track.id, track.corners, [[0, 0], [1, 0], [1, 1], [0, 1]]);
   }

@@ -36,6 +36,14 @@ vec4 seen(vec3 to) {
   }
   return vec4((at - 0.5 * size) * zoom.x + 0.5 * size + zoom.yz, depth, scale * zoom.x);
 }
+// Place of the screen, with perspective: corners of large triangles may be behind the eye.
+vec4 screen(vec3 to) {
+  float far = deep ? 1.0 - to.z * eye.w : 1.0;
+  vec2 at = deep ? far * eye.yz + eye.x * vec2(to.x, -to.y) : to.xy;
+  at = zoom.x * (at - 0.5 * far * size) + far * (0.5 * size + zoom.yz);
+  float depth = !deep ? 0.0 : eye.w > 0.0 ? far - 0.1 : clamp(-to.z / (40.0 * fog.y), -1.0, 1.0);
+  return vec4(vec2(2.0, -2.0) * at / size + far * vec2(-1.0, 1.0), depth, far);
+}
 vec4 placed(vec2 at, float depth) { return vec4(vec2(2.0, -2.0) * at / size + vec2(-1.0, 1.0), depth, 1.0); }
 vec4 fogged(vec4 ink, vec3 to) {
   float far = fog.y > 0.0 ? fog.x * clamp(0.5 - 0.5 * to.z / fog.y, 0.0, 1.0) : 0.0;
@@ -65,7 +73,7 @@ void main() {
   float square = radius * radius, drawn = square >= 1.0 / 3.0 ? sqrt(square - 1.0 / 12.0) : 0.5;
   float alpha = color.a * min(1.0, 3.0 * square) * clamp(0.5 + drawn - length(from), 0.0, 1.0);
   if (alpha <= 0.0) discard;
-  if (plane.xyz != vec3(0.0)) { result = vec4(0.0, 0.0, 0.0, 0.4); return; }
+  if (plane.xyz != vec3(0.0)) { result = vec4(1.0); return; }
   vec3 shown = color.rgb;
   if (shading > 0.0) {
     vec2 n = from / max(radius, 1e-6) * vec2(1.0, -1.0);
@@ -106,28 +114,26 @@ void main() {
   off -= clamp(dot(off, way) / max(dot(way, way), 1e-9), 0.0, 1.0) * way;
   float alpha = color.a * clamp(0.5 + half_ - length(off), 0.0, 1.0);
   if (alpha <= 0.0) discard;
-  result = plane.xyz == vec3(0.0) ? vec4(color.rgb, alpha) : vec4(0.0, 0.0, 0.0, 0.4);
+  result = plane.xyz == vec3(0.0) ? vec4(color.rgb, alpha) : vec4(1.0);
 }`;
 const CORNER = `${COMMON}
 in vec3 one, other; in vec4 ink; out vec4 color;
 ${PLACING}
 void main() {
   vec3 to = turned(between(one, other));
-  vec4 at = seen(to);
   color = deep ? fogged(ink, to) : ink;
-  gl_Position = placed(at.xy, at.z);
+  gl_Position = screen(to);
 }`;
 const PLAIN = `${COMMON}
 in vec4 color; out vec4 result;
-void main() { result = plane.xyz == vec3(0.0) ? color : vec4(0.0, 0.0, 0.0, 0.4); }`;
+void main() { result = plane.xyz == vec3(0.0) ? color : vec4(1.0); }`;
 const POINT = `${COMMON}
 in vec3 one, normal; in vec4 ink; in vec2 spot; out vec4 color; out vec3 leaning, place; out vec2 texel;
 ${PLACING}
 void main() {
   vec3 to = turned(one);
-  vec4 at = seen(to);
   color = ink; leaning = turn * normal; place = to; texel = spot;
-  gl_Position = placed(at.xy, at.z);
+  gl_Position = screen(to);
 }`;
 const BODY = `${COMMON}
 in vec3 one, other, point, normal; in vec4 way, wayLater, ink; in float tone; out vec4 color; out vec3 leaning, place; out vec2 texel;
@@ -137,9 +143,8 @@ vec3 rotated(vec4 q, vec3 v) { vec3 t = 2.0 * cross(q.yzw, v); return v + q.x * 
 void main() {
   vec4 q = normalize(lowTurn + spanTurn * mix(way, wayLater, share));
   vec3 to = turned(between(one, other) + rotated(q, point));
-  vec4 at = seen(to);
   color = vec4(min(ink.rgb * tone, vec3(1.0)), ink.a); leaning = turn * rotated(q, normal); place = to; texel = vec2(0.0);
-  gl_Position = placed(at.xy, at.z);
+  gl_Position = screen(to);
 }`;
 const LIT = `${COMMON}
 in vec4 color; in vec3 leaning, place; in vec2 texel; out vec4 result;
@@ -148,7 +153,7 @@ uniform bool textured, closed;
 uniform sampler2D texels;
 ${PLACING}
 void main() {
-  if (plane.xyz != vec3(0.0)) { result = vec4(0.0, 0.0, 0.0, 0.4); return; }
+  if (plane.xyz != vec3(0.0)) { result = vec4(1.0); return; }
   vec3 shown = textured ? color.rgb * texture(texels, vec2(texel.x, 1.0 - texel.y)).rgb : color.rgb;
   if (!deep) { result = vec4(shown, color.a); return; }
   bool away = !gl_FrontFacing && !closed;
@@ -162,13 +167,13 @@ void main() {
 const FLAT = `${COMMON}
 in vec3 one; in vec2 spot; out vec2 at;
 ${PLACING}
-void main() { vec4 to = seen(turned(one)); at = spot; gl_Position = placed(to.xy, to.z); }`;
+void main() { at = spot; gl_Position = screen(turned(one)); }`;
 const FIELD = `${COMMON}
 in vec2 at; out vec4 result;
 uniform sampler2D values, later, table, walls;
-uniform vec2 cells; uniform float contours, relief; uniform vec3 isoline, wall; uniform bool walled;
+uniform vec2 cells; uniform float contours, relief, zero; uniform vec3 isoline, wall; uniform bool walled;
 float weight(float x) { x = abs(x); return x < 1.0 ? (1.5 * x - 2.5) * x * x + 1.0 : x < 2.0 ? ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0 : 0.0; }
-float cell(ivec2 i) { i = clamp(i, ivec2(0), ivec2(cells) - 1); return mix(texelFetch(values, i, 0).r, texelFetch(later, i, 0).r, share); }
+float cell(ivec2 i) { i = clamp(i, ivec2(0), ivec2(cells) - 1); return 255.0 / 254.0 * mix(texelFetch(values, i, 0).r, texelFetch(later, i, 0).r, share); }
 void main() {
   vec2 place = at * cells - 0.5, base = floor(place);
   float value = 0.0, covered = 0.0;
@@ -177,20 +182,55 @@ void main() {
     value += weight(off.x) * weight(off.y) * cell(ivec2(base) + ivec2(i, j));
   }
   vec2 slope = vec2(dFdx(value), dFdy(value)) * pixel;
-  vec3 shown = texture(table, vec2((clamp(value, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+  vec3 shown = texture(table, vec2((clamp(value, 0.0, 1.0) * 254.0 + 0.5) / 255.0, 0.5)).rgb;
   if (relief > 0.0) {
     float light = clamp(relief * 4.0 * (slope.x - slope.y) * size.x / 64.0, -1.0, 1.0);
     shown = light < 0.0 ? mix(shown, vec3(0.0), -0.6 * light) : mix(shown, vec3(1.0), 0.45 * light);
   }
   if (contours > 0.0) {
-    float level = value * 255.0 / 256.0 * contours, off = abs(level - round(level)) / max(fwidth(level) * pixel, 1e-6);
-    if (round(level) > 0.0 && round(level) < contours) shown = mix(shown, isoline, 150.0 / 255.0 * clamp(1.0 - off, 0.0, 1.0));
+    // Lines are a distance between the ends of the scale apart, none at zero, and thin where they would merge.
+    float level = (value - zero) * contours, steep = max(length(slope) * contours, 1e-6), off = abs(level - round(level)) / steep;
+    if (round(level) != 0.0) shown = mix(shown, isoline, 150.0 / 255.0 * min(0.25 / steep, 1.0) * clamp(1.0 - off, 0.0, 1.0));
   }
   if (walled) {
     float part = texture(walls, at).r, steep = max(1.0, 1.0 / max(fwidth(place.x), 1e-6));
     shown = mix(shown, wall, clamp((part - 0.5) * steep + 0.5, 0.0, 1.0));
   }
   result = vec4(shown, 1.0);
+}`;
+// A liquid in 2D, as in rust_core/canvas/src/liquid.rs: a field whose isoline bounds it, a lighter rim, a darker interior.
+const DROP = `${COMMON}
+flat in vec4 color; flat in float radius; in vec2 from; out vec4 result;
+void main() {
+  float inside = max(1.0 - dot(from, from) / (radius * radius), 0.0), amount = inside * inside * inside / 2.27;
+  result = vec4(color.rgb * amount, amount);
+}`;
+const WATER = `${COMMON}
+in vec2 at; out vec4 result;
+uniform sampler2D picture;
+uniform float glow, blur;
+void main() {
+  vec4 sum = texture(picture, at);
+  vec2 slope = vec2(dFdx(sum.a), -dFdy(sum.a));
+  float steep = max(length(slope), 1e-3), coverage = clamp(0.5 + (sum.a - 0.3) / steep, 0.0, 1.0);
+  if (coverage <= 0.0) discard;
+  float up = 0.5 + 0.5 * slope.y / steep, rim = 0.5 * (0.25 + 0.75 * up) * clamp((0.75 - sum.a) / 0.45, 0.0, 1.0);
+  float deep = 1.0 - (1.0 - glow) * 0.2 * clamp((min(textureLod(picture, at, blur).a, 1.0) - 0.5) / 0.5, 0.0, 1.0);
+  vec3 shown = sum.rgb / max(sum.a, 1e-4) * deep;
+  result = vec4(mix(shown, vec3(1.0), rim), coverage);
+}`;
+// Shadows of everything in 3D on the ground, softened.
+const DIMMED = `${COMMON}
+in vec2 at; out vec4 result;
+uniform sampler2D picture;
+uniform float blur;
+void main() {
+  float sum = 0.0;
+  for (int k = 0; k < 24; k++) {
+    float turn = 2.39996 * float(k), far = blur * sqrt((float(k) + 0.5) / 24.0);
+    sum += texture(picture, at + far * vec2(cos(turn), sin(turn)) / size).a;
+  }
+  result = vec4(0.0, 0.0, 0.03, 0.42 * sum / 24.0);
 }`;
 const GROUND = `${COMMON}
 in vec2 at; out vec4 result;
@@ -213,4 +253,5 @@ void main() { float square = dot(at, at); result = vec4(tint.rgb, tint.a / ((1.0
 const PROGRAMS = {
   disc: [ROUND, DISC], halo: [ROUND, HALO], line: [STRIPE, LINE], triangle: [CORNER, PLAIN], surface: [POINT, LIT], solid: [BODY, LIT],
   grid: [FLAT, FIELD], ground: [FLAT, GROUND], backdrop: [FLAT, GLOW],
+  liquid: [ROUND, DROP], water: [FLAT, WATER], dimmed: [FLAT, DIMMED],
 };

@@ -114,19 +114,20 @@ class Tape:
         self, centers: PixelArray, radii: PixelArray, colors: Inks, sky: Color, depths: PixelArray | None = None,
         scale: float = 0.0, glow: float = 0.0,
     ) -> None:  # fmt: skip
-        """Add the drops of a liquid as discs, which overlap."""
-        del sky, scale, glow
-        opaque = colors.copy()
-        opaque[:, 3] = 255
-        size = LIQUID[depths is not None] * radii
-        self._add_round("disc", centers, size.astype(np.float32), opaque, depths, shading=0.6)
+        """Add the drops of a liquid: in 2D they join, in 3D they are balls, which overlap."""
+        del sky, scale
+        full = opaque(colors[:, :3])
+        if depths is None:
+            self._add_round("liquid", centers, radii, full, None, glow=float(glow))
+        else:
+            self._add_round("disc", centers, (LIQUID * radii).astype(np.float32), full, depths, shading=0.6)
 
     def lines(
         self, ends: PixelArray, widths: PixelArray, colors: Inks, depths: PixelArray | None = None
     ) -> None:
         """Add lines with round ends."""
         places = self._placed(ends.reshape(-1, 2), None if depths is None else depths.ravel(), None)[0]
-        self._add("line", depths is not None, places.reshape(len(ends), -1), widths, colors)
+        self._add("line", depths is not None, places.reshape(-1, 2 * places.shape[1]), widths, colors)
 
     def trails(
         self, past: PixelArray, widths: PixelArray, colors: Inks, fade: tuple[Color, float] | None = None,
@@ -158,7 +159,7 @@ class Tape:
             self._refuse("a texture")
         deep = None if depths is None else np.broadcast_to(depths, (len(corners), 3)).ravel()
         found = self._placed(corners.reshape(-1, 2), deep, None)[0]
-        self._add("triangle", depths is not None, found.reshape(len(corners), -1), None, colors.reshape(-1, 12))
+        self._add("triangle", depths is not None, found.reshape(-1, 3 * found.shape[1]), None, colors.reshape(-1, 12))
 
     def polygon(self, corners: PixelArray, color: tuple[int, int, int, int]) -> None:
         """Add a convex polygon."""
@@ -343,8 +344,8 @@ class Tape:
         return points
 
 
-LIQUID = (0.62, 0.5)
-"""Radius of a drop's disc in 2D and 3D, relative to its reach: neighbors overlap."""
+LIQUID = 0.6
+"""Radius of the ball of a drop in 3D, relative to its reach, which is about the spacing: neighbors overlap."""
 
 
 def opaque(colors: Inks) -> Inks:

@@ -41,6 +41,8 @@ SLICES = 24
 DETAIL = 3
 """Pixels of a slice per cell and side; the picture has at most LARGEST along a side."""
 LARGEST = 1024
+LEVELS = 255
+"""Number of values of a field on a page, an odd one: zero is in the middle of a scale with both signs."""
 MOST = 320
 """Largest number of cells along a side of a field on a page."""
 
@@ -240,11 +242,11 @@ class FieldPainter(GridPainter):
             outline = corners(low, high)[[0, 4, 5, 1]] * (1.0, 0.0, 1.0) + 0.5 * (low + high) * (0.0, 1.0, 0.0)
         first, last = self.ends
         shares = np.nan_to_num((_coarser(values) - first) / (last - first), nan=0.5)
-        some = (np.arange(256) + 0.5) * (len(self._colors) / 256.0)
+        levels = np.linspace(0.0, len(self._colors) - 1.0, LEVELS).round().astype(int)
         tape.grid(
-            np.clip(256.0 * shares, 0.0, 255.0).astype(np.uint8), outline,
-            table=opaque(self._colors[some.astype(int)]), contours=(style.contours or 0) * (2 if self.signed else 1),
-            ink=[*self._theme.text], relief=style.relief,
+            np.round(np.clip(shares, 0.0, 1.0) * (LEVELS - 1)).astype(np.uint8), outline,
+            table=opaque(self._colors[levels]), contours=(style.contours or 0) * (2 if self.signed else 1),
+            ink=[*self._theme.text], relief=style.relief, zero=-first / (last - first),
             walls=None if walls is None else np.round(255.0 * _coarser(walls)).astype(np.uint8).T,
             wall=[*mixed(self._theme.solid, self._theme.background, 0.35)],
         )  # fmt: skip
