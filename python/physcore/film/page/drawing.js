@@ -105,13 +105,14 @@ class Drawing {
     };
   }
   // Draws a picture beside the canvas over the whole canvas.
-  over(kind, panel, frame, values) {
+  over(kind, panel, frame, values, more = () => {}) {
     const gl = this.gl, [width, height] = this.film.size, kept = this.zoom;
     this.zoom = [1, 0, 0];
     this.use(kind, panel, {}, frame, 0);
     this.zoom = kept;
     gl.uniform1i(this.now.uniforms.picture, 0);
     for (const [name, value] of Object.entries(values)) gl.uniform1f(this.now.uniforms[name], value);
+    more();
     this.rectangle("over", [[0, 0], [width, 0], [width, height], [0, height]], [[0, 1], [1, 1], [1, 0], [0, 0]]);
     this.finish();
   }
@@ -216,7 +217,7 @@ class Drawing {
   }
   track(track, frame, share) {
     const gl = this.gl, at = track.still ? 0 : frame, between = track.still || !track.even ? 0 : share;
-    const main = track.streams.places || track.streams.values;
+    const main = track.streams.places || track.streams.values || track.streams.real;
     if (!main || main.rows(at) === 0) return;
     this.use(track.kind, track.panel, track, frame, between);
     const shade = track.shadow && track.kind === "halo";
@@ -237,6 +238,24 @@ class Drawing {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, track.streams.places.rows(frame));
   }
   draw_halo(track, frame, share) { this.draw_disc(track, frame, share); }
+  draw_density(track, frame, share) {
+    const gl = this.gl;
+    if (!this.fields) return;
+    const scissor = gl.getParameter(gl.SCISSOR_BOX), end = this.beside("field", 1, gl.RGBA16F), {length_, ink} = this.programs.density.attributes;
+    this.use("density", track.panel, track, frame, share);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    gl.uniform1f(this.now.uniforms.amount, track.streams.light.real(frame, 0)[0] / (2 * Math.PI * track.spread ** 2));
+    this.square();
+    this.places(track, frame, share, [["one", "other", 0]], 1);
+    gl.vertexAttrib1f(length_, 3 * track.spread);
+    if (ink !== undefined) gl.vertexAttrib4f(ink, 1, 1, 1, 1);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, track.streams.places.rows(frame));
+    this.finish();
+    end();
+    gl.scissor(...scissor);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+    this.over("exposed", track.panel, frame, {}, () => this.texture(track.id, "table", 1, track.colors, 1, track.fixed("table").at(0), "color"));
+  }
   draw_liquid(track, frame, share) {
     const gl = this.gl;
     if (!this.fields) { this.use("disc", track.panel, track, frame, share); this.draw_disc(track, frame, share); return; }
@@ -317,6 +336,21 @@ class Drawing {
     this.texture(track.id, "later", 1, ...track.cells, values.at(share > 0 ? frame + 1 : frame), "values");
     this.texture(track.id, "table", 2, 255, 1, track.fixed("table").at(0), "color");
     this.texture(track.id, "walls", 3, ...(walls ? track.cells : [1, 1]), walls ? walls.at(0) : WHITE.subarray(0, 1), "smooth");
+    this.rectangle(track.id, track.corners, [[0, 0], [1, 0], [1, 1], [0, 1]]);
+  }
+  draw_phase(track, frame, share) {
+    const gl = this.gl, uniforms = this.now.uniforms, later = share > 0 ? frame + 1 : frame;
+    gl.uniform2f(uniforms.cells, ...track.cells);
+    gl.uniform1f(uniforms.soft, track.soft);
+    gl.uniform1f(uniforms.faint, track.faint);
+    gl.uniform3f(uniforms.wall, ...track.wall.map(each => each / 255));
+    gl.uniform1i(uniforms.walled, Boolean(track.walls));
+    ["real", "imaginary"].forEach((name, k) => {
+      this.texture(track.id, name, 2 * k, ...track.cells, track.streams[name].at(frame), "values");
+      this.texture(track.id, `${name}Later`, 2 * k + 1, ...track.cells, track.streams[name].at(later), "values");
+    });
+    this.texture(track.id, "table", 4, track.colors, 1, track.fixed("table").at(0), "color");
+    this.texture(track.id, "walls", 5, ...(track.walls ? track.cells : [1, 1]), track.walls ? track.fixed("walls").at(0) : WHITE.subarray(0, 1), "smooth");
     this.rectangle(track.id, track.corners, [[0, 0], [1, 0], [1, 1], [0, 1]]);
   }
   ground(track, {normal, center, size, color, along, grid, part, share}, panel, frame) {

@@ -4,7 +4,7 @@ const TYPES = {f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Arra
 async function unpacked(text) {
   const letters = atob(text.trim()), packed = new Uint8Array(letters.length);
   for (let k = 0; k < letters.length; k++) packed[k] = letters.charCodeAt(k);
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
   const length = new DataView(bytes.buffer).getUint32(0, true);
   const film = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
@@ -22,7 +22,7 @@ function steps(spec, bytes, count) {
     const one = start - number * columns, other = one - number * columns, straight = order === 2 && before > 1;
     for (let column = 0; column < columns; column++) {
       for (let row = 0; row < number; row++) {
-        const place = start + column * number + row, at = row * columns + column;
+        const place = column * (size / columns) + start / columns + row, at = row * columns + column;
         const zigzag = bytes[spec.at + place] | (bits > 8 ? bytes[spec.at + size + place] << 8 : 0);
         const guess = before === 0 || order === 0 ? (row > 0 ? values[start + at - columns] : 0)
           : straight ? 2 * values[one + at] - values[other + at] : values[one + at];

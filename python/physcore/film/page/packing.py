@@ -1,12 +1,12 @@
 """Packing of the arrays of a film: quantized in the box of each array over time, predicted from frame to frame, deflated.
 
-A stream holds one array of a track over all frames, component by component. It is one of these kinds:
+A stream holds one array of a track: each component over all frames, then the next one. It is one of these kinds:
 
 - "still": the array is the same in all frames, and is kept as it is;
 - "steps": whole numbers of 16 bits between the ends of each component. What is kept is the difference from a prediction
   by the frames before: of order 0 (none), 1 (the frame before) or 2 (a straight path). A frame with another number of
   rows than the one before begins anew, each row predicted by the row before. Low and high bytes are kept apart.
-- "table": colors as indices of a table of at most 256, ordered by their main direction, so that neighbors are alike.
+- "table": colors as indices of a table of at most 128, ordered by their main direction, so that neighbors are alike.
 
 `player.js` reverses this.
 """
@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,14 @@ from numpy.typing import NDArray
 
 BITS = (16, 14, 12)
 """Numbers of bits of a coordinate, the first that fits. Of 2048 pixels, 12 bits tell apart half a pixel."""
-COLORS = 256
+COLORS = 128
 """Largest number of colors of a table."""
+TRIED = 100_000
+"""Number of bytes from which the way of compression is chosen."""
+WAYS = ((9, zlib.Z_HUFFMAN_ONLY), (9, zlib.Z_RLE), (6, zlib.Z_DEFAULT_STRATEGY))
+"""Levels and strategies of zlib."""
+EMPTY = b"\x03\x00"
+"""Last block of a stream of deflate, with nothing in it."""
 SAMPLE = 100_000
 """Number of values from which the order of the prediction is chosen."""
 
@@ -34,6 +41,8 @@ class Pack:
 
     bits: int = BITS[0]
     content: bytearray = field(default_factory=bytearray)
+    _ends: list[int] = field(default_factory=list)
+    """Ends of the parts of the content that are compressed separately."""
 
     def still(self, values: NDArray[Any]) -> dict[str, Any]:
         """Keep an array as it is, in whole numbers or single precision."""
@@ -80,9 +89,12 @@ class Pack:
         parts = residuals(frames, order, bits)
         columns = next(each.shape[1] for each in frames if each is not None)
         start = len(self.content)
+        self._ends.append(start)
         self.content += (parts & 255).astype(np.uint8).tobytes()
+        self._ends.append(len(self.content))
         if bits > 8:
             self.content += (parts >> 8).astype(np.uint8).tobytes()
+            self._ends.append(len(self.content))
         rows = [0 if each is None else len(each) for each in frames]
         even = rows[0] if len(set(rows)) == 1 else None
         found: dict[str, Any] = {"kind": "steps", "at": start, "order": order, "columns": columns, "bits": bits}
@@ -104,9 +116,27 @@ class Pack:
             at += size
         return self._steps(indices, None, 8) | {"table": table.ravel().tolist()}
 
-    def deflated(self) -> bytes:
-        """All bytes, in the format of zlib."""
-        return zlib.compress(bytes(self.content), 9)
+    def deflated(self, head: bytes) -> bytes:
+        """Other bytes before all others, and all of these as one raw stream of deflate.
+
+        Each plane is compressed in the way that suits a sample of it: noise has no repetitions, and the search for them
+        takes a hundred times as long. No part refers to another, so that the parts can be joined.
+        """
+        ends = [0, *self._ends, len(self.content)]
+        parts = [head, *(bytes(self.content[start:end]) for start, end in pairwise(ends) if end > start)]
+        return b"".join(map(_deflated, parts)) + EMPTY
+
+
+def _deflated(part: bytes) -> bytes:
+    """A part of a raw stream of deflate, which ends at a byte and refers to no other part."""
+    middle = max(0, (len(part) - TRIED) // 2)
+    some = part[middle : middle + TRIED]
+
+    def packed(content: bytes, way: tuple[int, int]) -> bytes:
+        coder = zlib.compressobj(way[0], zlib.DEFLATED, -15, 9, way[1])
+        return coder.compress(content) + coder.flush(zlib.Z_FULL_FLUSH)
+
+    return packed(part, min(WAYS, key=lambda way: len(packed(some, way))))
 
 
 def quantized(
@@ -123,7 +153,7 @@ def residuals(frames: list[NDArray[np.uint16] | None], order: int, bits: int = 1
     Differences are modulo 2¹⁶, or modulo 2⁸ for values of 8 bits.
     """
     before: list[NDArray[np.uint16]] = []
-    parts = [np.empty(0, dtype=np.uint16)]
+    parts: list[NDArray[np.uint16]] = []
     for values in frames:
         if values is None:
             before = []
@@ -136,10 +166,10 @@ def residuals(frames: list[NDArray[np.uint16] | None], order: int, bits: int = 1
             guess = before[-1]
         else:
             guess = 2 * before[-1] - before[-2]
-        parts.append((values - guess).T.ravel())
+        parts.append(values - guess)
         before = [*before[-1:], values]
     word, signs = (np.uint8, np.int8) if bits <= 8 else (np.uint16, np.int16)
-    signed = np.concatenate(parts).astype(word).view(signs)
+    signed = np.concatenate(parts).astype(word).T.ravel().view(signs)
     return ((signed << 1) ^ (signed >> (8 * signed.itemsize - 1))).view(word)
 
 
@@ -148,7 +178,7 @@ def reduced(colors: NDArray[np.uint8], counts: NDArray[np.int64]) -> tuple[NDArr
 
     Colors are rounded to larger and larger steps until they are few; each step has the mean of its colors.
     """
-    for step in (1, 2, 4, 8, 16, 32, 64):
+    for step in (1, 2, 4, 8, 16, 32, 64, 128):
         _, index = np.unique(colors // step, axis=0, return_inverse=True)
         index = index.ravel()
         if index.max(initial=0) < COLORS:

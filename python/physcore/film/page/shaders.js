@@ -168,19 +168,27 @@ const FLAT = `${COMMON}
 in vec3 one; in vec2 spot; out vec2 at;
 ${PLACING}
 void main() { at = spot; gl_Position = screen(turned(one)); }`;
-const FIELD = `${COMMON}
-in vec2 at; out vec4 result;
-uniform sampler2D values, later, table, walls;
-uniform vec2 cells; uniform float contours, relief, zero; uniform vec3 isoline, wall; uniform bool walled;
+// Values on a grid between the centers of cells, by the cubic of rust_core/canvas/src/heatmap.rs; 0 to 254 are 0 to 1.
+const CUBIC = `
+uniform vec2 cells;
 float weight(float x) { x = abs(x); return x < 1.0 ? (1.5 * x - 2.5) * x * x + 1.0 : x < 2.0 ? ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0 : 0.0; }
-float cell(ivec2 i) { i = clamp(i, ivec2(0), ivec2(cells) - 1); return 255.0 / 254.0 * mix(texelFetch(values, i, 0).r, texelFetch(later, i, 0).r, share); }
-void main() {
+float cubic(sampler2D one, sampler2D other, vec2 at) {
   vec2 place = at * cells - 0.5, base = floor(place);
-  float value = 0.0, covered = 0.0;
+  float value = 0.0;
   for (int j = -1; j < 3; j++) for (int i = -1; i < 3; i++) {
     vec2 off = place - base - vec2(i, j);
-    value += weight(off.x) * weight(off.y) * cell(ivec2(base) + ivec2(i, j));
+    ivec2 cell = clamp(ivec2(base) + ivec2(i, j), ivec2(0), ivec2(cells) - 1);
+    value += weight(off.x) * weight(off.y) * mix(texelFetch(one, cell, 0).r, texelFetch(other, cell, 0).r, share);
   }
+  return 255.0 / 254.0 * value;
+}
+`;
+const FIELD = `${COMMON}${CUBIC}
+in vec2 at; out vec4 result;
+uniform sampler2D values, later, table, walls;
+uniform float contours, relief, zero; uniform vec3 isoline, wall; uniform bool walled;
+void main() {
+  float value = cubic(values, later, at);
   vec2 slope = vec2(dFdx(value), dFdy(value)) * pixel;
   vec3 shown = texture(table, vec2((clamp(value, 0.0, 1.0) * 254.0 + 0.5) / 255.0, 0.5)).rgb;
   if (relief > 0.0) {
@@ -193,10 +201,36 @@ void main() {
     if (round(level) != 0.0) shown = mix(shown, isoline, 150.0 / 255.0 * min(0.25 / steep, 1.0) * clamp(1.0 - off, 0.0, 1.0));
   }
   if (walled) {
-    float part = texture(walls, at).r, steep = max(1.0, 1.0 / max(fwidth(place.x), 1e-6));
+    float part = texture(walls, at).r, steep = max(1.0, 1.0 / max(fwidth(at.x * cells.x), 1e-6));
     shown = mix(shown, wall, clamp((part - 0.5) * steep + 0.5, 0.0, 1.0));
   }
   result = vec4(shown, 1.0);
+}`;
+// A wave function: the phase as a hue over the background, as opaque as the density.
+const PHASE = `${COMMON}${CUBIC}
+in vec2 at; out vec4 result;
+uniform sampler2D real, realLater, imaginary, imaginaryLater, table, walls;
+uniform float soft, faint; uniform vec3 wall; uniform bool walled;
+void main() {
+  vec2 psi = 2.0 * vec2(cubic(real, realLater, at), cubic(imaginary, imaginaryLater, at)) - 1.0;
+  float opacity = pow(clamp(dot(psi, psi), 0.0, 1.0), soft);
+  vec3 hue = texture(table, vec2(atan(psi.y, psi.x) / 6.2831853 + 0.5, 0.5)).rgb;
+  vec3 ground = walled ? mix(background, wall, faint * texture(walls, at).r) : background;
+  result = vec4(mix(ground, hue, opacity), 1.0);
+}`;
+// The density of many points: the sum of their light, and the tone curve of rust_core/canvas/src/density.rs.
+const SPARK = `${COMMON}
+flat in vec4 color; flat in float radius; in vec2 from; out vec4 result;
+uniform float amount;
+void main() { vec2 off = 3.0 * from / radius; result = vec4(amount * exp(-0.5 * dot(off, off))); }`;
+const EXPOSED = `${COMMON}
+in vec2 at; out vec4 result;
+uniform sampler2D picture, table;
+void main() {
+  float light = texture(picture, at).a;
+  if (light <= 0.0) discard;
+  float tone = pow(clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0), 1.0 / 2.2);
+  result = vec4(texture(table, vec2(tone, 0.5)).rgb, min(tone / 0.3, 1.0));
 }`;
 // A liquid in 2D, as in rust_core/canvas/src/liquid.rs: a field whose isoline bounds it, a lighter rim, a darker interior.
 const DROP = `${COMMON}
@@ -253,5 +287,6 @@ void main() { float square = dot(at, at); result = vec4(tint.rgb, tint.a / ((1.0
 const PROGRAMS = {
   disc: [ROUND, DISC], halo: [ROUND, HALO], line: [STRIPE, LINE], triangle: [CORNER, PLAIN], surface: [POINT, LIT], solid: [BODY, LIT],
   grid: [FLAT, FIELD], ground: [FLAT, GROUND], backdrop: [FLAT, GLOW],
+  phase: [FLAT, PHASE], density: [ROUND, SPARK], exposed: [FLAT, EXPOSED],
   liquid: [ROUND, DROP], water: [FLAT, WATER], dimmed: [FLAT, DIMMED],
 };

@@ -19,6 +19,8 @@ Color = tuple[int, int, int]
 Inks = NDArray[np.uint8]
 MOST = 1_500_000_000
 """Largest size of all shapes in memory [bytes]."""
+TYPICAL = 0.5
+"""Light at a point of typical density, as of the canvas."""
 TEXELS = 512
 """Longest side of a texture [pixels]."""
 FAR = 8.0
@@ -190,13 +192,15 @@ class Tape:
     def paint(self) -> None:
         """No effect: shapes are drawn in the order in which they were added, in 3D by their depth."""
 
-    def density(self, *values: object) -> None:
-        """Refuse a density.
-
-        Raises:
-            SceneError: always.
-        """
-        self._refuse("a density")
+    def density(self, points: PixelArray, table: Inks, strength: float, spread: float) -> None:
+        """Add points that are shown as a density. The light of each is relative to the mean density over all points."""
+        assert self._view is not None  # `look` comes first
+        if not self._view.flat:
+            self._refuse("a density in 3D")
+        known = points[np.isfinite(points).all(axis=1)]
+        light = strength * TYPICAL / _mean_density(known, spread, self._view.middle)
+        track = self._track("density", False, table=opaque(table), colors=len(table), spread=max(float(spread), 0.1))
+        self._keep(track, {"places": known, "light": np.array([[light]], dtype=np.float32)})
 
     def picture(self, *values: object) -> None:
         """Refuse pixels.
@@ -207,6 +211,16 @@ class Tape:
         self._refuse("pixels")
 
     # What a canvas does not have.
+
+    def phase(self, parts: list[NDArray[np.uint8]], corners: FloatArray, **fixed: Any) -> None:
+        """Add the real and the imaginary part (nx, ny) of a wave function, on a rectangle as in `grid`."""
+        assert self._view is not None  # `look` comes first
+        places, cells = self._view.project(corners)[0].tolist(), [*parts[0].shape]
+        arrays = {
+            name: np.ascontiguousarray(part.T).reshape(-1, 1)
+            for name, part in zip(("real", "imaginary"), parts, strict=True)
+        }
+        self._keep(self._track("phase", False, cells=cells, corners=places, **fixed), arrays)
 
     def grid(self, values: NDArray[np.uint8], corners: FloatArray, **fixed: Any) -> None:
         """Add the values (nx, ny) of a grid as indices of a table of colors, on a rectangle with corners (4, D) [m]: at
@@ -272,7 +286,7 @@ class Tape:
         """Add shapes with one row of places, sizes and colors each. Those that are nowhere are left out."""
         arrays: dict[str, NDArray[Any]] = {"places": places.astype(np.float32), "inks": colors}
         if sizes is not None:
-            arrays["sizes"] = np.asarray(sizes, dtype=np.float32).reshape(-1, 1)
+            arrays["sizes"] = rounded(np.asarray(sizes)).reshape(-1, 1)
         known = np.isfinite(arrays["places"]).all(axis=1)
         if not known.all():
             arrays = {name: values[known] for name, values in arrays.items()}
@@ -346,6 +360,27 @@ class Tape:
 
 LIQUID = 0.6
 """Radius of the ball of a drop in 3D, relative to its reach, which is about the spacing: neighbors overlap."""
+
+
+def _mean_density(points: PixelArray, spread: float, middle: tuple[float, float]) -> float:
+    """The mean over all points of the density of points, each spread by a Gaussian [1/pixels²].
+
+    It is Σ L² / Σ L over the pixels of a picture around `middle`, by Parseval's theorem from the Fourier transform of
+    the counts and that of the Gaussian.
+    """
+    size = [2 * max(1, round(each)) for each in middle]
+    counts = np.histogram2d(*points.T, bins=size, range=[(0, size[0]), (0, size[1])])[0]
+    waves = [2.0 * np.pi * np.fft.fftfreq(size[0])[:, np.newaxis], 2.0 * np.pi * np.fft.fftfreq(size[1])]
+    lights = np.fft.fft2(counts) * np.exp(-0.5 * max(spread, 0.1) ** 2 * (waves[0] ** 2 + waves[1] ** 2))
+    total = float(counts.sum())
+    return float((np.abs(lights) ** 2).sum()) / (counts.size * total) if total > 0.0 else 1.0
+
+
+def rounded(sizes: NDArray[Any]) -> NDArray[np.float32]:
+    """Sizes with a mantissa of 10 bits: in 3D they follow from pixels, and would differ in the last bits of each frame."""
+    fraction, exponent = np.frexp(sizes.astype(np.float64))
+    result: NDArray[np.float32] = np.ldexp(np.round(fraction * 1024.0) / 1024.0, exponent).astype(np.float32)
+    return result
 
 
 def opaque(colors: Inks) -> Inks:

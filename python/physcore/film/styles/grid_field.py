@@ -145,6 +145,16 @@ class GridPainter(Painter):
         if values.any():
             self.top = self._typical.add(np.abs(values).ravel())
 
+    def _paint_edges(self, canvas: Canvas, view: View) -> None:
+        """Queue the sides of the grid that are shut."""
+        ends = np.array([self._grid.origin, self._grid.upper])
+        (left, bottom), (right, top) = view.project(ends)[0].astype(float).tolist()
+        box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
+                        [left, top, right, top]], dtype=np.float32)  # fmt: skip
+        shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
+        if len(shut):
+            lines(canvas, shut, self._theme.edge, 1.0)
+
 
 class FieldPainter(GridPainter):
     """Painter of a field as a color map, with its walls and edges."""
@@ -241,13 +251,13 @@ class FieldPainter(GridPainter):
             values, walls = values[:, middle], None if walls is None else walls[:, middle]
             outline = corners(low, high)[[0, 4, 5, 1]] * (1.0, 0.0, 1.0) + 0.5 * (low + high) * (0.0, 1.0, 0.0)
         first, last = self.ends
-        shares = np.nan_to_num((_coarser(values) - first) / (last - first), nan=0.5)
+        shares = np.nan_to_num((coarser(values) - first) / (last - first), nan=0.5)
         levels = np.linspace(0.0, len(self._colors) - 1.0, LEVELS).round().astype(int)
         tape.grid(
             np.round(np.clip(shares, 0.0, 1.0) * (LEVELS - 1)).astype(np.uint8), outline,
             table=opaque(self._colors[levels]), contours=(style.contours or 0) * (2 if self.signed else 1),
             ink=[*self._theme.text], relief=style.relief, zero=-first / (last - first),
-            walls=None if walls is None else np.round(255.0 * _coarser(walls)).astype(np.uint8).T,
+            walls=None if walls is None else np.round(255.0 * coarser(walls)).astype(np.uint8).T,
             wall=[*mixed(self._theme.solid, self._theme.background, 0.35)],
         )  # fmt: skip
         if not view.flat:
@@ -294,16 +304,6 @@ class FieldPainter(GridPainter):
         canvas.picture(self._picture(values, self._walls, size, corner, cells), first, upper)
         self._paint_edges(canvas, view)
 
-    def _paint_edges(self, canvas: Canvas, view: View) -> None:
-        """Queue the sides of the grid that are shut."""
-        ends = np.array([self._grid.origin, self._grid.upper])
-        (left, bottom), (right, top) = view.project(ends)[0].astype(float).tolist()
-        box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
-                        [left, top, right, top]], dtype=np.float32)  # fmt: skip
-        shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
-        if len(shut):
-            lines(canvas, shut, self._theme.edge, 1.0)
-
     def _paint_slice(self, canvas: Canvas, values: FloatArray, view: View) -> None:
         """Queue the values in the middle of y, as a picture on a rectangle in 3D."""
         grid = self._grid
@@ -332,7 +332,7 @@ class FieldPainter(GridPainter):
         draw_edges(canvas, low, high, view, self._theme, front=True, thin=True)
 
 
-def _coarser(values: FloatArray) -> FloatArray:
+def coarser(values: FloatArray) -> FloatArray:
     """The values (nx, ny) of a grid; means of blocks if there are more than MOST along a side."""
     size = -(-max(values.shape) // MOST)
     if size == 1:

@@ -16,7 +16,7 @@ import numpy as np
 from physcore.film.page.packing import BITS, Pack
 from physcore.film.page.tape import Tape, Track
 from physcore.film.writers.base import Film, FilmJob, Writer
-from physcore.film.writers.budget import Cut
+from physcore.film.writers.budget import FARTHEST, FEWEST, Cut
 from physcore.film.writers.gif import GifWriter
 from physcore.progress import Progress
 from physcore.simulation.energy import Energy
@@ -24,10 +24,12 @@ from physcore.storage.files import replacing
 
 FITS = 5_000_000
 """Size of a page that its coordinates are rounded for, if no other is asked for [bytes]."""
-SMALL = 320
+SMALL = 240
 """Longest side of the GIF that is shown without WebGL [pixels]."""
-FEW = 24
-"""Largest number of frames of that GIF."""
+FEW = (16, 8, 4)
+"""Largest numbers of frames of that GIF, the first with which it fits."""
+LIGHT = 300_000
+"""Size that it should have [bytes]."""
 POINTS = 600
 """Largest number of points of the curve of energy."""
 PARTS = ("page.html", "page.css", "shaders.js", "packing.js", "drawing.js", "player.js")
@@ -80,13 +82,12 @@ class PageWriter(Writer):
 
 
 def packed(tape: Tape, facts: dict[str, Any], bits: int) -> bytes:
-    """The film as bytes in the format of zlib: the length of its description, this as JSON, and the packed arrays."""
+    """The film as a raw stream of deflate: the length of its description, this as JSON, and the packed arrays."""
     pack = Pack(bits)
     tracks = [_track(pack, track, tape.count) for track in tape.tracks]
     head = json.dumps(facts | {"tracks": tracks}, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 4)
-    pack.content[:0] = len(head).to_bytes(4, "little") + head
-    return pack.deflated()
+    return pack.deflated(len(head).to_bytes(4, "little") + head)
 
 
 def _recorded(job: FilmJob) -> tuple[Tape, list[str], list[list[Energy | None]]]:
@@ -160,9 +161,14 @@ def _fallback(job: FilmJob) -> bytes:
     width, height = job.renderer.size
     scale = min(1.0, SMALL / max(width, height))
     job.renderer.resize((max(16, 2 * round(scale * width / 2)), max(16, 2 * round(scale * height / 2))))
-    stride = -(-job.renderer.count // FEW)
-    rate = min(job.rate, GifWriter.fastest * stride)
-    return GifWriter.content(replace(job, rate=rate, max_bytes=None, progress=False), Cut(stride=stride))
+    for few in FEW:
+        stride = -(-job.renderer.count // few)
+        rate = min(job.rate, GifWriter.fastest * stride)
+        cut = Cut(stride=stride, colors=FEWEST, tolerance=FARTHEST)
+        content = GifWriter.content(replace(job, rate=rate, max_bytes=None, progress=False), cut)
+        if len(content) <= LIGHT:
+            break
+    return content
 
 
 def _page(texts: dict[str, str]) -> bytes:
