@@ -160,8 +160,7 @@ class View:
 
     @property
     def fog(self) -> tuple[float, float]:
-        """Half the depth of the whole motion [m], and the share of the background in the color of the farthest objects.
-        """
+        """Half the depth of the whole motion [m], and the share of the background in the farthest colors."""
         return self.reach, 0.0 if self.turnable else FOG
 
     @property

@@ -1,4 +1,4 @@
-"""Packing of the arrays of a film: quantized in the box of each array over time, predicted from frame to frame, deflated.
+"""Packing of the arrays of a film: quantized between their ends over time, predicted from frame to frame, deflated.
 
 A stream holds one array of a track: each component over all frames, then the next one. It is one of these kinds:
 
@@ -8,7 +8,7 @@ A stream holds one array of a track: each component over all frames, then the ne
   rows than the one before begins anew, each row predicted by the row before. Low and high bytes are kept apart.
 - "table": colors as indices of a table of at most 128, ordered by their main direction, so that neighbors are alike.
 
-`player.js` reverses this.
+`packing.js` reverses this.
 """
 
 from __future__ import annotations
@@ -169,8 +169,9 @@ def residuals(frames: list[NDArray[np.uint16] | None], order: int, bits: int = 1
         parts.append(values - guess)
         before = [*before[-1:], values]
     word, signs = (np.uint8, np.int8) if bits <= 8 else (np.uint16, np.int16)
-    signed = np.concatenate(parts).astype(word).T.ravel().view(signs)
-    return ((signed << 1) ^ (signed >> (8 * signed.itemsize - 1))).view(word)
+    signed: NDArray[np.signedinteger[Any]] = np.concatenate(parts).astype(word).T.ravel().view(signs)
+    zigzag: NDArray[Any] = ((signed << 1) ^ (signed >> (8 * signed.itemsize - 1))).view(word)
+    return zigzag
 
 
 def reduced(colors: NDArray[np.uint8], counts: NDArray[np.int64]) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:

@@ -44,12 +44,12 @@ function write() {
   const moved = factor !== 1 || drawing.turn !== STRAIGHT, deep = !film.panels[0].flat;
   if (deep && moved) return;
   pen.textBaseline = "top";
-  for (const [words, x, y, height, color, align] of film.texts[Math.min(Math.floor(player.position + 1e-6), film.texts.length - 1)] || []) {
+  for (const [words, x, y, height, color, align, wide] of film.texts[Math.min(Math.floor(player.position + 1e-6), film.texts.length - 1)] || []) {
     pen.font = `${0.82 * height * ratio}px system-ui, sans-serif`;
     pen.textAlign = ["left", "center", "right"][align + 1];
     pen.fillStyle = css(color);
     const place = [x, y].map((each, k) => (each - film.size[k] / 2) * factor + film.size[k] / 2 + [right, down][k]);
-    pen.fillText(words, place[0] * ratio, (place[1] + 0.1 * height) * ratio);
+    pen.fillText(words, place[0] * ratio, (place[1] + 0.1 * height) * ratio, wide * ratio);
   }
 }
 function tell() {
@@ -189,6 +189,12 @@ function surroundings() {
   graph.addEventListener("pointerdown", event => { graph.setPointerCapture(event.pointerId); drag(event); });
   graph.addEventListener("pointermove", drag);
 }
+// A value of JSON in words: "kind AutoStep; safety 0.5".
+function plain(value) {
+  if (value === null || typeof value !== "object") return String(value);
+  if (Array.isArray(value)) return value.map(plain).join(", ");
+  return Object.entries(value).map(([name, each]) => [name.replaceAll("_", " "), plain(each)]).filter(([, words]) => words).map(parts => parts.join(" ")).join("; ");
+}
 function about() {
   const record = at(".record");
   record.hidden = !record.hidden;
@@ -199,7 +205,7 @@ function about() {
     for (const [name, value] of Object.entries(panel)) {
       const term = document.createElement("dt"), words = document.createElement("dd");
       term.textContent = name.replaceAll("_", " ");
-      words.textContent = typeof value === "string" ? value : JSON.stringify(value, null, 1).replace(/^[{[]\n|\n[}\]]$|[{}"]/g, "");
+      words.textContent = plain(value);
       list.append(term, words);
     }
     record.append(list);

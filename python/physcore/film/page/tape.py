@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore._core import Texture
+from physcore._core import Texture, text_width
 from physcore.checks import FloatArray, IntArray
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
+from physcore.film.page.track import Track
 
 Color = tuple[int, int, int]
 Inks = NDArray[np.uint8]
@@ -27,38 +27,6 @@ FAR = 8.0
 """Shapes are cut off at this many widths of the picture from its middle."""
 
 
-@dataclass(eq=False)
-class Track:
-    """One kind of shapes, drawn by one painter, frame by frame.
-
-    Places are pixels in 2D, from the upper left corner and downward. In 3D they are lengths relative to the point that
-    the camera looks at: right, up and toward the camera. Sizes are pixels in 2D and lengths in 3D; widths of lines are
-    always pixels.
-    """
-
-    kind: str
-    panel: int
-    deep: bool
-    """Whether the places are in 3D."""
-    still: bool
-    """Whether the only frame is shown all the time."""
-    fixed: dict[str, Any] = field(default_factory=dict)
-    """What is the same in all frames: numbers, texts, lists of these, and arrays."""
-    frames: dict[int, dict[str, NDArray[Any]]] = field(default_factory=dict)
-    """The arrays of each frame, one row per shape."""
-
-    def add(self, frame: int, arrays: dict[str, NDArray[Any]]) -> int:
-        """Add a frame, and return how many bytes it takes. An array equal to that of the frame before is not kept."""
-        before, size = self.frames.get(frame - 1, {}), 0
-        for name, values in arrays.items():
-            if name in before and np.array_equal(before[name], values):
-                arrays[name] = before[name]
-            else:
-                size += values.nbytes
-        self.frames[frame] = arrays
-        return size
-
-
 class Tape:
     """All shapes of a film. It has the methods of Canvas that painters and looks of scenery call."""
 
@@ -67,7 +35,7 @@ class Tape:
         self.eyes: dict[int, list[list[float]]] = {}
         """The eye of each panel in each frame, in 3D: scale [pixels/m], middle [pixels], 1 / distance [1/m]."""
         self.texts: list[list[list[object]]] = []
-        """The texts of each frame: words, x, y, height, color, alignment."""
+        """The texts of each frame: words, x, y, height, color, alignment, width."""
         self.count = 0
         """Number of frames so far."""
         self._known: dict[tuple[object, ...], Track] = {}
@@ -124,9 +92,7 @@ class Tape:
         else:
             self._add_round("disc", centers, (LIQUID * radii).astype(np.float32), full, depths, shading=0.6)
 
-    def lines(
-        self, ends: PixelArray, widths: PixelArray, colors: Inks, depths: PixelArray | None = None
-    ) -> None:
+    def lines(self, ends: PixelArray, widths: PixelArray, colors: Inks, depths: PixelArray | None = None) -> None:
         """Add lines with round ends."""
         places = self._placed(ends.reshape(-1, 2), None if depths is None else depths.ravel(), None)[0]
         self._add("line", depths is not None, places.reshape(-1, 2 * places.shape[1]), widths, colors)
@@ -145,8 +111,8 @@ class Tape:
         inks = np.broadcast_to(colors.astype(np.float32), (steps, *colors.shape)).copy()
         wide = fresh * widths
         if fade is not None:
-            ground, left = fade
-            inks[..., :3] += (1.0 - left * fresh[..., np.newaxis]) * (np.array(ground, dtype=np.float32) - inks[..., :3])
+            ground, left = np.array(fade[0], dtype=np.float32), fade[1]
+            inks[..., :3] += (1.0 - left * fresh[..., np.newaxis]) * (ground - inks[..., :3])
             wide = np.maximum(wide, 1.0)
         both = None if depths is None else np.stack([depths[:-1], depths[1:]], axis=2)[shown]
         self.lines(ends, wide[shown].astype(np.float32), np.round(inks[shown]).astype(np.uint8), both)
@@ -187,7 +153,8 @@ class Tape:
 
     def text(self, text: str, x: int, y: int, height: int, color: Sequence[int], align: int) -> None:
         """Add a text to the present frame."""
-        self.texts[-1].append([text, int(x), int(y), int(height), [*color], int(align)])
+        wide = text_width(text, int(height))
+        self.texts[-1].append([text, int(x), int(y), int(height), [*color], int(align), wide])
 
     def paint(self) -> None:
         """No effect: shapes are drawn in the order in which they were added, in 3D by their depth."""
@@ -227,10 +194,7 @@ class Tape:
         the origin, along x, along both, and along y.
         """
         assert self._view is not None  # `look` comes first
-        if self._view.flat:
-            places = self._view.project(corners)[0]
-        else:
-            places = self._from_eye(corners)
+        places = self._view.project(corners)[0] if self._view.flat else self._from_eye(corners)
         arrays = {"values": np.ascontiguousarray(values.T).reshape(-1, 1)}
         track = self._track("grid", not self._view.flat, cells=[*values.shape], corners=places.tolist(), **fixed)
         self._keep(track, arrays)
@@ -262,7 +226,7 @@ class Tape:
         self, points: FloatArray, normals: FloatArray, tones: FloatArray, triangles: IntArray,
         positions: FloatArray, rotations: FloatArray, colors: FloatArray,
     ) -> None:  # fmt: skip
-        """Add rigid bodies in 3D of one lit mesh, at positions (N, 3) [m], with rotations (N, 3, 3) and colors (N, 3)."""
+        """Add rigid bodies in 3D of one lit mesh: positions (N, 3) [m], rotations (N, 3, 3) and colors (N, 3)."""
         assert self._view is not None  # `look` comes first
         mesh = {"points": points.astype(np.float32), "normals": normals.astype(np.float32)}
         mesh |= {"tones": tones.astype(np.float32).reshape(-1, 1), "triangles": triangles.astype(np.uint32)}
@@ -377,7 +341,7 @@ def _mean_density(points: PixelArray, spread: float, middle: tuple[float, float]
 
 
 def rounded(sizes: NDArray[Any]) -> NDArray[np.float32]:
-    """Sizes with a mantissa of 10 bits: in 3D they follow from pixels, and would differ in the last bits of each frame."""
+    """Sizes with a mantissa of 10 bits: in 3D they follow from pixels, and their last bits differ in each frame."""
     fraction, exponent = np.frexp(sizes.astype(np.float64))
     result: NDArray[np.float32] = np.ldexp(np.round(fraction * 1024.0) / 1024.0, exponent).astype(np.float32)
     return result

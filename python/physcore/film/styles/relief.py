@@ -16,8 +16,8 @@ from physcore.film.colors.colormaps import STEPS, WHOLE, ColormapName, look_up, 
 from physcore.film.colors.light import LAMP
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners
-from physcore.film.resampling import cubic
 from physcore.film.page.tape import Tape
+from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
 from physcore.film.styles.grid_field import LOUDEST, NEVER, GridPainter
 from physcore.film.styles.typical import Typical
@@ -162,7 +162,8 @@ class ReliefPainter(GridPainter):
         heights = self._heights(frame)
         places = np.concatenate([self._plane, heights[..., np.newaxis]], axis=-1).reshape(-1, 3)
         light, gloss = self._light(heights, view)
-        colors = self._colors(heights) * light[..., np.newaxis] + 255.0 * gloss[..., np.newaxis] * ~self._is_solid[..., np.newaxis]
+        shine = 255.0 * (gloss * ~self._is_solid)[..., np.newaxis]
+        colors = self._colors(heights) * light[..., np.newaxis] + shine
         self._add(canvas, view, places, colors.reshape(-1, 3), self._faces)
         for side in self._sides:
             edge = places[side]
@@ -194,7 +195,7 @@ class ReliefPainter(GridPainter):
         self._add(canvas, view, points, shades, faces)
 
     def _side(self, edge: FloatArray, colors: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
-        """A side of the block, from an edge (N, 3) of its surface with colors (N, 3) down: points, colors, triangles."""
+        """A side of the block, below an edge (N, 3) of the surface with colors (N, 3): points, colors, triangles."""
         count = len(edge)
         feet = edge.copy()
         feet[:, 2] = self._floor

@@ -232,8 +232,7 @@ class SolidsPainter(Painter):
     def _placed(
         self, frame: SourceFrame
     ) -> Iterator[tuple[PlanarSolids | SpatialSolids, FloatArray, FloatArray, FloatArray, bool]]:
-        """The bodies of each shape, those that look like boundaries first: places, turns, colors, and whether they do.
-        """
+        """The bodies of each shape: places, turns, colors, and whether they look like boundaries, which come first."""
         colors, positions, turns = self._colors(frame), self._at("rigid_positions", frame), self._at(self._turns, frame)
         seen = np.asarray(np.isfinite(positions).all(axis=1))
         for plain in (True, False):

@@ -85,9 +85,7 @@ class SpatialSolids:
         """Put the bodies on a tape, as one mesh with their places; arguments as of `paint`."""
         mesh = self._mesh(view.scale)
         tones = np.ones_like(mesh.tones) if plain else mesh.tones
-        tape.solids(
-            mesh.points, mesh.normals, tones, mesh.triangles, positions, spatial_rotations(turns), colors
-        )
+        tape.solids(mesh.points, mesh.normals, tones, mesh.triangles, positions, spatial_rotations(turns), colors)
 
     def _mesh(self, scale: float) -> Mesh:
         """The mesh for a scale [pixels/m], which is kept while the scale changes little."""

@@ -48,9 +48,7 @@ class Repeat:
         return min(math.ceil(BLEND * rate), math.floor(PART * drawn))
 
 
-def check_loop(
-    loop: object, hold: object, name: str, longest: float, *, moving: bool, blends: bool = True
-) -> Repeat:
+def check_loop(loop: object, hold: object, name: str, longest: float, *, moving: bool, blends: bool = True) -> Repeat:
     """The requested transition.
 
     Args:

@@ -14,7 +14,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from physcore.film.page.packing import BITS, Pack
-from physcore.film.page.tape import Tape, Track
+from physcore.film.page.tape import Tape
+from physcore.film.page.track import Track
 from physcore.film.writers.base import Film, FilmJob, Writer
 from physcore.film.writers.budget import FARTHEST, FEWEST, Cut
 from physcore.film.writers.gif import GifWriter
@@ -32,7 +33,7 @@ LIGHT = 300_000
 """Size that it should have [bytes]."""
 POINTS = 600
 """Largest number of points of the curve of energy."""
-PARTS = ("page.html", "page.css", "shaders.js", "packing.js", "drawing.js", "player.js")
+PARTS = ("page.html", "page.css", "vectors.js", "shaders.js", "packing.js", "drawing.js", "player.js")
 """The template of a page, and what is put into it: nothing else is loaded."""
 MARK = re.compile(r"@\{([a-z.]+)\}")
 """A place of the template."""
