@@ -9,6 +9,7 @@ import pytest
 
 import physcore as pc
 from physcore.film.page import tape
+from physcore.film.writers import page
 
 RANDOM = np.random.default_rng(4)
 DUST = pc.Particles(RANDOM.random((5000, 3)), RANDOM.normal(0, 0.5, (5000, 3)), radius=0.005)
@@ -22,13 +23,18 @@ def test_ten_seconds_of_5000_particles_are_at_most_5_mb(tmp_path: Path) -> None:
     assert film.bytes <= 5_000_000
 
 
-def test_a_page_is_rounded_to_fit(tmp_path: Path) -> None:
+def test_a_page_is_rounded_to_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = pc.Scene(pc.Particles(RANDOM.random((200, 2)), RANDOM.random((200, 2))))
     recording = pc.simulate(scene, 2.0)
     whole = pc.film(recording, tmp_path / "whole.html").bytes
     with pytest.warns(pc.SceneWarning, match="is larger than max_bytes"):
         small = pc.film(recording, tmp_path / "small.html", max_bytes=1000).bytes
     assert small < whole
+    monkeypatch.setattr(page, "FITS", 1000)
+    with pytest.warns(
+        pc.SceneWarning, match=r"pages above 5 MB open slowly, .* rounded to 12 bits already; give it fewer"
+    ):
+        pc.film(recording, tmp_path / "large.html")
 
 
 def test_what_a_page_cannot_show_is_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -167,7 +167,8 @@ class Tape:
         known = points[np.isfinite(points).all(axis=1)]
         light = strength * TYPICAL / _mean_density(known, spread, self._view.middle)
         track = self._track("density", False, table=opaque(table), colors=len(table), spread=max(float(spread), 0.1))
-        self._keep(track, {"places": known, "light": np.array([[light]], dtype=np.float32)})
+        arrays: dict[str, NDArray[Any]] = {"places": known, "light": np.array([[light]], dtype=np.float32)}
+        self._keep(track, arrays)
 
     def picture(self, *values: object) -> None:
         """Refuse pixels.
@@ -183,7 +184,7 @@ class Tape:
         """Add the real and the imaginary part (nx, ny) of a wave function, on a rectangle as in `grid`."""
         assert self._view is not None  # `look` comes first
         places, cells = self._view.project(corners)[0].tolist(), [*parts[0].shape]
-        arrays = {
+        arrays: dict[str, NDArray[Any]] = {
             name: np.ascontiguousarray(part.T).reshape(-1, 1)
             for name, part in zip(("real", "imaginary"), parts, strict=True)
         }
@@ -333,7 +334,8 @@ def _mean_density(points: PixelArray, spread: float, middle: tuple[float, float]
     the counts and that of the Gaussian.
     """
     size = [2 * max(1, round(each)) for each in middle]
-    counts = np.histogram2d(*points.T, bins=size, range=[(0, size[0]), (0, size[1])])[0]
+    x, y = points.astype(np.float64).T
+    counts = np.histogram2d(x, y, bins=size, range=[(0.0, float(size[0])), (0.0, float(size[1]))])[0]
     waves = [2.0 * np.pi * np.fft.fftfreq(size[0])[:, np.newaxis], 2.0 * np.pi * np.fft.fftfreq(size[1])]
     lights = np.fft.fft2(counts) * np.exp(-0.5 * max(spread, 0.1) ** 2 * (waves[0] ** 2 + waves[1] ** 2))
     total = float(counts.sum())

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from physcore.errors import SceneWarning, warn
 from physcore.film.page.packing import BITS, Pack
 from physcore.film.page.tape import Tape
 from physcore.film.page.track import Track
@@ -73,7 +74,14 @@ class PageWriter(Writer):
                 break
         with replacing(target) as file:
             file.write(page)
-        return Film(target, target.stat().st_size, size, renderer.count, job.rate)
+        film = Film(target, len(page), size, renderer.count, job.rate)
+        if job.max_bytes is None and film.bytes > FITS:
+            warn(
+                f"{film}: pages above 5 MB open slowly, and coordinates are rounded to {bits} bits already; give it "
+                "fewer frames per second or fewer particles, or write an .mp4",
+                SceneWarning,
+            )
+        return film
 
     @staticmethod
     def provenance(path: Path) -> str | None:
