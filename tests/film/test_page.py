@@ -111,37 +111,39 @@ def water() -> pc.Recording:
     ("make", "style", "shade"),
     [
         (gas, None, 0.0),
-        (cloth, None, 0.2),
-        (cloth, pc.styles.Strain(), 0.2),
+        (cloth, None, 0.0),
+        (cloth, pc.styles.Strain(), 0.0),
         (bricks, None, 0.0),
-        (dice, None, 0.2),
+        (dice, None, 0.0),
         (waves, None, 0.0),
         (waves, pc.styles.Field(contours=4, relief=0.3), 0.0),
-        (water, None, 0.1),
+        (water, None, 0.2),
     ],
     ids=["points", "surface", "network", "rigid 2D", "rigid 3D", "wave", "contours", "fluid"],
 )
 def test_a_page_shows_what_the_renderer_draws(
     show: Callable[..., Page], make: Callable[[], pc.Recording], style: object, shade: float
 ) -> None:
-    """Where the picture is smooth, colors agree within their rounding of 2 of 255, and in 3D but for the shadows that
-    things cast on themselves, a `shade` of their light. At edges, the coverage of a pixel is found from 4 samples by
-    one and from the distance by the other: it is off by up to half of the contrast.
+    """Where the picture is smooth, colors agree within the rounding of colors to 128 and of fields to 255 values, which
+    is 5 of 255 where a scale is steepest. A liquid is darker inside by up to `shade`, which the page finds from a
+    coarser mean. At edges, the coverage of a pixel comes from 4 samples in place of the distance; but the light of all
+    edges is the same, within 1 % in 2D. In 3D the renderer makes triangles half a pixel larger, 5 % of these.
     """
     recording = make()
     page, frames = show(recording, size=(320, 240), style=style), (0, 6, 17)
-    for frame, exact in zip(frames, drawn(recording, frames, style), strict=True):
-        found = pixels(page, frame)
-        assert found.shape == exact.shape
-        steps = [np.abs(np.diff(exact, axis=axis, append=exact.take([-1], axis=axis))).max(axis=2) for axis in (0, 1)]
-        contrast = np.maximum(*steps)
-        around = np.max([np.roll(contrast, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=0)
-        allowed = 2.0 + 0.5 * around + shade * exact.max(axis=2) * (np.abs(exact - exact[0, 0]).max(axis=2) > 8)
-        assert np.abs(found - exact).mean() < allowed.mean()
-        assert (np.abs(found - exact).max(axis=2) > 2.0 * allowed + 4.0).mean() < 0.01
-    for frame, exact in zip(frames, drawn(recording, frames, style), strict=True):  # and of no other frame
-        errors = [np.abs(pixels(page, other) - exact).mean() for other in frames]
-        assert errors[frames.index(frame)] == min(errors)
+    exact, found = drawn(recording, frames, style), [pixels(page, frame) for frame in frames]
+    for one, other in zip(exact, found, strict=True):
+        assert other.shape == one.shape
+        steps = [np.abs(np.diff(one, axis=axis, append=one.take([-1], axis=axis))).max(axis=2) for axis in (0, 1)]
+        around = [np.roll(np.maximum(*steps), (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        smooth = np.max(around, axis=0) < 12
+        assert smooth.mean() > 0.5
+        assert (np.abs(other - one)[smooth] > 5 + 255 * shade).mean() < 0.01
+        light = [np.abs(each - each[0, 0]).sum() for each in (one, other)]
+        least = 0.95 if recording.scene.dimension == 3 else 0.99
+        assert least - shade < light[1] / light[0] < 1.01
+    errors = np.array([[np.abs(one - other).mean() for other in found] for one in exact])
+    assert (errors.argmin(axis=1) == np.arange(3)).all()  # each is like this frame, and like no other
 
 
 def test_places_reach_the_page(show: Callable[..., Page]) -> None:

@@ -319,5 +319,6 @@ class Composition:
         canvas.clip(0, 0, *self.size)
         self._write_titles(canvas, chosen)
         energies, text = [each.energy for each in frames], self._layout.text
-        self._footer.draw(canvas, self.size, text, self._theme, time, energies, over=self._over)
+        if self._captioned:
+            self._footer.draw(canvas, self.size, text, self._theme, time, energies, over=self._over)
         return canvas
