@@ -111,6 +111,7 @@ def water() -> pc.Recording:
     ("make", "style", "shade"),
     [
         (gas, None, 0.0),
+        (gas, pc.styles.Points("tomato", glow=0.9), 0.0),
         (cloth, None, 0.0),
         (cloth, pc.styles.Strain(), 0.0),
         (bricks, None, 0.0),
@@ -119,7 +120,7 @@ def water() -> pc.Recording:
         (waves, pc.styles.Field(contours=4, relief=0.3), 0.0),
         (water, None, 0.2),
     ],
-    ids=["points", "surface", "network", "rigid 2D", "rigid 3D", "wave", "contours", "fluid"],
+    ids=["points", "halos", "surface", "network", "rigid 2D", "rigid 3D", "wave", "contours", "fluid"],
 )
 def test_a_page_shows_what_the_renderer_draws(
     show: Callable[..., Page], make: Callable[[], pc.Recording], style: object, shade: float

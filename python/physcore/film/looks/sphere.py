@@ -14,6 +14,7 @@ from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import SHADING, Look, Scenery, disc, lines
 from physcore.film.page.tape import Tape
+from physcore.film.shapes.spatial import ball
 
 MERIDIANS = 12
 SEGMENTS = 48
@@ -42,16 +43,19 @@ class SphereLook(Look):
             disc(canvas, view, self.center, self.radius, theme.solid, shading=SHADING)
 
     def record(self, tape: Tape, view: View, theme: Theme, scenery: Scenery) -> None:
-        """Put the sphere on a tape; a bowl as its meridians and parallels."""
+        """Put the sphere on a tape; a bowl as its inside, of which the near half is never seen, with its curves."""
         if view.flat or not self.inside:
             super().record(tape, view, theme, scenery)
             return
+        inside, place = ball(self.radius, 0.0, view.scale, (1.0, 1.0)), (self.center[np.newaxis], np.eye(3)[np.newaxis])
+        color, around = np.array([theme.surface], dtype=float), inside.triangles[:, ::-1]
+        tape.solids(inside.points, -inside.normals, inside.tones, around, *place, color)
         for curve in _curves():
-            pixels, depth, _ = view.project(self.center + self.radius * curve)
+            pixels, depth, _ = view.project(self.center + 0.997 * self.radius * curve)  # in front of the surface
             assert depth is not None  # views in 3D have depths
             ends, both = np.concatenate([pixels[:-1], pixels[1:]], axis=1), np.stack([depth[:-1], depth[1:]], axis=1)
-            ink = np.tile(np.array([*theme.edge, 255], dtype=np.uint8), (len(ends), 1))
-            tape.lines(ends, np.full(len(ends), 0.8, dtype=np.float32), ink, both)
+            ink = np.tile(np.array([*theme.edge, 90], dtype=np.uint8), (len(ends), 1))
+            tape.lines(ends, np.full(len(ends), 1.0, dtype=np.float32), ink, both)
 
     def _circle(self, canvas: Canvas, view: View, theme: Theme) -> None:
         """Draw a solid disc, or a ring around a hollow one."""

@@ -207,9 +207,10 @@ class Drawing {
     const main = track.streams.places || track.streams.values || track.streams.real;
     if (!main || main.rows(at) === 0) return;
     this.use(track.kind, track.panel, track, frame, between);
-    const shade = track.shadow && track.kind === "halo";
-    if (track.kind === "halo") shade ? gl.blendFunc(gl.ZERO, gl.ONE_MINUS_SRC_COLOR) : gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_COLOR);
-    else gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    if (track.kind === "halo") {
+      gl.blendFunc(track.shadow ? gl.ZERO : gl.ONE, gl.ONE_MINUS_SRC_COLOR);
+      gl.uniform1i(this.now.uniforms.shadow, track.shadow);
+    } else gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     this[`draw_${track.kind}`](track, at, between);
     this.finish();
   }

@@ -45,11 +45,11 @@ function write() {
   if (deep && moved) return;
   pen.textBaseline = "top";
   for (const [words, x, y, height, color, align, wide] of film.texts[Math.min(Math.floor(player.position + 1e-6), film.texts.length - 1)] || []) {
-    pen.font = `${0.82 * height * ratio}px system-ui, sans-serif`;
+    pen.font = `${0.74 * height * ratio}px system-ui, sans-serif`;
     pen.textAlign = ["left", "center", "right"][align + 1];
     pen.fillStyle = css(color);
     const place = [x, y].map((each, k) => (each - film.size[k] / 2) * factor + film.size[k] / 2 + [right, down][k]);
-    pen.fillText(words, place[0] * ratio, (place[1] + 0.1 * height) * ratio, wide * ratio);
+    pen.fillText(words, place[0] * ratio, (place[1] + 0.15 * height) * ratio, wide * ratio);
   }
 }
 function tell() {
@@ -160,7 +160,7 @@ function curve() {
 // Of one panel all energies that are not always zero; of several the totals.
 function curves() {
   const {energy} = player.film, hues = ["--kinetic", "--potential", "--internal", "--total"];
-  if (energy.length > 1) return energy.map((panel, k) => [`total, panel ${k + 1}`, hues[k % 4], 1.75, panel.total, panel.frames]);
+  if (energy.length > 1) return energy.map((panel, k) => [`total, ${player.film.names[k] || `panel ${k + 1}`}`, hues[k % 4], 1.75, panel.total, panel.frames]);
   return CURVES.filter(([name]) => energy[0][name].some(value => value !== 0)).map(([name, color, wide]) => [name, color, wide, energy[0][name], energy[0].frames]);
 }
 function surroundings() {

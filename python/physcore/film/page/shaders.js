@@ -84,11 +84,13 @@ void main() {
   }
   result = vec4(shown, alpha);
 }`;
+// Light, or a shadow of its color, which is added to what is behind by 1 − (1 − a)(1 − b).
 const HALO = `${COMMON}
+uniform bool shadow;
 flat in vec4 color; flat in float radius; in vec2 from; out vec4 result;
 void main() {
   float inside = max(1.0 - dot(from, from) / (radius * radius), 0.0);
-  result = vec4(color.rgb, color.a * inside * inside);
+  result = vec4((shadow ? 1.0 - color.rgb : color.rgb) * color.a * inside * inside, 1.0);
 }`;
 const STRIPE = `${COMMON}
 in vec2 corner; in vec3 one, other, end, endLater; in float width; in vec4 ink;

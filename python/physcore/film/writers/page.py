@@ -128,6 +128,7 @@ def _facts(job: FilmJob, tape: Tape, lines: list[str], energies: list[list[Energ
             for bar in bars
         ],
         "legend": legend,
+        "names": renderer.heading.own.titles,
         "energy": _curves(energies),
         **renderer.space,
     }
