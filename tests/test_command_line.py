@@ -243,7 +243,7 @@ def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):
     error = output.err.splitlines()
     assert error[0].startswith("physcore: no demo 'no-such-demo'; `physcore list` names them")
     assert "no such folder" in error[1]
-    assert error[2].startswith("physcore: path: must end in .gif, .webp, .apng, .mp4 or .png")
+    assert error[2].startswith("physcore: path: must end in .gif, .webp, .apng, .mp4, .html or .png")
     assert len(error) == 3
     with pytest.raises(SystemExit) as stopped:
         main(["dance"])

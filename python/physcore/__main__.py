@@ -63,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
         "--output",
         type=Path,
         metavar="FILE",
-        help="the film to write: .gif, .webp, .apng, .mp4, or .png for its last frame (default: NAME.gif)",
+        help="the film to write: .gif, .webp, .apng, .mp4, .html, or .png for its last frame (default: NAME.gif)",
     )
     demo.add_argument("--source", action="store_true", help="print a script that makes the film, and do not run it")
     demo.add_argument(

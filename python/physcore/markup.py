@@ -47,6 +47,14 @@ def inline_image(content: bytes, kind: str, words: str) -> str:
     return f'<img alt="{escape(words)}" src="data:image/{kind};base64,{data}">'
 
 
+def inline_page(page: str, words: str) -> str:
+    """A page within the page, with a title."""
+    return (
+        f'<iframe title="{escape(words)}" srcdoc="{escape(page)}" sandbox="allow-scripts" '
+        'style="width:100%;height:46em;border:0"></iframe>'
+    )
+
+
 def inline_video(content: bytes, words: str) -> str:
     """An HTML video in MP4, embedded in the page, which plays in a loop; with an alternative text."""
     data = base64.b64encode(content).decode()

@@ -426,7 +426,7 @@ def test_a_file_that_cannot_be_written_is_a_file_error(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"path": "film.avi"}, r"path: must end in \.gif, \.webp, \.apng, \.mp4 or \.png"),
+        ({"path": "film.avi"}, r"path: must end in \.gif, \.webp, \.apng, \.mp4, \.html or \.png"),
         ({"size": (10, 10)}, r"size\[0\]"),
         ({"size": 640}, "size: must be"),
         ({"style": pc.styles.Points}, r"write Points\(\)"),

@@ -27,8 +27,10 @@ from physcore.simulation.energy import Drift
 from physcore.simulation.serial import unpack_numerics
 
 SIZE = (160, 120)
-MOVING = [kind.suffixes[0] for kind in WRITERS if kind.suffixes != (".png",)]
 ALL = [kind.suffixes[0] for kind in WRITERS]
+PICTURES = [suffix for suffix in ALL if suffix != ".html"]
+"""Formats that hold pixels; `test_page.py` shows pages in a browser."""
+MOVING = [suffix for suffix in PICTURES if suffix != ".png"]
 TICKS = {".gif": 100, ".webp": 1000, ".apng": 1000}
 """How many units of a delay make a second."""
 
@@ -74,7 +76,7 @@ def ends(path: Path) -> np.ndarray:
         return np.cumsum(shown) / 1000
 
 
-@pytest.mark.parametrize("suffix", ALL)
+@pytest.mark.parametrize("suffix", PICTURES)
 def test_every_format_holds_what_was_drawn(suffix: str, tmp_path: Path) -> None:
     """APNG exactly, the others nearly. Video has 219 levels of luma and 224 of chroma, which blue weighs 1.9 times:
     after rounding there and back a flat color is off by up to 0.6 + 1.1 + 0.5 steps; edges, which lose more, are few.
@@ -182,7 +184,7 @@ def test_a_device_is_not_replaced_and_a_link_stays_a_link(suffix: str, tmp_path:
     link.symlink_to(film)
     pc.film(SCENE, link, duration=0.1, size=SIZE)
     assert link.is_symlink()
-    assert len(pictures(film)) > 0
+    assert film.stat().st_size > 100
 
 
 FILMING = """

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import cast
 
 import numpy as np
 
@@ -27,7 +28,8 @@ from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
 from physcore.film.labels.tags import Listed, Named, NameTags, check_named
 from physcore.film.layout import Heading, Layout, best, columns_for
-from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
+from physcore.film.page.tape import Tape
+from physcore.film.scenery import draw_among, draw_backdrop, draw_behind, record
 from physcore.film.styles import Painter, Style
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -62,6 +64,7 @@ class Composition:
         samples: samples per pixel along each side in 3D; a pixel is their mean.
         columns: the number of panels side by side; None: a suitable one.
         in_turn: whether the panels are shown one after the other.
+        captioned: whether the common titles and the footer are part of the picture.
 
     Raises:
         SceneError: an argument is not valid.
@@ -87,10 +90,12 @@ class Composition:
         samples: int = 1,
         columns: int | None = None,
         in_turn: bool = False,
+        captioned: bool = True,
     ) -> None:
         self._columns, self._in_turn = columns_for(columns, len(found)), in_turn
         self._theme, self._samples, self._units = theme, samples, found[0].scene.units
-        self._heading, self._labels = heading or Heading(), check_labels(labels, found)
+        self.heading, self._captioned, self._labels = heading or Heading(), captioned, check_labels(labels, found)
+        self._heading = self.heading if captioned else self.heading.own
         if not in_turn and self._columns < len(found) and set(self._labels) - {"time"}:
             raise SceneError(f"labels: of several rows of panels, must be ('time',) or (), got {shown(self._labels)}")
         self._diagrammed = check_inset(inset, found) is not None
@@ -169,7 +174,7 @@ class Composition:
 
     def _footer_height(self, text: int, width: int) -> int:
         """The height of the footer, for a height of the text and a width of the picture [pixels]."""
-        return self._footer.height(text, width)
+        return self._footer.height(text, width) if self._captioned else 0
 
     def _inset(self, layout: Layout, index: int) -> float:
         """Distance of the motion from a panel's edge [pixels]."""
@@ -224,6 +229,38 @@ class Composition:
                 draw_backdrop(canvas, panel.source.scene, panel.rectangle, self._theme)
             draw_behind(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
         canvas.clip(0, 0, *self.size)
+
+    def _record(
+        self, tape: Tape, frames: Sequence[SourceFrame], views: Sequence[View], moments: Sequence[int],
+        numbers: Sequence[int],
+    ) -> None:  # fmt: skip
+        """Put a picture on the tape of a page; arguments as of `_draw`."""
+        canvas = cast("Canvas", tape)
+        tape.next()
+        for number, seen, moment, frame in zip(numbers, views, moments, frames, strict=True):
+            panel, view = self._panels[number], replace(seen, turnable=not seen.flat)
+            drawn, scenery, scene = panel.view.shown(frame, view), panel.view.scenery(view), panel.source.scene
+            tape.look(number, view)
+            if not self._still or tape.count == 1:
+                tape.begin(0, "the scenery", still=self._still)
+                if not view.flat:
+                    draw_backdrop(canvas, scene, panel.rectangle, self._theme)
+                record(tape, scene, view, self._theme, scenery)
+            for painter in panel.painters:
+                drawn = painter.raised(drawn)
+            for owner, painter in enumerate(panel.painters, start=1):
+                painter.domain = scenery.domain
+                tape.begin(owner, type(painter.style).__name__)
+                painter.record(tape, drawn, view, panel.pixels)
+            tape.begin(len(panel.painters) + 1, "a label")
+            taken = []
+            if panel.diagram is not None:
+                panel.diagram.draw(canvas, moment)
+                taken.append(panel.diagram.box)
+            if panel.bar is not None:
+                taken.append(panel.bar.draw(canvas, view, *taken))
+            panel.tags.draw(canvas, drawn, view, panel.pixels, taken)
+        self._write_titles(canvas, numbers)
 
     def _write_titles(self, canvas: Canvas, numbers: Sequence[int]) -> None:
         outline = self._theme.background if self._over else None
@@ -282,5 +319,6 @@ class Composition:
         canvas.clip(0, 0, *self.size)
         self._write_titles(canvas, chosen)
         energies, text = [each.energy for each in frames], self._layout.text
-        self._footer.draw(canvas, self.size, text, self._theme, time, energies, over=self._over)
+        if self._captioned:
+            self._footer.draw(canvas, self.size, text, self._theme, time, energies, over=self._over)
         return canvas

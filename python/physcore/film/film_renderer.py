@@ -15,6 +15,7 @@ from physcore.film import assignment
 from physcore.film.camera.corotating import Corotating
 from physcore.film.camera.framing import CameraTrack, camera_track, extents
 from physcore.film.camera.track import Camera, Follow
+from physcore.film.camera.view import FOG
 from physcore.film.colors.samples import palette_samples
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.composition import Composition
@@ -22,9 +23,12 @@ from physcore.film.first_pass import FirstPass, first_pass
 from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.dates import Start
+from physcore.film.labels.footer import Bar
 from physcore.film.layout import Heading, check_size
+from physcore.film.page.tape import Tape
 from physcore.film.styles import Style
 from physcore.progress import Progress
+from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source, SourceFrame
 
 SHADES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
@@ -71,7 +75,9 @@ class FilmRenderer(Composition):
         self.count = sum(counts) if self._in_turn else max(counts)
         self._clock = _clock(self._found, max(counts))
         track = camera_track(self._camera, self._found, self._clock)
+        # A page is drawn twice: its shapes, and a GIF for browsers that cannot draw them.
         self._once = track.closed and not self._diagrammed and "dt" not in self._labels and self._settled
+        self._once &= self._captioned
         self._caches: list[FrameCache | None] = [None] * len(found)
         self._opened: list[Iterator[SourceFrame]] = []
         try:
@@ -137,10 +143,39 @@ class FilmRenderer(Composition):
                 bodies, flat = len(source.scene.bodies), source.scene.dimension < 3
                 yield palette_samples(painters, bodies, self._theme, flat=flat, once=self._once)
 
+    @property
+    def parts(self) -> tuple[Sequence[Bar], Sequence[tuple[str, Color]], str]:
+        """The color bars, the names of the legend with their colors, and the credit."""
+        return self._footer.parts
+
+    @property
+    def space(self) -> dict[str, Any]:
+        """The panels with what their drawing depends on, for a page, as lists and numbers."""
+        panels = []
+        for panel in self._panels:
+            view = panel.view.at(0)
+            up = [0.0, 1.0, 0.0] if view.flat else view.axes[:, 2].tolist()
+            place = {"rectangle": [*panel.rectangle], "free": [*panel.free]}
+            panels.append({**place, "flat": view.flat, "up": up, "reach": view.reach})
+        return {"panels": panels, "background": [*self._theme.background], "ink": [*self._theme.text], "fog": FOG}
+
     def frames(self) -> Iterator[Canvas]:
         """All frames; each canvas is valid until the next is requested. A panel that ends before others repeats its
         last frame.
         """
+        for numbers, index, frames in self._moments():
+            yield self._draw_panels(numbers, [index] * len(frames), frames)
+
+    def record(self, tape: Tape) -> Iterator[tuple[str, list[Energy | None]]]:
+        """Put all frames on the tape of a page. For each, its labels in a line, and the energies of its panels."""
+        for numbers, index, frames in self._moments():
+            views = [self._panels[number].view.at(index) for number in numbers]
+            self._record(tape, frames, views, [index] * len(frames), numbers)
+            energies = [frame.energy for frame in frames]
+            yield self._footer.line(self._clock[index], energies), energies
+
+    def _moments(self) -> Iterator[tuple[list[int], int, list[SourceFrame]]]:
+        """All frames: the numbers of the panels shown, the index of the frame, and the frames of these panels."""
         opened, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
         for group, footer in zip(self._groups, self._footers, strict=True):
             self._footer = footer
@@ -149,10 +184,12 @@ class FilmRenderer(Composition):
             running = [opened[number] for number in group]
             frames = [next(each) for each in running]
             for index in range(max(self._found[number].count for number in group)):
-                yield self._draw_panels(group, [index] * len(frames), frames)
+                yield group, index, frames
                 frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
 
     def _footer_height(self, text: int, width: int) -> int:
+        if not self._captioned:
+            return 0
         return max(footer.height(text, width) for footer in self._footers)
 
     @property

@@ -92,9 +92,14 @@ def film(
     .webp needs nothing. A .gif is for where a GIF is needed: every program shows it, with 255 colors in a frame and at
     most 50 frames per second. An .apng is lossless. Browsers show .webp and .apng at up to 90 frames per second.
 
+    An .html is a page that plays in any browser, from disk and without a network. It has the shapes of the film, not
+    its pixels: a viewer plays, stops and zooms, and turns what is in 3D. Titles, labels and color scales stand beside
+    the picture, with a curve of the energy if it is known, and the provenance. A browser without WebGL 2 shows a part
+    of the frames as a GIF.
+
     Args:
         recording: the recording or scene; several are shown with one camera and one color scale.
-        path: the file to write, ending in .gif, .webp, .apng, .mp4 or .png.
+        path: the file to write, ending in .gif, .webp, .apng, .mp4, .html or .png.
         size: width and height of the picture [pixels]. None: 640 × 480, or an aspect ratio of about equal area if it
             shows the motion clearly larger. Several panels are up to 1280 pixels wide.
         format: a named size instead of `size`: "square" (480 × 480 pixels), "wide" (640 × 360, 16 : 9) or "story"
@@ -133,7 +138,8 @@ def film(
             has more than 50 frames per second, or if each frame lasts for seconds.
         hold: how long the last frame stays before the film restarts, or before it reverses [s]. A PNG is not affected.
         loop: the transition from the end to the start. "bounce" plays the film backward, "crossfade" blends the last
-            half second into the first; None: no transition. A periodic motion needs neither: `recording.period`.
+            half second into the first, but not on a page; None: no transition. A periodic motion needs neither:
+            `recording.period`.
         duration: the simulated duration of a scene [s].
         fps: frames per second of simulated time for a scene; None: 30.
         quality: "fast" or "high". With "high", each pixel in 3D is the mean of four (antialiasing), which takes three
@@ -141,7 +147,8 @@ def film(
         max_bytes: the largest size of a GIF [bytes]; for other formats a SceneWarning tells if it is exceeded. A larger
             GIF is drawn again, with these reductions in turn: slightly larger color errors; a smaller picture, down to
             half the width; every second frame, down to twelve per second; half of the colors, down to 63; finally
-            stronger reductions of all. The remaining room is used.
+            stronger reductions of all. The remaining room is used. Where a page is larger (None: than 5 MB), its
+            coordinates are rounded to 14 or 12 bits instead of 16.
         sidecar: whether to write the provenance also into a file beside the film, such as film.gif.json. There it
             contains the number of threads too, on which the film does not depend.
         progress: whether to show a progress bar; None: on a terminal or in a notebook, after one second.
@@ -181,7 +188,7 @@ def film(
     rate = writer.rate(found[0].fps, speed, units)
     shown = None if progress is None else flag(progress, "progress")
     with_bar, unit = flag(color_bar, "color_bar"), check_unit(time_unit, units)
-    repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving)
+    repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving, blends=writer.blends)
     _check_bytes(quality, max_bytes)
     sides = check_format(format, check_size(size), video=writer.video)
     colors = chosen_theme(theme, background)
@@ -194,7 +201,7 @@ def film(
             found, sides, style, camera, colors, heading, shown,
             labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
             inset=inset, credit=note, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
-            columns=columns, in_turn=in_turn,
+            columns=columns, in_turn=in_turn, captioned=writer.captioned,
         ) as renderer:  # fmt: skip
             job = FilmJob(renderer, rate, max_bytes, lambda: metadata(found), shown, repeat)
             written = write_film(writer, job, target)

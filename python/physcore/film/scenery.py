@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import cast
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from physcore.film.colors.themes import Theme
 from physcore.film.looks import look_of
 from physcore.film.looks.base import SHADING, Look, Scenery, corners, disc
 from physcore.film.looks.box import draw_edges
+from physcore.film.page.tape import Tape
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
 
@@ -73,6 +75,16 @@ def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: 
         _domain(canvas, view, theme, scenery, front=True)
         for center in _centers(scene):
             disc(canvas, view, center, 0.0, theme.edge, extra=3.0, shading=SHADING)
+
+
+def record(tape: Tape, scene: Scene, view: View, theme: Theme, scenery: Scenery) -> None:
+    """Put all scenery on the tape of a page."""
+    canvas = cast("Canvas", tape)
+    for look in _looks(scene):
+        look.record(tape, view, theme, scenery)
+    _domain(canvas, view, theme, scenery, front=False)
+    for center in _centers(scene):
+        disc(canvas, view, center, 0.0, theme.edge, extra=3.0, shading=0.0 if view.flat else SHADING)
 
 
 def _looks(scene: Scene) -> Iterator[Look]:

@@ -15,6 +15,8 @@ from physcore.checks import FloatArray, number, span, vector, written
 from physcore.errors import SceneError
 
 PixelArray = NDArray[np.float32]
+FOG = 0.2
+"""Share of the background in the color of the farthest objects in 3D."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,8 @@ class View:
     """Half the depth of the whole motion [m]."""
     lens: float = 0.0
     """The diameter of the lens [m]."""
+    turnable: bool = False
+    """Whether the viewer of a page turns it: then objects do not fade with distance, and all have a finite depth."""
 
     @property
     def flat(self) -> bool:
@@ -149,8 +153,15 @@ class View:
 
     def farness(self, depth: PixelArray) -> PixelArray:
         """Depths as fractions: 0 at the nearest point of the whole motion, 1 at the farthest."""
+        if self.turnable:
+            return np.zeros_like(depth)
         fractions: PixelArray = np.clip(0.5 + 0.5 * depth / np.float32(self.reach), 0.0, 1.0)
         return fractions
+
+    @property
+    def fog(self) -> tuple[float, float]:
+        """Half the depth of the whole motion [m], and the share of the background in the farthest colors."""
+        return self.reach, 0.0 if self.turnable else FOG
 
     @property
     def blur(self) -> float:

@@ -8,9 +8,10 @@ import numpy as np
 
 from physcore._core import Canvas
 from physcore.checks import FloatArray
+from physcore.film.camera.view import FOG
 from physcore.film.colors.themes import Theme
 from physcore.film.styles import Painter
-from physcore.film.styles.base import FOG, SHADING
+from physcore.film.styles.base import SHADING
 
 PITCH = 6
 """Distance between samples [pixels]. Each sample has edges, where colors mix with the background."""

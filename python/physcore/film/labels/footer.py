@@ -35,6 +35,8 @@ SMALL = 0.8
 """Height of the credit, in heights of the text."""
 THICK = 0.5
 """Thickness of a color bar, in heights of the text."""
+WIDE = 1_000_000
+"""Width of a line that is not wrapped [pixels]."""
 MARK = "●"
 """Marker before each name of the legend, in the color of its body."""
 
@@ -130,6 +132,17 @@ class Footer:
         own, common = self._lines(text, width, [0.0] * len(self._facts), self._clock.times[0])
         count = len(self._names(text, width)) + max(map(len, own)) + bool(common or self._bars)
         return round(LINE * text * count) + self._credit_height(text)
+
+    def line(self, time: float, energies: Sequence[Energy | None]) -> str:
+        """All labels of a frame at a time [s] in one line. Every frame must be asked for once, in order."""
+        errors = [0.0 if now is None else drift.add(now) for drift, now in zip(self._drifts, energies, strict=True)]
+        own, common = self._lines(1, WIDE, errors, time)
+        return GAP.join(filter(None, [common, *(piece for lines in own for piece in lines)]))
+
+    @property
+    def parts(self) -> tuple[Sequence[Bar], Sequence[tuple[str, Color]], str]:
+        """The color bars, the names of the legend with their colors, and the credit."""
+        return self._bars, self._legend, self._credit
 
     def draw(
         self,

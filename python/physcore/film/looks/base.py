@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from physcore._core import Canvas
 from physcore.checks import FloatArray
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.themes import Color, Theme, mixed
+from physcore.film.page.tape import Tape
 from physcore.scene.periodic import Periodic
 
 SHADING = 0.9
@@ -57,6 +58,14 @@ class Look:
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
         """Queue the parts that can hide moving objects and be hidden by them."""
+
+    def record(self, tape: Tape, view: View, theme: Theme, scenery: Scenery) -> None:
+        """Put all parts on the tape of a page. A look whose drawing depends on the direction of view has a way of its
+        own.
+        """
+        canvas = cast("Canvas", tape)
+        self.draw_behind(canvas, view, theme, scenery)
+        self.draw_among(canvas, view, theme)
 
 
 def corners(lower: FloatArray, upper: FloatArray) -> FloatArray:

@@ -67,6 +67,11 @@ def draw_edges(
     bits = range(dimension) if along is None else [dimension - 1 - axis for axis in along]
     pairs = [(i, i | 1 << bit) for i in range(count) for bit in bits if not i & 1 << bit]
     pixels, depth, _ = view.project(points)
+    if view.turnable and depth is not None:  # which edges are in front changes: they have their own depths
+        ends = np.array(pairs[: 0 if front else None], dtype=int).reshape(-1, 2)
+        flat, ink = pixels[ends].reshape(-1, 4), np.tile(np.array([*theme.edge, 255], dtype=np.uint8), (len(ends), 1))
+        canvas.lines(flat, np.full(len(ends), 0.8 if thin else 1.3, dtype=np.float32), ink, depth[ends])
+        return
     if depth is None:
         lines(canvas, pixels[np.array(pairs)], theme.edge, 1.0 if thin else 2.0)
         return

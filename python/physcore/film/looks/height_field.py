@@ -12,7 +12,8 @@ from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import Look, Scenery, corners, lines
-from physcore.film.looks.solid import draw_facets
+from physcore.film.looks.solid import draw_facets, record_facets
+from physcore.film.page.tape import Tape
 
 SKIRT = 0.04
 """Depth of the sides below the lowest node, relative to the width."""
@@ -58,6 +59,13 @@ class HeightFieldLook(Look):
         """Queue the surface in 3D."""
         if not view.flat:
             draw_facets(canvas, view, theme, self.triangles, self.normals)
+
+    def record(self, tape: Tape, view: View, theme: Theme, scenery: Scenery) -> None:
+        """Put the ground, or the whole surface, on a tape."""
+        if view.flat:
+            super().record(tape, view, theme, scenery)
+        else:
+            record_facets(tape, theme, self.triangles, self.normals)
 
 
 def _landscape(nodes: FloatArray, base: float) -> tuple[FloatArray, FloatArray]:

@@ -16,6 +16,7 @@ from physcore.film.camera.view import View
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import Look, Scenery, lines
+from physcore.film.page.tape import Tape
 
 ARC = 24
 """Segments of a semicircle in 2D."""
@@ -63,6 +64,13 @@ class SolidLook(Look):
         if view.flat:
             return
         draw_facets(canvas, view, theme, *(self._rounded(view) if self.radius else self._facets()))
+
+    def record(self, tape: Tape, view: View, theme: Theme, scenery: Scenery) -> None:
+        """Put the polygon, or the whole surface, on a tape."""
+        if view.flat:
+            super().record(tape, view, theme, scenery)
+        else:
+            record_facets(tape, theme, *(self._rounded(view) if self.radius else self._facets()))
 
     def _outline(self) -> FloatArray:
         """The corners of the polygon in 2D (N, 2), counterclockwise."""
@@ -122,6 +130,14 @@ class SolidLook(Look):
             )
 
         return triangles(places), triangles(normals)
+
+
+def record_facets(tape: Tape, theme: Theme, corners: FloatArray, normals: FloatArray) -> None:
+    """Put triangles (T, 3, 3) with `normals` per corner on a tape, in the color of solids."""
+    points = corners.reshape(-1, 3)
+    order, color = np.arange(len(points)).reshape(-1, 3), np.array([theme.solid], dtype=float)
+    place = np.zeros((1, 3)), np.eye(3)[np.newaxis]
+    tape.solids(points, normals.reshape(-1, 3), np.ones(len(points)), order, *place, color)
 
 
 def draw_facets(canvas: Canvas, view: View, theme: Theme, corners: FloatArray, normals: FloatArray) -> None:

@@ -13,6 +13,8 @@ from physcore.film.camera.view import View
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import SHADING, Look, Scenery, disc, lines
+from physcore.film.page.tape import Tape
+from physcore.film.shapes.spatial import ball
 
 MERIDIANS = 12
 SEGMENTS = 48
@@ -40,6 +42,21 @@ class SphereLook(Look):
         if not view.flat and not self.inside:
             disc(canvas, view, self.center, self.radius, theme.solid, shading=SHADING)
 
+    def record(self, tape: Tape, view: View, theme: Theme, scenery: Scenery) -> None:
+        """Put the sphere on a tape; a bowl as its inside, of which the near half is never seen, with its curves."""
+        if view.flat or not self.inside:
+            super().record(tape, view, theme, scenery)
+            return
+        inside, place = ball(self.radius, 0.0, view.scale, (1.0, 1.0)), (self.center[np.newaxis], np.eye(3)[np.newaxis])
+        color, around = np.array([theme.surface], dtype=float), inside.triangles[:, ::-1]
+        tape.solids(inside.points, -inside.normals, inside.tones, around, *place, color)
+        for curve in _curves():
+            pixels, depth, _ = view.project(self.center + 0.997 * self.radius * curve)  # in front of the surface
+            assert depth is not None  # views in 3D have depths
+            ends, both = np.concatenate([pixels[:-1], pixels[1:]], axis=1), np.stack([depth[:-1], depth[1:]], axis=1)
+            ink = np.tile(np.array([*theme.edge, 90], dtype=np.uint8), (len(ends), 1))
+            tape.lines(ends, np.full(len(ends), 1.0, dtype=np.float32), ink, both)
+
     def _circle(self, canvas: Canvas, view: View, theme: Theme) -> None:
         """Draw a solid disc, or a ring around a hollow one."""
         inner = theme.background if self.inside else theme.surface
@@ -52,16 +69,8 @@ class SphereLook(Look):
         disc(canvas, view, center, radius, theme.edge, extra=1.0)
         canvas.paint()
         self._hollow(canvas, view, theme)
-        turn = np.linspace(0.0, 2.0 * np.pi, SEGMENTS + 1)
-        curves = []
-        for latitude in np.radians([-60.0, -30.0, 0.0, 30.0, 60.0]):
-            ring = np.stack([np.cos(turn), np.sin(turn), np.full_like(turn, np.tan(latitude))], axis=1)
-            curves.append(np.cos(latitude) * ring)
-        for longitude in np.arange(MERIDIANS // 2) * (2.0 * np.pi / MERIDIANS):
-            level = np.array([np.cos(longitude), np.sin(longitude), 0.0])
-            curves.append(np.cos(turn)[:, np.newaxis] * level + np.sin(turn)[:, np.newaxis] * np.array([0.0, 0.0, 1.0]))
         eye = view.axes[2]
-        for curve in curves:
+        for curve in _curves():
             pixels = view.project(center + radius * curve)[0]
             behind = (curve[:-1] + curve[1:]) @ eye < 0.0
             lines(canvas, np.stack([pixels[:-1], pixels[1:]], axis=1)[behind], theme.edge, 1.0, alpha=70)
@@ -85,3 +94,15 @@ class SphereLook(Look):
             np.ascontiguousarray(inks[faces].reshape(-1, 12)),
             np.ascontiguousarray(depth[faces]),
         )
+
+
+def _curves() -> list[FloatArray]:
+    """The parallels and meridians of a unit sphere, each (K, 3)."""
+    turn, curves = np.linspace(0.0, 2.0 * np.pi, SEGMENTS + 1), []
+    for latitude in np.radians([-60.0, -30.0, 0.0, 30.0, 60.0]):
+        ring = np.stack([np.cos(turn), np.sin(turn), np.full_like(turn, np.tan(latitude))], axis=1)
+        curves.append(np.cos(latitude) * ring)
+    for longitude in np.arange(MERIDIANS // 2) * (2.0 * np.pi / MERIDIANS):
+        level = np.array([np.cos(longitude), np.sin(longitude), 0.0])
+        curves.append(np.cos(turn)[:, np.newaxis] * level + np.sin(turn)[:, np.newaxis] * np.array([0.0, 0.0, 1.0]))
+    return curves

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from physcore._core import Canvas
 from physcore.checks import BoolArray, FloatArray, IntArray, number, shown
 from physcore.errors import SceneError
-from physcore.film.camera.view import PixelArray, View
+from physcore.film.camera.view import FOG, PixelArray, View
 from physcore.film.colors.colormaps import WHOLE, ColormapName, sequential
 from physcore.film.colors.themes import Color, Theme
+from physcore.film.page.tape import Tape
 from physcore.scene.bodies import Body
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
@@ -28,8 +29,6 @@ from physcore.simulation.sources import Source, SourceFrame
 InkArray = NDArray[np.uint8]
 """Red, green, blue and opacity, 0–255, shape (N, 4)."""
 
-FOG = 0.2
-"""Share of the background in the color of the farthest objects in 3D."""
 SHADING = 0.85
 """Strength of the lighting of balls."""
 SHOWN = 16
@@ -303,6 +302,15 @@ class Painter(ABC):
     @abstractmethod
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Draw or queue the bodies in a panel of `pixels` pixels."""
+
+    def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Put the bodies on the tape of a page, as `paint` draws them. A painter of surfaces in 3D has a way of its
+        own, because `paint` leaves out what the camera does not see.
+
+        Raises:
+            SceneError: a page cannot show this.
+        """
+        self.paint(cast("Canvas", tape), frame, view, pixels)
 
 
 def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Body | System | str, ...] | None:

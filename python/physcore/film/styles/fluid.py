@@ -14,7 +14,7 @@ from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import WHOLE, ColormapName, ramp
 from physcore.film.colors.themes import Theme, mixed
-from physcore.film.styles.base import FOG, SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places
+from physcore.film.styles.base import SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places
 from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.typical import Typical
 from physcore.scene import fluid
@@ -183,7 +183,7 @@ class FluidPainter(Painter):
             ink[:, 3] = round(255 * self._opacity)
             return ink
         values, least = self._values(frame), -self.top if self._style.color == "density" else 0.0
-        ink = tint(values, (least, self.top), self._table, self._theme.background, depth, (view.reach, FOG))
+        ink = tint(values, (least, self.top), self._table, self._theme.background, depth, view.fog)
         foam = np.zeros(len(values))
         if self._style.color == "speed":
             foam = np.clip((values / self.top - FOAM) / (1.0 - FOAM), 0.0, 1.0)

@@ -17,6 +17,7 @@ from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, ramp, sequ
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners, lines
 from physcore.film.looks.box import draw_edges
+from physcore.film.page.tape import Tape, opaque
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.typical import TYPICAL, Range, Typical
 from physcore.scene.grid import GridSystem
@@ -40,6 +41,10 @@ SLICES = 24
 DETAIL = 3
 """Pixels of a slice per cell and side; the picture has at most LARGEST along a side."""
 LARGEST = 1024
+LEVELS = 255
+"""Number of values of a field on a page, an odd one: zero is in the middle of a scale with both signs."""
+MOST = 320
+"""Largest number of cells along a side of a field on a page."""
 
 
 @dataclass(frozen=True)
@@ -140,6 +145,16 @@ class GridPainter(Painter):
         if values.any():
             self.top = self._typical.add(np.abs(values).ravel())
 
+    def _paint_edges(self, canvas: Canvas, view: View) -> None:
+        """Queue the sides of the grid that are shut."""
+        ends = np.array([self._grid.origin, self._grid.upper])
+        (left, bottom), (right, top) = view.project(ends)[0].astype(float).tolist()
+        box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
+                        [left, top, right, top]], dtype=np.float32)  # fmt: skip
+        shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
+        if len(shut):
+            lines(canvas, shut, self._theme.edge, 1.0)
+
 
 class FieldPainter(GridPainter):
     """Painter of a field as a color map, with its walls and edges."""
@@ -225,6 +240,31 @@ class FieldPainter(GridPainter):
         else:
             self._paint_slice(canvas, self.values(frame), view)
 
+    def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Put the values on a tape: all of them in 2D, the slice in 3D."""
+        del pixels
+        values, walls, style = self.values(frame), self._walls, self._style
+        low, high = np.array(self._grid.origin), np.array(self._grid.upper)
+        outline, canvas = corners(low, high)[[0, 2, 3, 1]], cast("Canvas", tape)
+        if not view.flat:
+            middle = values.shape[1] // 2
+            values, walls = values[:, middle], None if walls is None else walls[:, middle]
+            outline = corners(low, high)[[0, 4, 5, 1]] * (1.0, 0.0, 1.0) + 0.5 * (low + high) * (0.0, 1.0, 0.0)
+        first, last = self.ends
+        shares = np.nan_to_num((coarser(values) - first) / (last - first), nan=0.5)
+        levels = np.linspace(0.0, len(self._colors) - 1.0, LEVELS).round().astype(int)
+        tape.grid(
+            np.round(np.clip(shares, 0.0, 1.0) * (LEVELS - 1)).astype(np.uint8), outline,
+            table=opaque(self._colors[levels]), contours=(style.contours or 0) * (2 if self.signed else 1),
+            ink=[*self._theme.text], relief=style.relief, zero=-first / (last - first),
+            walls=None if walls is None else np.round(255.0 * coarser(walls)).astype(np.uint8).T,
+            wall=[*mixed(self._theme.solid, self._theme.background, 0.35)],
+        )  # fmt: skip
+        if not view.flat:
+            draw_edges(canvas, low, high, view, self._theme, front=False, thin=True)
+        else:
+            self._paint_edges(canvas, view)
+
     def _picture(
         self,
         values: FloatArray,
@@ -262,11 +302,7 @@ class FieldPainter(GridPainter):
         corner = (first + 0.5 - left) * cells - 0.5, (bottom - upper - 0.5) * cells - 0.5
         size = last - first, lower - upper
         canvas.picture(self._picture(values, self._walls, size, corner, cells), first, upper)
-        box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
-                        [left, top, right, top]], dtype=np.float32)  # fmt: skip
-        shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
-        if len(shut):
-            lines(canvas, shut, self._theme.edge, 1.0)
+        self._paint_edges(canvas, view)
 
     def _paint_slice(self, canvas: Canvas, values: FloatArray, view: View) -> None:
         """Queue the values in the middle of y, as a picture on a rectangle in 3D."""
@@ -294,3 +330,14 @@ class FieldPainter(GridPainter):
             np.stack([u, v], -1).reshape(-1, 2)[faces].reshape(-1, 6).astype(np.float32),
         )
         draw_edges(canvas, low, high, view, self._theme, front=True, thin=True)
+
+
+def coarser(values: FloatArray) -> FloatArray:
+    """The values (nx, ny) of a grid; means of blocks if there are more than MOST along a side."""
+    size = -(-max(values.shape) // MOST)
+    if size == 1:
+        return values
+    padded = np.pad(values, [(0, -count % size) for count in values.shape], mode="edge")
+    blocks = padded.reshape(padded.shape[0] // size, size, padded.shape[1] // size, size)
+    means: FloatArray = blocks.mean(axis=(1, 3))
+    return means

@@ -246,7 +246,7 @@ class JointMarks:
         if near is None or far is None:
             canvas.lines(lines, widths, ink)
         elif len(lines):
-            canvas.lines(*divided(lines, widths, ink, near, far - near))
+            canvas.lines(*divided(lines, widths, ink, near, far - near, whole=view.turnable))
 
 
 def pin_radius(pixels: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal, get_args
+from typing import ClassVar, Literal, cast, get_args
 
 import numpy as np
 
@@ -14,10 +14,11 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import STEPS
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import corners, lines
+from physcore.film.looks.base import corners
+from physcore.film.page.tape import Tape, opaque
 from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
-from physcore.film.styles.grid_field import GridPainter
+from physcore.film.styles.grid_field import LEVELS, GridPainter, coarser
 from physcore.scene.system import System
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -131,11 +132,24 @@ class PhasePainter(GridPainter):
             for count, places, closed in zip(self._grid.cells, along, self._grid.periodic, strict=True)
         ]
         canvas.picture(self._picture(frame.fields[self._field], weights), int(x[0]), int(y[0]))
-        box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
-                        [left, top, right, top]], dtype=np.float32)  # fmt: skip
-        shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
-        if len(shut):
-            lines(canvas, shut, self._theme.edge, 1.0)
+        self._paint_edges(canvas, view)
+
+    def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Put the real and the imaginary part on a tape."""
+        del pixels
+        top, parts = math.sqrt(self.top or 1.0), frame.fields[self._field]
+        levels = [
+            np.round((0.5 + 0.5 * np.clip(coarser(parts[..., index]) / top, -1.0, 1.0)) * (LEVELS - 1)).astype(np.uint8)
+            for index in (0, 1)
+        ]
+        potential = None if self._potential is None else np.clip(coarser(self._potential), 0.0, 1.0)
+        tape.phase(
+            levels, corners(np.array(self._grid.origin), np.array(self._grid.upper))[[0, 2, 3, 1]],
+            table=opaque(np.round(self._table).astype(np.uint8)), colors=len(self._table), soft=SOFT, faint=FAINT,
+            walls=None if potential is None else np.round(255.0 * potential).astype(np.uint8).T,
+            wall=[*self._theme.text],
+        )  # fmt: skip
+        self._paint_edges(cast("Canvas", tape), view)
 
     def _picture(self, parts: FloatArray, weights: list[FloatArray]) -> np.ndarray:
         """The pixels (H, W, 3), from the real and the imaginary part and the interpolation weights along each axis."""

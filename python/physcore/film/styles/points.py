@@ -18,7 +18,6 @@ from physcore.film.colors.colormaps import WHOLE, ColormapName, ramp
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
     BRIGHT,
-    FOG,
     SHADING,
     BodyStyle,
     InkArray,
@@ -264,7 +263,7 @@ class PointsPainter(Painter):
         if colors is not None:
             return inks(colors, self._theme, None if depth is None else view.farness(depth))
         assert fraction is not None
-        return tint(fraction, (0.0, 1.0), self._table, self._theme.background, depth, (view.reach, FOG))
+        return tint(fraction, (0.0, 1.0), self._table, self._theme.background, depth, view.fog)
 
     def _chosen(self, pixels: float) -> float:
         """The radius of particles without one [pixels]."""

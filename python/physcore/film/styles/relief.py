@@ -16,6 +16,7 @@ from physcore.film.colors.colormaps import STEPS, WHOLE, ColormapName, look_up, 
 from physcore.film.colors.light import LAMP
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners
+from physcore.film.page.tape import Tape
 from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
 from physcore.film.styles.grid_field import LOUDEST, NEVER, GridPainter
@@ -161,9 +162,8 @@ class ReliefPainter(GridPainter):
         heights = self._heights(frame)
         places = np.concatenate([self._plane, heights[..., np.newaxis]], axis=-1).reshape(-1, 3)
         light, gloss = self._light(heights, view)
-        share = 0.5 + 0.5 * heights / self._height if self.signed else heights / self._height
-        colors = np.where(self._is_solid[..., np.newaxis], self._solid, look_up(self._table, np.clip(share, 0.0, 1.0)))
-        colors = colors * light[..., np.newaxis] + 255.0 * gloss[..., np.newaxis] * ~self._is_solid[..., np.newaxis]
+        shine = 255.0 * (gloss * ~self._is_solid)[..., np.newaxis]
+        colors = self._colors(heights) * light[..., np.newaxis] + shine
         self._add(canvas, view, places, colors.reshape(-1, 3), self._faces)
         for side in self._sides:
             edge = places[side]
@@ -171,8 +171,31 @@ class ReliefPainter(GridPainter):
             if outward @ view.axes[2] > 0.0:
                 self._add_side(canvas, view, edge, colors.reshape(-1, 3)[side])
 
+    def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Put the surface and all sides of the block on a tape; the page lights them."""
+        del view, pixels
+        heights = self._heights(frame)
+        places = np.concatenate([self._plane, heights[..., np.newaxis]], axis=-1).reshape(-1, 3)
+        colors = self._colors(heights).reshape(-1, 3)
+        tape.surface(places, self._faces, colors, closed=False, back=None)
+        for side in self._sides:
+            points, shades, faces = self._side(places[side], colors[side])
+            tape.surface(points, faces, shades, closed=True, back=None)
+
+    def _colors(self, heights: FloatArray) -> FloatArray:
+        """The colors at the nodes of the mesh, without light."""
+        share = 0.5 + 0.5 * heights / self._height if self.signed else heights / self._height
+        scale = look_up(self._table, np.clip(share, 0.0, 1.0))
+        colors: FloatArray = np.where(self._is_solid[..., np.newaxis], self._solid, scale)
+        return colors
+
     def _add_side(self, canvas: Canvas, view: View, edge: FloatArray, colors: FloatArray) -> None:
         """Queue a side of the block, from an edge of its surface down."""
+        points, shades, faces = self._side(edge, colors)
+        self._add(canvas, view, points, shades, faces)
+
+    def _side(self, edge: FloatArray, colors: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
+        """A side of the block, below an edge (N, 3) of the surface with colors (N, 3): points, colors, triangles."""
         count = len(edge)
         feet = edge.copy()
         feet[:, 2] = self._floor
@@ -183,7 +206,7 @@ class ReliefPainter(GridPainter):
         )
         background = np.array(self._theme.background, dtype=float)
         shades = np.concatenate([SHADE * colors + 0.1 * background, 0.35 * SHADE * colors + 0.6 * background])
-        self._add(canvas, view, np.concatenate([edge, feet]), shades, faces)
+        return np.concatenate([edge, feet]), shades, faces
 
     def _add(self, canvas: Canvas, view: View, places: FloatArray, colors: FloatArray, faces: IntArray) -> None:
         """Queue triangles between points (N, 3), with a color (N, 3) at each."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, cast
 
@@ -16,6 +16,7 @@ from physcore.film.camera.view import View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import WHOLE, ColormapName, look_up, ramp, varied
 from physcore.film.colors.themes import Theme
+from physcore.film.page.tape import Tape
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale
 from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.joints import JointMarks, pin_radius
@@ -215,9 +216,25 @@ class SolidsPainter(Painter):
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Queue the bodies and their joints."""
+        self._joints.paint_behind(canvas, frame, view, pixels)
+        for solids, places, turns, colors, plain in self._placed(frame):
+            solids.paint(canvas, view, places, turns, colors, plain=plain)
+        self._joints.paint(canvas, frame, view, pixels)
+
+    def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Put the bodies and their joints on a tape."""
+        canvas = cast("Canvas", tape)
+        self._joints.paint_behind(canvas, frame, view, pixels)
+        for solids, places, turns, colors, plain in self._placed(frame):
+            solids.record(tape, view, places, turns, colors, plain=plain)
+        self._joints.paint(canvas, frame, view, pixels)
+
+    def _placed(
+        self, frame: SourceFrame
+    ) -> Iterator[tuple[PlanarSolids | SpatialSolids, FloatArray, FloatArray, FloatArray, bool]]:
+        """The bodies of each shape: places, turns, colors, and whether they look like boundaries, which come first."""
         colors, positions, turns = self._colors(frame), self._at("rigid_positions", frame), self._at(self._turns, frame)
         seen = np.asarray(np.isfinite(positions).all(axis=1))
-        self._joints.paint_behind(canvas, frame, view, pixels)
         for plain in (True, False):
             for group in self._groups:
                 index = group.index[seen[group.index] & (self._plain[group.index] == plain)]
@@ -226,8 +243,7 @@ class SolidsPainter(Painter):
                     places, origins = images(self.domain, places, group.solids.reach)
                     index = index[origins]
                 if len(index):
-                    group.solids.paint(canvas, view, places, turns[index], colors[index], plain=plain)
-        self._joints.paint(canvas, frame, view, pixels)
+                    yield group.solids, places, turns[index], colors[index], plain
 
     def _colors(self, frame: SourceFrame) -> FloatArray:
         """The colors of all bodies (N, 3)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from physcore._core import Canvas
@@ -9,6 +11,7 @@ from physcore.checks import FloatArray, IntArray
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import varied
 from physcore.film.colors.themes import Theme
+from physcore.film.page.tape import Tape
 from physcore.film.shapes.planar import Core, Face, cores_of, face_of, reach_of
 from physcore.film.styles.base import inks
 from physcore.scene.rotations import planar_rotations
@@ -79,6 +82,12 @@ class PlanarSolids:
                 canvas.lines(np.ascontiguousarray(ends), np.full(len(ends), width, dtype=np.float32), ink)
         if marked and reach <= SMALL:
             self._paint_spokes(canvas, view, *places, mark)
+
+    def record(
+        self, tape: Tape, view: View, positions: FloatArray, turns: FloatArray, colors: FloatArray, *, plain: bool
+    ) -> None:
+        """Put the bodies on a tape, as they are painted."""
+        self.paint(cast("Canvas", tape), view, positions, turns, colors, plain=plain)
 
     def _face(self, scale: float) -> Face:
         """The face at a scale [pixels/m], which is kept for the next frame."""

@@ -9,6 +9,7 @@ from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
+from physcore.film.page.tape import Tape
 from physcore.film.shapes.spatial import Mesh, core_of, mesh_of
 from physcore.film.styles.base import SHADING, inks
 from physcore.scene.rotations import spatial_rotations
@@ -77,6 +78,14 @@ class SpatialSolids:
             ink.reshape(-1, 12),
             np.ascontiguousarray(depth[corners]),
         )
+
+    def record(
+        self, tape: Tape, view: View, positions: FloatArray, turns: FloatArray, colors: FloatArray, *, plain: bool
+    ) -> None:
+        """Put the bodies on a tape, as one mesh with their places; arguments as of `paint`."""
+        mesh = self._mesh(view.scale)
+        tones = np.ones_like(mesh.tones) if plain else mesh.tones
+        tape.solids(mesh.points, mesh.normals, tones, mesh.triangles, positions, spatial_rotations(turns), colors)
 
     def _mesh(self, scale: float) -> Mesh:
         """The mesh for a scale [pixels/m], which is kept while the scale changes little."""

@@ -181,7 +181,7 @@ class StrainPainter(Painter):
             canvas.lines(lines, widths[whole], ink[whole])
         else:
             steps = (2.0 * (between - depth[first]))[whole]
-            canvas.lines(*divided(lines, widths[whole], ink[whole], depth[first][whole], steps))
+            canvas.lines(*divided(lines, widths[whole], ink[whole], depth[first][whole], steps, whole=view.turnable))
         self._paint_nodes(canvas, frame, view, own)
         pins = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(self._fixed), 1))
         radius = np.minimum(PIN, 0.6 + 0.7 * float(np.median(widths)))
@@ -291,7 +291,13 @@ def covered(pairs: IntArray, rest_length: FloatArray) -> BoolArray:
 
 
 def divided(
-    lines: PixelArray, widths: PixelArray, ink: InkArray, depths: PixelArray, steps: PixelArray
+    lines: PixelArray,
+    widths: PixelArray,
+    ink: InkArray,
+    depths: PixelArray,
+    steps: PixelArray,
+    *,
+    whole: bool = False,
 ) -> tuple[PixelArray, PixelArray, InkArray, PixelArray]:
     """Cut lines (M, 4) in 3D into parts that are sorted by depth separately. Returns the ends, widths, inks and depths.
 
@@ -299,7 +305,10 @@ def divided(
         lines, widths, ink: as for `Canvas.lines`.
         depths: depths of the first ends (M,) [m].
         steps: differences of depth from the first to the second ends (M,) [m].
+        whole: whether lines are not cut.
     """
+    if whole:
+        return lines, widths, ink, np.stack([depths, depths + steps], axis=1)
     lengths = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
     counts = np.clip(np.ceil(np.nan_to_num(lengths) / LONG), 1, 64).astype(np.intp)
     index = np.repeat(np.arange(len(lines)), counts)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, cast
 
 import numpy as np
@@ -17,6 +18,7 @@ from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticl
 from physcore.film.colors.colormaps import WHOLE, ColormapName, diverging, look_up, ramp
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Color, Theme, color
+from physcore.film.page.tape import Tape
 from physcore.film.shapes.creases import around, corner_normals, face_normals
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight
 from physcore.film.styles.coloring import Coloring, checked
@@ -159,7 +161,7 @@ class SurfacePainter(Painter):
         self._coloring = None if self._by_strain else Coloring(chosen, table, "Surface.color", source, parts, theme)
         everywhere = np.zeros((count, 2), dtype=np.float32)
         everywhere[self._where] = np.concatenate(spots)
-        self._spots = everywhere[self._faces].reshape(-1, 6)
+        self._everywhere, self._spots = everywhere, everywhere[self._faces].reshape(-1, 6)
         self.top, self._typical = style.range or NEVER, Typical()
         if self._coloring is not None:
             self.low, self.top = self._coloring.low, self._coloring.top
@@ -214,12 +216,9 @@ class SurfacePainter(Painter):
         far = None if farness is None else farness[faces].ravel()
         inked = inks(np.clip(colors, 0.0, 255.0), self._theme, far).reshape(-1, 12)
         # The inside of a closed surface is not visible.
-        shown = np.ones(len(faces), dtype=np.bool_) if view.flat else ~(self._closed & away[::3])
-        if self._sides is not None:
-            shown &= intact(frame, self._sides).all(axis=1)
-        if self._domain is not None:
-            # A triangle across a face of the domain would be drawn across the whole picture.
-            shown &= straight(self._domain, np.diff(frame.positions[faces[:, [0, 1, 2, 0]]], axis=1)).all(axis=1)
+        shown = self._whole(frame)
+        if not view.flat:
+            shown &= ~(self._closed & away[::3])
         if not shown.all():
             faces, spots, inked = faces[shown], spots[shown], inked[shown]
         canvas.triangles(
@@ -232,6 +231,47 @@ class SurfacePainter(Painter):
         if self._thickness.any() and not view.flat:
             rim = inks(np.clip(RIM * self._colors(frame), 0.0, 255.0), self._theme, farness)
             paint_rim(canvas, frame.positions, faces, self._thickness, rim, view)
+
+    def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Put the triangles on a tape; the page lights them."""
+        del pixels
+        shown, (faces, points) = self._whole(frame), self._parts
+        picture = self._style.texture if isinstance(self._style.texture, Picture) else None
+        spots = self._everywhere[points]
+        places, colors = frame.positions[points], self._colors(frame)[points]
+        for closed in (False, True):
+            chosen = self._closed == closed
+            if chosen.any():
+                tape.surface(
+                    places, faces[shown & chosen], colors, closed=closed, back=self._back,
+                    texture=None if picture is None else (picture.pixels, spots),
+                )  # fmt: skip
+
+    @cached_property
+    def _parts(self) -> tuple[IntArray, IntArray]:
+        """The triangles (T, 3) with points of their own on each side of a sharp edge, and the particles of these."""
+        corners = self._faces.ravel()
+        if self._around is None:
+            points, index = np.unique(corners, return_inverse=True)
+        else:
+            ends = np.flatnonzero(np.diff(self._around[0])) + 1
+            faces = [each.tobytes() for each in np.split(self._around[1], ends)]
+            known: dict[tuple[int, bytes], int] = {}
+            keys = zip(corners.tolist(), faces, strict=True)
+            index = np.array([known.setdefault(key, len(known)) for key in keys])
+            points = np.array([corner for corner, _ in known])
+        return index.reshape(-1, 3), points
+
+    def _whole(self, frame: SourceFrame) -> BoolArray:
+        """Whether each triangle has no broken side, and does not cross a face of the domain."""
+        shown = np.ones(len(self._faces), dtype=np.bool_)
+        if self._sides is not None:
+            shown &= intact(frame, self._sides).all(axis=1)
+        if self._domain is not None:
+            # A triangle across a face of the domain would be drawn across the whole picture.
+            around = self._faces[:, [0, 1, 2, 0]]
+            shown &= straight(self._domain, np.diff(frame.positions[around], axis=1)).all(axis=1)
+        return shown
 
     def _colors(self, frame: SourceFrame) -> FloatArray:
         if self._coloring is not None:

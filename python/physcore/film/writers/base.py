@@ -15,13 +15,15 @@ from physcore.checks import span
 from physcore.errors import SceneError, SceneWarning, warn
 from physcore.film.film_renderer import FilmRenderer
 from physcore.film.writers.loops import Repeat
-from physcore.markup import inline_image, inline_video
+from physcore.markup import inline_image, inline_page, inline_video
 from physcore.progress import Progress
 from physcore.storage.formats import Format
 from physcore.units.systems import SI, UnitSystem
 
 KINDS = {".gif": "gif", ".webp": "webp", ".apng": "apng", ".png": "png"}
 """Suffixes of films that a page shows as images, with their types; others are videos in MP4."""
+PAGE = ".html"
+"""Suffix of pages."""
 LONG = 2.0
 """Duration of a frame from which on a film in real time is warned of [s]."""
 
@@ -54,13 +56,16 @@ class Film:
     def _repr_html_(self) -> str:
         """HTML for notebooks: a description, and the film itself if it exists and has at most 3 MB."""
         words = f"<div>{escape(repr(self))}</div>"
-        kind = KINDS.get(self.path.suffix.lower())
+        suffix = self.path.suffix.lower()
+        kind = KINDS.get(suffix)
         if self.bytes > INLINE:
             return f'<a href="{escape(str(self.path))}">{words}</a>'
         try:
             content = self.path.read_bytes()
         except OSError:
             return words
+        if suffix == PAGE:
+            return inline_page(content.decode(), repr(self)) + words
         return (inline_video(content, repr(self)) if kind is None else inline_image(content, kind, repr(self))) + words
 
 
@@ -170,6 +175,10 @@ class Writer(Format, ABC):
     """Whether the compression is strong enough for large pictures."""
     moving: ClassVar[bool] = True
     """Whether the format has more than one frame."""
+    captioned: ClassVar[bool] = True
+    """Whether titles and labels are part of the picture."""
+    blends: ClassVar[bool] = True
+    """Whether two frames can be blended."""
 
     @abstractmethod
     def write(self, job: FilmJob, target: Path) -> Film:

@@ -44,8 +44,10 @@ class GifWriter(Writer):
         return Film(target, target.stat().st_size, size, job.count(cut.stride), rate, cut.colors)
 
     @staticmethod
-    def content(job: FilmJob) -> bytes:
-        """The bytes of a film, without a file."""
+    def content(job: FilmJob, cut: Cut | None = None) -> bytes:
+        """The bytes of a film, without a file; with a given reduction, or the one that fits."""
+        if cut is not None:
+            return _write(job, None, cut, None) or b""
         contents: list[bytes] = []
 
         def attempt(cut: Cut, limit: int | None) -> int:

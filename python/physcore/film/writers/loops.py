@@ -48,7 +48,7 @@ class Repeat:
         return min(math.ceil(BLEND * rate), math.floor(PART * drawn))
 
 
-def check_loop(loop: object, hold: object, name: str, longest: float, *, moving: bool) -> Repeat:
+def check_loop(loop: object, hold: object, name: str, longest: float, *, moving: bool, blends: bool = True) -> Repeat:
     """The requested transition.
 
     Args:
@@ -56,6 +56,7 @@ def check_loop(loop: object, hold: object, name: str, longest: float, *, moving:
         name: the name of the format in a sentence.
         longest: longest delay of a frame in this format [s].
         moving: whether the format has more than one frame.
+        blends: whether it can blend two frames.
 
     Raises:
         SceneError: there is no such loop, or the format does not support it.
@@ -66,6 +67,8 @@ def check_loop(loop: object, hold: object, name: str, longest: float, *, moving:
         if chosen is not None:
             raise SceneError(f"loop: needs more than one frame, and {name} has only the last; leave it out")
         return Repeat()
+    if chosen == "crossfade" and not blends:
+        raise SceneError(f"loop: {name} cannot blend the end into the start; give 'bounce', or leave it out")
     if seconds > longest / 2:
         raise SceneError(f"hold: must be at most {longest / 2:.0f} s in {name}, got {seconds:g}")
     if chosen == "crossfade" and seconds > 0.0:
