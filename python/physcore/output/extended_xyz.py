@@ -26,7 +26,7 @@ class ExtendedXyzWriter(TrajectoryWriter):
     are any. They are followed by density [kg/m³] and pressure [Pa] of fluids, and the index of the body. Rigid bodies
     are particles at their centers of mass; all particles then have an orientation, a unit quaternion in the order of
     OVITO (x, y, z, w), and an angular velocity [rad/s]. The comment
-    line has the time [s] and the energies [J]. If the scene has other units, the comment names them in "Units". Numbers
+    line has the time [s], the energies [J], and in "Units" the units, which are others if the scene has others. Numbers
     have all their digits.
     """
 
@@ -35,7 +35,7 @@ class ExtendedXyzWriter(TrajectoryWriter):
     def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames."""
         cell = _cell(job.domain)
-        own = "" if job.units.is_si else f' Units="{job.units.named}"'
+        own = f' Units="{job.units.named}"'
         with replacing(target) as file:
             for sample in job.samples():
                 columns, names = _columns(job, sample)

@@ -1,0 +1,57 @@
+"""Systems of units of programs for atoms, by the names that these programs give them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from physcore.errors import SceneError
+from physcore.spelling import did_you_mean
+from physcore.units import constants
+from physcore.units.systems import SI, UnitSystem, system
+
+ANGSTROM: Final = (1e-10, "Å")
+"""Ångström, as an argument of `system`."""
+CALORIE: Final = 4.184
+"""Thermochemical calorie [J], exact."""
+AVOGADRO: Final = 6.02214076e23
+"""Avogadro constant [1/mol], exact."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """Units of a program for atoms. Its unit of energy need not follow from the others."""
+
+    units: UnitSystem
+    """Units of length, time, mass and charge."""
+    energy: float
+    """Unit of energy [J]."""
+    energy_symbol: str
+    """Symbol of the unit of energy."""
+
+
+STYLES: Final[Mapping[str, Style]] = {
+    "si": Style(SI, 1.0, "J"),
+    "metal": Style(system(ANGSTROM, "ps", "u", "e"), constants.electron_volt, "eV"),
+    "real": Style(system(ANGSTROM, "fs", "u", "e"), 1e3 * CALORIE / AVOGADRO, "kcal/mol"),
+    "gromacs": Style(system("nm", "ps", "u", "e"), 1e3 / AVOGADRO, "kJ/mol"),
+}
+"""Units by name. "metal", "real" and "si" are those of LAMMPS.
+
+Source: A. P. Thompson et al., Comput. Phys. Commun. 271, 108171 (2022), and the LAMMPS manual, command `units`.
+"""
+
+
+def unit_system(value: object, path: str) -> UnitSystem:
+    """A system of units, given itself or by the name of a style.
+
+    Raises:
+        SceneError: it is neither.
+    """
+    if isinstance(value, UnitSystem):
+        return value
+    if isinstance(value, str) and value in STYLES:
+        return STYLES[value].units
+    names = ", ".join(map(repr, STYLES))
+    raise SceneError(f"{path}: must be {names} or pc.units.system(…), got {value!r}{did_you_mean(value, STYLES)}")
