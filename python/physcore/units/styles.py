@@ -43,6 +43,22 @@ Source: A. P. Thompson et al., Comput. Phys. Commun. 271, 108171 (2022), and the
 """
 
 
+ATOMS = ("metal", "real", "gromacs")
+"""Styles of programs for atoms."""
+
+
+def style_of(value: object, path: str) -> Style:
+    """The style of a name, or one of a system of units, whose unit of energy follows from the others.
+
+    Raises:
+        SceneError: the value is neither.
+    """
+    if isinstance(value, str) and value in STYLES:
+        return STYLES[value]
+    units = unit_system(value, path)
+    return Style(units, 1.0 if units.is_dimensionless else 1.0 / units.convert(1.0, "J"), units.symbol("J"))
+
+
 def unit_system(value: object, path: str) -> UnitSystem:
     """A system of units, given itself or by the name of a style.
 
