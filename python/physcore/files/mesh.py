@@ -305,6 +305,26 @@ class Mesh:
         )
 
     @entrance
+    def boundary(self, *, friction: float = 0.0, restitution: float = 1.0, name: str | None = None) -> RigidBody:
+        """Obstacle: the solid within the faces, which stays in its place.
+
+            rock = mesh.boundary(friction=0.4, restitution=0.2)
+            bowl = mesh.boundary()  # a mesh with an inner and an outer side holds water
+
+        It is a rigid body that is fixed. Particles, cloths, soft bodies, rigid bodies and fluids stay outside, by exact
+        distances from the faces. `recording[rock].force` has the force of fluids.
+
+        Args:
+            friction, restitution: as in RigidBody. With another body friction counts as √(μ₁ μ₂), of which a particle
+                takes that of the obstacle.
+            name: name of the body; None: that of the mesh.
+
+        Raises:
+            SceneError: the mesh is not closed, or a value is out of range.
+        """
+        return self.rigid_body(fixed=True, friction=friction, restitution=restitution, name=name)
+
+    @entrance
     def hull(self, *, restitution: float = 1.0, friction: float = 0.0, no_slip: bool = False) -> ConvexHull:
         """Obstacle: the convex hull of the vertices.
 
