@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -251,3 +253,21 @@ def test_an_unknown_species_is_refused(tmp_path):
     ase.io.write(tmp_path / "salt.gro", salt(), format="gromacs")
     with pytest.raises(pc.SceneError, match=r"of.species: must be one of \('Na', 'Cl'\)"):
         pc.read(tmp_path / "salt.gro").of("K")
+
+
+def test_atoms_are_particles_of_scenes_files_and_copies(tmp_path):
+    atoms = pc.Atoms(np.eye(3), ["O", "H", "H"], mass=[16.0, 1.0, 1.0], bonds=[[0, 1], [0, 2]], name="water")
+    scene = pc.Scene(atoms, pc.Gravity((0.0, 0.0, -1.0)))
+    recording = pc.simulate(scene, 0.1)
+    recording.save(tmp_path / "run.npz")
+    loaded = pc.load(tmp_path / "run.npz")
+    np.testing.assert_array_equal(loaded["water"].positions, recording[atoms].positions)
+    (kept,) = loaded.scene.bodies
+    assert type(kept) is pc.Particles
+    again = pickle.loads(pickle.dumps(atoms))
+    assert again.species == atoms.species
+    np.testing.assert_array_equal(again.bonds, atoms.bonds)
+    with pytest.raises(pc.SceneError, match=r"Atoms.species: must be 3 names"):
+        pc.Atoms(np.eye(3), ["O"])
+    with pytest.raises(pc.SceneError, match=r"Atoms.bonds\[0, 1\]: index 3 is outside"):
+        pc.Atoms(np.eye(3), "O", bonds=[[0, 3]])
