@@ -9,7 +9,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from physcore.checks import file_path, shown
+from physcore.checks import file_path, shown, text
 from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.files.mesh import Mesh
@@ -79,7 +79,7 @@ def read(
         PhyscoreError: a package is not installed.
     """
     named = file_path(path)
-    suffix = named.suffix.lower() if as_ is None else str(as_).lower()
+    suffix = (named.suffix if as_ is None else text(as_, "read.as_")).lower()
     reader = next((each for each in READERS if suffix in each.suffixes), None)
     if reader is None:
         known = [each for kind in READERS for each in kind.suffixes]

@@ -14,6 +14,7 @@ from physcore.boundaries.convex_hull import ConvexHull
 from physcore.checks import BoolArray, FloatArray, IntArray, array, frozen, number, span
 from physcore.entrance import entrance
 from physcore.errors import SceneError
+from physcore.files.faults import fault_of
 from physcore.files.filling import tetrahedra
 from physcore.scene.bodies import SpringNetwork, indices
 from physcore.scene.polytopes import MeshShape
@@ -90,27 +91,7 @@ class Mesh:
     @cached_property
     def fault(self) -> str | None:
         """The first place where the mesh is not closed, as a sentence; None if it is closed."""
-        edges = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-        both, first, inverse, counts = np.unique(
-            np.sort(edges, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
-        )
-        many, single = counts > 2, counts == 1
-        if many.any():
-            edge = int(np.argmax(many))
-            return f"{counts[edge]} faces meet at the edge {self._at(both[edge])}"
-        if single.any():
-            edge = int(np.argmax(single))
-            number = np.count_nonzero(single)
-            return f"it is open: {number} edges have one face only, the first {self._at(both[edge])}"
-        forward = np.bincount(inverse.ravel(), weights=edges[:, 0] < edges[:, 1], minlength=len(both))
-        same = forward != 1.0
-        if same.any():
-            edge = int(np.argmax(same))
-            return (
-                f"two faces pass the edge {self._at(both[edge])} in one direction, so that one of them is turned over"
-            )
-        del first
-        return None
+        return fault_of(self.vertices, self.faces)
 
     @cached_property
     def edges(self) -> IntArray:
@@ -402,11 +383,6 @@ class Mesh:
     def _called(self) -> str:
         """The name in messages."""
         return self.name or "the mesh"
-
-    def _at(self, edge: IntArray) -> str:
-        """An edge in messages: its vertices and its middle."""
-        middle = self.vertices[edge].mean(axis=0)
-        return f"of the vertices {edge[0]} and {edge[1]}, at ({', '.join(f'{x:.4g}' for x in middle)}) m"
 
     def _require_closed(self, path: str) -> None:
         """Check that the mesh is closed.

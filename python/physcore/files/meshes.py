@@ -101,6 +101,11 @@ def _mesh(vertices: FloatArray, faces: IntArray, factor: float, up: str, name: s
     Raises:
         SceneError: there are no triangles, or a value is not valid.
     """
+    corners = np.asarray(faces)
+    if corners.dtype.kind not in "iu" or corners.ndim != 2 or corners.shape[1] != 3 or vertices.shape[1:] != (3,):
+        raise SceneError(f"{path}: must have vertices (K, 3) and triangles (T, 3) of their indices")
+    if corners.size and not 0 <= corners.min() <= corners.max() < len(vertices):
+        raise SceneError(f"{path}: has a face with vertex {corners.max()}, and {len(vertices)} vertices")
     points = factor * np.asarray(vertices, dtype=np.float64)
     if up == "y":
         points = points[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
@@ -108,7 +113,7 @@ def _mesh(vertices: FloatArray, faces: IntArray, factor: float, up: str, name: s
     order = np.argsort(first)
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    triangles = rank[inverse.ravel()][np.asarray(faces, dtype=np.int64)]
+    triangles = rank[inverse.ravel()][corners]
     whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     if not whole.any():
         raise SceneError(f"{path}: has no triangle with three different corners")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
-from physcore.checks import FloatArray, count, number
+from physcore.checks import FloatArray, count, number, shown
 from physcore.errors import FileError, SceneError, SceneWarning, warn
 from physcore.files.reader import Options, Reader, reading
 from physcore.scene.atoms import Atoms
@@ -118,7 +119,9 @@ class _Read:
         """The masses: those given, those of the file, or those of the elements."""
         from ase.data import atomic_masses, atomic_numbers
 
-        given = options.masses or {}
+        given = {} if options.masses is None else options.masses
+        if not isinstance(given, Mapping):
+            raise SceneError(f'read.masses: must be a mapping such as {{"Ar": 6.6e-26}}, got {shown(given)}')
         for species in given:
             if species not in self.species:
                 raise SceneError(
@@ -175,7 +178,7 @@ def _from_lammps(path: Path, kind: str, head: str, options: Options) -> _Read:
     if given is None:
         raise SceneError(f"read.unit: {path} does not name its units; give the `units` of its LAMMPS input: {LAMMPS}")
     if not isinstance(given, str) or given not in LAMMPS:
-        raise SceneError(f"read.unit: must be one of {', '.join(map(repr, LAMMPS))} for LAMMPS, got {given!r}")
+        raise SceneError(f"read.unit: must be one of {', '.join(map(repr, LAMMPS))} for LAMMPS, got {shown(given)}")
     # Of LAMMPS's "metal" ASE converts the time alone, and _Read takes that back.
     style = "metal" if given == "lj" else given
     more: dict[str, Any] = {"units": style}

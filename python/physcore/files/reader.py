@@ -42,7 +42,7 @@ class Options:
             SceneError: there are others.
         """
         for entry in fields(self):
-            if entry.name not in known and getattr(self, entry.name) != entry.default:
+            if entry.name not in known and getattr(self, entry.name) is not entry.default:
                 raise SceneError(f"read.{entry.name}: has no meaning for {kind}; leave it out")
 
 

@@ -70,4 +70,5 @@ def unit_system(value: object, path: str) -> UnitSystem:
     if isinstance(value, str) and value in STYLES:
         return STYLES[value].units
     names = ", ".join(map(repr, STYLES))
-    raise SceneError(f"{path}: must be {names} or pc.units.system(…), got {value!r}{did_you_mean(value, STYLES)}")
+    got = repr(value) if isinstance(value, str) else f"something of the type {type(value).__name__}"
+    raise SceneError(f"{path}: must be {names} or pc.units.system(…), got {got}{did_you_mean(value, STYLES)}")
