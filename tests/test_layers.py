@@ -29,6 +29,7 @@ LAYERS = [
     "boundaries",
     "constraints",
     "systems",
+    "files",
     "numerics",
     "simulation",
     "film",

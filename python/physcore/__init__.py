@@ -116,6 +116,7 @@ from physcore.systems.tracers import Tracers
 from physcore.systems.wave import Ricker, Source, Wave
 
 if TYPE_CHECKING:
+    from physcore.files import Atoms, Mesh, Picture, Signal, Table, from_mesh, read
     from physcore.film import (
         DARK,
         LIGHT,
@@ -154,6 +155,7 @@ __all__ = [
     "Amount",
     "AmountSeries",
     "Anchor",
+    "Atoms",
     "AutoStep",
     "BackwardEuler",
     "Ball",
@@ -224,6 +226,7 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "Mesh",
     "MeshShape",
     "Motor",
     "Neumann",
@@ -235,6 +238,7 @@ __all__ = [
     "PaulTrap",
     "Periodic",
     "PhyscoreError",
+    "Picture",
     "Plan",
     "Plane",
     "PointVortices",
@@ -262,6 +266,7 @@ __all__ = [
     "Schrodinger",
     "SelfContact",
     "SemiImplicitEuler",
+    "Signal",
     "Simulation",
     "SimulationDiverged",
     "Slider",
@@ -276,6 +281,7 @@ __all__ = [
     "Staggered",
     "Sweep",
     "Switch",
+    "Table",
     "Theme",
     "Thomas",
     "Tracers",
@@ -299,12 +305,14 @@ __all__ = [
     "diagnose",
     "export",
     "film",
+    "from_mesh",
     "live",
     "load",
     "lyapunov",
     "materials",
     "polygon_from_mask",
     "provenance",
+    "read",
     "rope",
     "simulate",
     "soft_body",
@@ -317,6 +325,7 @@ __all__ = [
 ]
 
 _LATER = {
+    "physcore.files": ("Atoms", "Mesh", "Picture", "Signal", "Table", "from_mesh", "read"),
     "physcore.film": (
         "DARK",
         "LIGHT",

@@ -31,7 +31,7 @@ SYNONYMS = {
     "ContactSolver": ("solver iterations", "rigid solver", "constraint solver"),
     "Gravitation": ("nbody", "newtonian gravity", "self gravity"),
     "SoftSpheres": ("repulsion", "collisions", "dem", "hertz", "granular"),
-    "LennardJones": ("lj", "atoms", "van der waals"),
+    "LennardJones": ("lj", "van der waals"),
     "Drag": ("friction", "air resistance", "damping force"),
     "CustomForce": ("force field", "user force", "python force"),
     "Floor": ("ground",),

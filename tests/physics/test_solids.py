@@ -170,7 +170,6 @@ def test_water_stands_beside_a_step():
         ([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], "span an area"),
         ([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]], "span a volume"),
         (np.zeros((3, 4)), r"shape \(V, 2\)"),
-        (np.random.default_rng(1).normal(size=(101, 3)), "at most 100"),
     ],
 )
 def test_hulls_that_are_none_are_refused(points: Array, message: str):

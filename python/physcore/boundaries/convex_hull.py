@@ -12,9 +12,6 @@ from physcore.errors import SceneError
 from physcore.scene.items import Boundary
 from physcore.scene.targets import On
 
-MOST = 100
-"""Largest number of points. The nearest facet or edge is found by a search of all."""
-
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class ConvexHull(Boundary):
@@ -28,11 +25,12 @@ class ConvexHull(Boundary):
     particle of radius r meets an edge as a cylinder and a corner as a sphere, both of radius r.
 
     Args:
-        points: points [m], shape (V, 2) or (V, 3), at most 100. Points inside the hull have no effect.
+        points: points [m], shape (V, 2) or (V, 3), any number. Points inside the hull have no effect. The nearest
+            facet is found by a search of all, so that a step takes a time in proportion to their number.
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
-        SceneError: there are too many points, they span no area or volume, or a value is not finite.
+        SceneError: the points span no area or volume, or a value is not finite.
     """
 
     points: FloatArray
@@ -49,8 +47,6 @@ class ConvexHull(Boundary):
         values = array(points, "ConvexHull.points")
         if values.ndim != 2 or values.shape[1] not in (2, 3):
             raise SceneError(f"ConvexHull.points: must have the shape (V, 2) or (V, 3), got {values.shape}")
-        if len(values) > MOST:
-            raise SceneError(f"ConvexHull.points: must be at most {MOST}, got {len(values)}; leave out those within")
         self._set(points=frozen(values), restitution=restitution, friction=friction, no_slip=no_slip, on=on)
         self.__post_init__()
         if not self.facets():

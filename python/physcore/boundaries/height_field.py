@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore import memory
+from physcore.boundaries.ground import ground_mesh, ground_polygon
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, items, number, require, shown, span
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.items import Boundary
+from physcore.scene.rigid import RigidBody
 from physcore.scene.targets import On
 
 COPIES = 12
@@ -31,7 +33,7 @@ class HeightField(Boundary):
     Up is the last axis, as for Floor. The ground is linear between the nodes. In 2D it is a polyline; in 3D each cell
     has two triangles, which meet along its higher diagonal. The ground ends at the border of the grid, in vertical
     sides of infinite depth. A particle of radius r meets an edge as a cylinder and a peak as a sphere, both of radius
-    r. The edges between coplanar cells have no effect. A height field cannot bound fluids.
+    r. The edges between coplanar cells have no effect. A height field cannot bound fluids; its `solid` can.
 
     Args:
         heights: heights of the nodes [m]: shape (nx,) in 2D, indexed [i]; shape (nx, ny) in 3D, indexed [i, j] along
@@ -152,6 +154,30 @@ class HeightField(Boundary):
         axes = [start + self.spacing * np.arange(n) for start, n in zip(self.origin, counts, strict=True)]
         return np.stack([*np.meshgrid(*axes, indexing="ij"), self.heights], axis=-1)
 
+    def solid(
+        self, depth: float, *, friction: float = 0.0, restitution: float = 1.0, name: str | None = None
+    ) -> RigidBody:
+        """The ground as a fixed rigid body, on which fluids rest too.
+
+            x = 0.1 * np.arange(11)
+            bed = pc.HeightField(0.3 * (x - 0.5) ** 2, spacing=0.1).solid(depth=0.2)
+            water = pc.Fluid(pc.block((0.3, 0.1), (0.7, 0.3), 0.04), 0.04)
+            scene = pc.Scene(water, bed, pc.Gravity((0.0, -9.81)))
+
+        It has the surface of the height field, and ends at upright sides and at a level base.
+
+        Args:
+            depth: distance of the base below the lowest node [m], above zero.
+            friction, restitution, name: as in RigidBody.
+
+        Raises:
+            SceneError: a value is out of range.
+        """
+        base = float(self.heights.min()) - span(depth, "solid.depth")
+        shape = ground_polygon(self.nodes, base) if self.heights.ndim == 1 else ground_mesh(self.nodes, base)
+        center = shape.properties(self.dimension).center
+        return RigidBody(shape, center, fixed=True, friction=friction, restitution=restitution, name=name)
+
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Raise if one of the bodies is a fluid. Fluids need mirror images at walls, which a curved surface does not
         have.
@@ -162,8 +188,8 @@ class HeightField(Boundary):
         fluid = next((body for body in bodies if body.is_fluid), None)
         if fluid is not None:
             raise SceneError(
-                f"{path}.on: a height field is no wall of fluids, got {fluid!r}; name other bodies (on=…), and let the "
-                "fluid rest on planes, boxes or convex hulls"
+                f"{path}.on: a height field is no wall of fluids, got {fluid!r}; let the fluid rest on "
+                "ground.solid(depth), planes, boxes or convex hulls, and name other bodies here (on=…)"
             )
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:

@@ -43,14 +43,14 @@ class SelfContact(Constraint):
     Args:
         body: the SpringNetwork that is in contact with itself, or its name.
         thickness: the distance of the mid-surfaces at which contact begins [m], above zero and below the length of
-            the shortest edge.
+            the shortest edge of the body. Edges of the networks `on` may be shorter, as those of a fine mesh.
         friction: Coulomb's coefficient, at least zero.
         restitution: ratio of the normal speeds after and before a new contact, from 0 to 1.
         on: further networks that the body can touch, or their names.
 
     Raises:
-        SceneError: a value is out of range, a body has no springs, a triangle has no area, or an edge is not longer
-            than the thickness. The simulation raises it if an edge intersects a triangle at the start.
+        SceneError: a value is out of range, a body has no springs, a triangle has no area, or an edge of the body is
+            not longer than the thickness. The simulation raises it if an edge intersects a triangle at the start.
 
     Source: R. Bridson, R. Fedkiw, J. Anderson, ACM Trans. Graph. 21, 594 (2002); M. Li, D. M. Kaufman, C. Jiang, ACM
     Trans. Graph. 40, 170 (2021) for the advancement.
@@ -82,7 +82,7 @@ class SelfContact(Constraint):
             return
         _check_surface(own[0], "SelfContact.body", self.thickness)
         for place, other in enumerate(others):
-            _check_surface(other, f"SelfContact.on[{place}]", self.thickness)
+            _check_surface(other, f"SelfContact.on[{place}]", 0.0)
 
     def thickness_of(self, body: Body) -> float:
         """The thickness of the body that touches itself [m]; 0 of others."""

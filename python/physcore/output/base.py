@@ -21,10 +21,14 @@ from physcore.scene.periodic import Periodic
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source, SourceFrame
 from physcore.storage.formats import Format
+from physcore.units.constants import boltzmann_constant
+from physcore.units.styles import Style
 from physcore.units.systems import UnitSystem
 
-FIELDS = {"densities": "density", "pressures": "pressure"}
-"""Names of channels in the singular, for the values of a single particle."""
+FIELDS = {"densities": ("density", "kg/m³"), "pressures": ("pressure", "Pa")}
+"""Names of channels in the singular, for the values of a single particle, and their units."""
+OTHER = "X"
+"""Species of particles that are no atoms; readers take it for an atom of no element."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +49,28 @@ class Sample:
     """Orientations, unit quaternions (w, x, y, z) of shape (N, 4), and angular velocities [rad/s] of shape (N, 3), if
     there are rigid bodies; those of particles are (1, 0, 0, 0) and 0.
     """
-    energy: Energy
+    energy: Energies
     """Energy budget of the last step at or before this time."""
     systems: Mapping[str, Mapping[str, FloatArray]]
     """Fields of each system on a grid, by the system's path and their names, as far as they were recorded."""
+
+
+@dataclass(frozen=True, eq=False)
+class Energies:
+    """Energy budget in the units of a file."""
+
+    budget: Energy
+    """Energy budget in the units of the scene."""
+    factor: float
+    """Factor to the unit of energy of the file."""
+    time: float
+    """Time of the budget [s]."""
+    temperature: float | None
+    """Kinetic temperature [K] in files for programs for atoms, otherwise None."""
+
+    def __getitem__(self, name: str) -> float:
+        """A part of the budget by its name, such as "kinetic"."""
+        return self.factor * float(getattr(self.budget, name))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +98,12 @@ class Springs:
 class ExportJob:
     """Job of a writer: the constants of a trajectory, and its frames."""
 
-    def __init__(self, source: Source, progress: bool | None) -> None:
+    def __init__(self, source: Source, progress: bool | None, style: Style | None = None, atoms: bool = False) -> None:
         self._source = source
         self._progress = progress
+        self._style = style
+        self.for_atoms = atoms
+        """Whether the file has the units, and names its values as, programs for atoms expect."""
 
     @property
     def count(self) -> int:
@@ -98,12 +123,45 @@ class ExportJob:
     @property
     def domain(self) -> Periodic | None:
         """The periodic domain."""
-        return self._source.scene.periodic
+        domain, factor = self._source.scene.periodic, self._factor("m")
+        if domain is None or factor == 1.0:
+            return domain
+        return Periodic([factor * end for end in domain.lower], [factor * end for end in domain.upper])
 
     @property
     def units(self) -> UnitSystem:
-        """The units of all numbers."""
-        return self._source.scene.units
+        """The units of all numbers but energies."""
+        return self._source.scene.units if self._style is None else self._style.units
+
+    @property
+    def energy_unit(self) -> str:
+        """The symbol of the unit of energy."""
+        return self.units.symbol("J") if self._style is None else self._style.energy_symbol
+
+    @cached_property
+    def species(self) -> tuple[str, ...] | None:
+        """The species of all particles, where there are atoms; X of others."""
+        named = [getattr(body, "species", None) for body in self._bodies]
+        if not any(named):
+            return None
+        each = zip(named, self._bodies, strict=True)
+        return tuple(name for names, body in each for name in names or (OTHER,) * len(body))
+
+    @cached_property
+    def surfaces(self) -> dict[str, tuple[Body, slice]]:
+        """The bodies that have a surface in space, by name or index, with their rows."""
+        starts = np.cumsum([0, *(len(body) for body in self._bodies)]).tolist()
+        rows = [slice(start, start + len(body)) for body, start in zip(self._bodies, starts, strict=False)]
+        return {
+            body.name or f"body {index}": (body, row)
+            for index, (body, row) in enumerate(zip(self._bodies, rows, strict=True))
+            if (body.network is not None and len(body.network.faces)) or (body.is_rigid and body.dimension == 3)
+        }
+
+    @property
+    def dimension(self) -> int:
+        """The dimension of the scene."""
+        return self._source.scene.dimension
 
     @cached_property
     def grids(self) -> dict[str, Grid]:
@@ -119,7 +177,8 @@ class ExportJob:
     @cached_property
     def constants(self) -> dict[str, FloatArray]:
         """Constants of the particles by name, each of shape (N,): mass [kg], and radius [m] and charge [C] if any."""
-        every = {name: self._gather(name) for name in ("mass", "radius", "charge")}
+        units = {"mass": "kg", "radius": "m", "charge": "C"}
+        every = {name: self._scaled(self._gather(name), unit) for name, unit in units.items()}
         return {name: values for name, values in every.items() if name == "mass" or values.any()}
 
     @cached_property
@@ -135,20 +194,50 @@ class ExportJob:
         for body, start in zip(self._bodies, starts, strict=False):
             if body.network is not None:
                 pairs.append(body.network.pairs + start)
-                rest.append(body.network.rest_length)
+                rest.append(self._scaled(body.network.rest_length, "m"))
         return Springs(np.concatenate(pairs), np.concatenate(rest), self.domain)
 
     def samples(self) -> Iterator[Sample]:
         """All frames from the start, counted on the progress bar."""
         with Progress(self.count, "exporting", self._progress) as bar:
             for index, frame in enumerate(self._source.frames()):
-                velocities = _in_space(self._whole(frame, "velocities")) if self.moving else None
-                fields = {name: self._whole(frame, field) for field, name in FIELDS.items() if field in frame.fields}
+                velocities = self._vectors(frame, "velocities", "m/s") if self.moving else None
+                fields = {
+                    name: self._scaled(self._whole(frame, field), unit)
+                    for field, (name, unit) in FIELDS.items()
+                    if field in frame.fields
+                }
                 systems = {path: _own(frame.fields, f"{path}.") for path in self.grids}
                 assert frame.energy is not None  # `export` has checked this
-                places, turns = _in_space(self._whole(frame, "positions")), dict(self._turns(frame))
-                yield Sample(index, frame.time, places, velocities, fields, turns, frame.energy, systems)
+                places, turns = self._vectors(frame, "positions", "m"), dict(self._turns(frame))
+                time, energies = self._factor("s") * frame.time, self._energies(frame.energy)
+                yield Sample(index, time, places, velocities, fields, turns, energies, systems)
                 bar.update(index + 1)
+
+    def _factor(self, unit: str) -> float:
+        """The factor from a unit of the scene to that of the file."""
+        scene = self._source.scene.units
+        return 1.0 if self.units == scene else self.units.convert(1.0, unit) / scene.convert(1.0, unit)
+
+    def _scaled(self, values: FloatArray, unit: str) -> FloatArray:
+        """Values of the scene in units of the file."""
+        factor = self._factor(unit)
+        return values if factor == 1.0 else factor * values
+
+    def _vectors(self, frame: SourceFrame, name: str, unit: str) -> FloatArray:
+        """Vectors (N, 3) of all rows, in units of the file."""
+        return self._scaled(_in_space(self._whole(frame, name)), unit)
+
+    def _energies(self, energy: Energy) -> Energies:
+        """The energy budget in units of the file, with the temperature T = 2 K/(g k_B) for g degrees of freedom."""
+        scene, factor, temperature = self._source.scene, 1.0, None
+        if self._style is not None and not scene.units.is_dimensionless:
+            factor = 1.0 / (scene.units.convert(1.0, "J") * self._style.energy)
+        if self.for_atoms:
+            freedoms = scene.dimension * sum(int(np.count_nonzero(~body.fixed)) for body in self._bodies)
+            kinetic = float(energy.kinetic) / scene.units.convert(1.0, "J")
+            temperature = 2.0 * kinetic / (max(freedoms, 1) * boltzmann_constant)
+        return Energies(energy, factor, self._factor("s") * energy.time, temperature)
 
     @property
     def _bodies(self) -> tuple[Body, ...]:
@@ -190,13 +279,17 @@ class ExportJob:
             rates = np.zeros((self.particles, 3))
             # In 2D the rotation is about z.
             given = fields["angular_velocities"].reshape(np.count_nonzero(rows), -1)
-            rates[rows, 3 - given.shape[1] :] = given
+            rates[rows, 3 - given.shape[1] :] = given / self._factor("s")
             yield "angular_velocity", rates
 
 
 class TrajectoryWriter(Format, ABC):
     """Base class of trajectory formats."""
 
+    holds_particles: ClassVar[bool] = True
+    """Whether the format stores particles, and not surfaces alone."""
+    prescribed: ClassVar[UnitSystem | None] = None
+    """The units that the format prescribes, or None."""
     holds_fields: ClassVar[bool] = False
     """Whether the format stores fields on grids, in addition to particles."""
 

@@ -23,8 +23,11 @@ UNITS = {
     **{"time": "s", "position": "m", "velocity": "m/s", "density": "kg/m³", "pressure": "Pa"},
     **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J", "angular_velocity": "rad/s"},
 }
-"""Units by quantity, stored in `parameters/units`. H5MD's units module would store them at each element. But
-MDAnalysis opens no file with a unit of length that it does not know, such as meters.
+"""Units by quantity, stored in `parameters/units`."""
+KNOWN = {("Å", "ps"): "Angstrom", ("Å", "fs"): "Angstrom", ("nm", "ps"): "nm", ("nm", "ns"): "nm", ("pm", "ps"): "pm"}
+"""Units of length and time whose files MDAnalysis opens, with its name of the first.
+
+Only these are stored at each element, as in H5MD's units module. It opens no file with others, such as meters.
 """
 ENERGIES = ("kinetic", "potential", "internal", "total", "dissipated", "work")
 """Parts of the energy budget; each is an observable."""
@@ -37,7 +40,8 @@ class H5mdWriter(TrajectoryWriter):
     mass, radius, charge, and `species`, the index of the body. Rigid bodies are particles at their centers of mass; all
     particles then have an `orientation`, a unit quaternion (w, x, y, z), and an `angular_velocity`. `observables` has
     the energies [J] at the times of their steps. `step` counts frames. Lengths of the box along axes that are not
-    periodic are 1, without meaning. Units are in `parameters/units`; MDAnalysis needs `convert_units=False`.
+    periodic are 1, without meaning. Units are in `parameters/units`, and those of atoms at each element too: MDAnalysis
+    opens a file with units="metal" as it is, and needs `convert_units=False` for one in meters.
     """
 
     suffixes: ClassVar = (".h5md",)
@@ -57,7 +61,7 @@ class H5mdWriter(TrajectoryWriter):
             disk = _Disk(temporary)
             with h5py.File(disk, "w", libver="v110") as file:
                 _describe(file, job)
-                series = _Series(file, job.count, _edges(job.domain))
+                series = _Series(file, job.count, _edges(job.domain), _element_units(job.units))
                 for sample in job.samples():
                     series.put(sample)
                     disk.check()
@@ -108,7 +112,9 @@ def _describe(file: h5py.File, job: ExportJob) -> None:
     head.create_group("author").attrs["name"] = "physcore"
     creator = head.create_group("creator")
     creator.attrs["name"], creator.attrs["version"] = "physcore", version()
-    file.create_group("parameters/units").attrs.update(_units(job.units))
+    file.create_group("parameters/units").attrs.update(_units(job))
+    if _element_units(job.units):
+        head.create_group("modules/units").attrs["version"] = np.array([1, 0], dtype=np.int32)
     group = file.create_group("particles/all")
     edges, box = _edges(job.domain), group.create_group("box")
     box.attrs["dimension"] = np.int32(3)
@@ -119,14 +125,21 @@ def _describe(file: h5py.File, job: ExportJob) -> None:
     file.create_group("observables")
 
 
-def _units(units: UnitSystem) -> dict[str, str]:
+def _units(job: ExportJob) -> dict[str, str]:
     """The units by quantity in H5MD's notation, in which m s-1 is m/s; without those of numbers."""
-    powers = {quantity: powers_of(units.symbol(unit)) for quantity, unit in UNITS.items()}
+    symbols = {quantity: job.units.symbol(unit) for quantity, unit in UNITS.items()} | {"energy": job.energy_unit}
+    powers = {quantity: powers_of(symbol) for quantity, symbol in symbols.items()}
     return {
         quantity: " ".join(f"{symbol}{'' if power == 1 else power}" for symbol, power in factors.items())
         for quantity, factors in powers.items()
         if factors
     }
+
+
+def _element_units(units: UnitSystem) -> dict[str, str]:
+    """The units that are stored at elements, by the last part of their names; none where MDAnalysis knows none."""
+    length, time = KNOWN.get((units.length.symbol, units.time.symbol)), units.time.symbol
+    return {"time": time, "position": length, "velocity": f"{length} {time}-1", "edges": length} if length else {}
 
 
 def _edges(domain: Periodic | None) -> FloatArray:
@@ -140,8 +153,8 @@ def _edges(domain: Periodic | None) -> FloatArray:
 class _Series:
     """Time-dependent elements. Their data sets are created with the first frame, and filled frame by frame."""
 
-    def __init__(self, file: h5py.File, count: int, edges: FloatArray) -> None:
-        self._file, self._count = file, count
+    def __init__(self, file: h5py.File, count: int, edges: FloatArray, units: dict[str, str]) -> None:
+        self._file, self._count, self._units = file, count, units
         # The edges are constant, but MDAnalysis reads only time-dependent ones.
         self._edges = np.where(np.isfinite(edges), edges, 1.0) if np.isfinite(edges).any() else None
         self._values: dict[str, Any] = {}
@@ -159,8 +172,11 @@ class _Series:
             if array is not None:
                 self._store(f"particles/all/{name}", sample.index, sample.time, array)
         for name in ENERGIES:
-            path, energy = f"observables/{name}_energy", sample.energy
-            self._store(path, sample.index, energy.time, np.float64(getattr(energy, name)))
+            self._store(f"observables/{name}_energy", sample.index, sample.energy.time, np.float64(sample.energy[name]))
+        if sample.energy.temperature is not None:
+            self._store(
+                "observables/temperature", sample.index, sample.energy.time, np.float64(sample.energy.temperature)
+            )
 
     def _store(self, path: str, index: int, time: float, value: Any) -> None:
         if path not in self._values:
@@ -172,9 +188,14 @@ class _Series:
         """Create an element. All elements that are sampled together share the data sets of step and time."""
         group, parent = self._file.create_group(path), path.partition("/")[0]
         self._values[path] = group.create_dataset("value", (self._count, *shape), dtype="<f8")
+        unit = self._units.get(path.rpartition("/")[2])
+        if unit is not None:
+            self._values[path].attrs["unit"] = unit
         first = next(name for name in self._values if name.startswith(parent))
         if first == path:
             group.create_dataset("step", data=np.arange(self._count))
-            group.create_dataset("time", (self._count,), dtype="<f8")
+            times = group.create_dataset("time", (self._count,), dtype="<f8")
+            if self._units:
+                times.attrs["unit"] = self._units["time"]
         else:
             group["step"], group["time"] = self._file[first]["step"], self._file[first]["time"]

@@ -251,8 +251,8 @@ class SpringNetwork(Body):
         strain_limit: ArrayLike = math.inf,
     ) -> None:
         self._set_particles(positions, velocities, mass, charge, radius, fixed, name)
-        links = _indices(pairs, 2, len(self), "SpringNetwork.pairs")
-        self._set(faces=_indices([] if faces is None else faces, 3, len(self), "SpringNetwork.faces"))
+        links = indices(pairs, 2, len(self), "SpringNetwork.pairs")
+        self._set(faces=indices([] if faces is None else faces, 3, len(self), "SpringNetwork.faces"))
         if rest_length is None:
             with np.errstate(over="ignore"):  # Overflow gives infinity, which is refused below.
                 rest_length = lengths(self.positions[links[:, 1]] - self.positions[links[:, 0]])
@@ -344,7 +344,7 @@ class SpringNetwork(Body):
             )
 
 
-def _indices(value: ArrayLike, width: int, number: int, path: str) -> IntArray:
+def indices(value: ArrayLike, width: int, number: int, path: str) -> IntArray:
     """Validated indices of particles, shape (M, width); negative indices count from the end."""
     given = regular(value, path)
     if given.size == 0:

@@ -84,7 +84,7 @@ def _values(mask: ArrayLike | str | os.PathLike[str]) -> FloatArray:
     if isinstance(mask, os.PathLike) or (isinstance(mask, str) and Path(mask).suffix.lower() in FILES):
         return _image(Path(mask))
     if isinstance(mask, str):
-        return _text(mask)
+        return coverage(mask, "polygon_from_mask.mask")
     path = "polygon_from_mask.mask"
     given = regular(mask, path)
     if given.ndim != 2 or given.size == 0 or given.dtype.kind not in "buif":
@@ -103,17 +103,27 @@ def _image(path: Path) -> FloatArray:
             pixels = np.asarray(image.convert("RGBA"), dtype=np.float64) / 255.0
     except FileError as error:
         raise SceneError(f"polygon_from_mask.mask: {error}") from error
-    opacity = pixels[..., 3]
-    if (opacity < 1.0).any():
-        return opacity
+    transparency = opacity(pixels)
+    if transparency is not None:
+        return transparency
     darkness: FloatArray = 1.0 - (0.299 * pixels[..., 0] + 0.587 * pixels[..., 1] + 0.114 * pixels[..., 2])
     return darkness
 
 
-def _text(text: str) -> FloatArray:
-    """The coverage of a line of text."""
+def opacity(pixels: FloatArray) -> FloatArray | None:
+    """The opacity (rows, columns) of pixels (rows, columns, 4) from 0 to 1; None if all are opaque."""
+    values: FloatArray = pixels[..., 3]
+    return values if (values < 1.0).any() else None
+
+
+def coverage(text: str, path: str) -> FloatArray:
+    """The share of each pixel (rows, columns) that a line of text covers.
+
+    Raises:
+        SceneError: no face has a sign.
+    """
     if missing := missing_signs(text):
-        raise SceneError(f"polygon_from_mask.mask: no face has the signs {missing!r}")
+        raise SceneError(f"{path}: no face has the signs {missing!r}")
     canvas = Canvas(text_width(text, TEXT) + 2 * MARGIN, TEXT, (0, 0, 0))
     canvas.text(text, MARGIN, 0, TEXT, (255, 255, 255, 255), -1)
     return canvas.pixels()[..., 0] / 255.0

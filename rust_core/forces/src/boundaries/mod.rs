@@ -21,6 +21,7 @@ mod solid;
 mod sphere;
 mod terrain;
 mod wall;
+mod wrapping;
 
 pub use cuboid::Cuboid;
 pub use gap::{Gap, Path};

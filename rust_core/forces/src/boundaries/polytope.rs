@@ -1,9 +1,13 @@
 //! Rounded convex polytopes: all points within a radius of the convex hull of given points. Capsules and boxes are examples.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
+use super::wrapping::Wrapping;
+
 /// Largest distance of a point from a plane through others to count as a point of it, relative to their extent.
-const FLAT: f64 = 1e-9;
+pub(super) const FLAT: f64 = 1e-9;
 /// Distance below which no direction is defined, relative to the extent.
 const DIRECTED: f64 = f64::EPSILON;
 
@@ -23,12 +27,12 @@ pub struct Polytope {
 
 /// Facet of the hull; in 2D a side.
 #[derive(Debug, Clone, PartialEq)]
-struct Facet {
+pub(super) struct Facet {
     /// Outward unit normal n, and n·x of the facet's points.
-    normal: DVec3,
-    offset: f64,
+    pub(super) normal: DVec3,
+    pub(super) offset: f64,
     /// Vertices, counterclockwise as seen from outside.
-    loops: Vec<u32>,
+    pub(super) loops: Vec<u32>,
     /// Inward unit normals of the sides within the plane of the facet, and their products with points of the sides.
     sides: Vec<(DVec3, f64)>,
 }
@@ -73,41 +77,17 @@ impl Polytope {
         let extent = extent(points);
         let size = points.iter().map(|point| (*point - points[0]).length()).fold(0.0, f64::max);
         let tolerance = FLAT * size;
-        let mut facets: Vec<Facet> = Vec::new();
-        let mut add = |normal: DVec3, through: DVec3| {
-            let Some(normal) = normal.try_normalize() else { return };
-            for normal in [normal, -normal] {
-                let offset = points.iter().map(|point| normal.dot(*point)).fold(f64::NEG_INFINITY, f64::max);
-                let known = |facet: &Facet| facet.normal.dot(normal) > 1.0 - FLAT && (facet.offset - offset).abs() <= tolerance;
-                if offset - normal.dot(through) <= tolerance && !facets.iter().any(known) {
-                    facets.push(Facet::new(normal, offset, points, tolerance, dimension));
-                }
-            }
-        };
-        for (index, &one) in points.iter().enumerate() {
-            for (next, &other) in points.iter().enumerate().skip(index + 1) {
-                if dimension == 2 {
-                    add(DVec3::Z.cross(other - one), one);
-                    continue;
-                }
-                for &third in &points[next + 1..] {
-                    let normal = (other - one).cross(third - one);
-                    if normal.length() > tolerance * size {
-                        add(normal, one);
-                    }
-                }
-            }
-        }
+        let facets = Wrapping { points, dimension, tolerance, size }.facets()?;
         let flat = |facet: &Facet| points.iter().all(|point| facet.offset - facet.normal.dot(*point) <= tolerance);
         if facets.len() <= dimension || facets.iter().any(flat) {
             return None;
         }
-        let mut edges: Vec<[u32; 2]> = Vec::new();
+        let (mut edges, mut known) = (Vec::new(), BTreeSet::new());
         for Facet { loops, .. } in &facets {
             for (place, &from) in loops.iter().enumerate() {
                 let to = loops[(place + 1) % loops.len()];
                 let ends = if dimension == 2 { [from, from] } else { [from.min(to), from.max(to)] };
-                if !edges.contains(&ends) {
+                if known.insert(ends) {
                     edges.push(ends);
                 }
             }
@@ -190,7 +170,7 @@ impl Polytope {
 }
 
 impl Facet {
-    fn new(normal: DVec3, offset: f64, points: &[DVec3], tolerance: f64, dimension: usize) -> Self {
+    pub(super) fn new(normal: DVec3, offset: f64, points: &[DVec3], tolerance: f64, dimension: usize) -> Self {
         let along = if dimension == 2 { normal.cross(DVec3::Z) } else { normal.any_orthonormal_vector() };
         let on = (0..).zip(points).filter(|(_, point)| offset - normal.dot(**point) <= tolerance);
         let mut loops: Vec<u32> = on.map(|(index, _)| index).collect();

@@ -1,0 +1,215 @@
+"""glTF 2.0 as one binary file (.glb): surfaces that move, for Blender and others.
+
+Source: The Khronos Group, "glTF 2.0 Specification", https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from pathlib import Path
+from typing import IO, Any, ClassVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physcore.checks import FloatArray
+from physcore.errors import FileError
+from physcore.film.shapes.spatial import mesh_of
+from physcore.output.base import ExportJob, TrajectoryWriter
+from physcore.scene.bodies import Body
+from physcore.scene.rigid import RigidBodies
+from physcore.simulation.provenance import version
+from physcore.storage.files import replacing
+from physcore.units.systems import SI
+
+UPRIGHT = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
+"""Quaternion (x, y, z, w) of the root node: z of a scene in 3D is y, which is up in glTF."""
+FLOAT, INTEGER = 5126, 5125
+"""Component types of glTF: float32 and uint32."""
+TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+"""Types of accessors by the number of components."""
+ACROSS = 200.0
+"""Number of pixels across a rigid body, for which its round parts are smooth."""
+MOST = 2**32 - 2**20
+"""Largest size of a file [bytes]; lengths have 32 bits."""
+
+
+class GltfWriter(TrajectoryWriter):
+    """Writer of glTF.
+
+    A surface of springs is a mesh with a morph target for each frame after the first one, which Blender reads as shape
+    keys. Between frames vertices move in straight lines. Rigid bodies are nodes that move and turn. Lengths are meters,
+    times seconds.
+    """
+
+    suffixes: ClassVar = (".glb",)
+    holds_particles: ClassVar = False
+    prescribed: ClassVar = SI
+
+    def write(self, job: ExportJob, target: Path) -> None:
+        """Write all frames: the arrays into a temporary file, and then the file, which begins with their list."""
+        with replacing(target) as file, tempfile.TemporaryFile(dir=target.absolute().parent) as arrays:
+            asset = _Asset(arrays, upright=job.dimension == 3)
+            surfaces = [_Surface(asset, name, body, rows) for name, (body, rows) in job.surfaces.items()]
+            times = []
+            for sample in job.samples():
+                times.append(sample.time)
+                for surface in surfaces:
+                    surface.put(sample.positions, sample.turns.get("orientation"))
+            clock = asset.array(np.array(times), bounded=True)
+            for surface in surfaces:
+                surface.finish(clock, len(times))
+            _assemble(file, asset, target)
+
+
+class _Asset:
+    """The content of a file: its arrays and its JSON."""
+
+    def __init__(self, arrays: IO[bytes], *, upright: bool) -> None:
+        self._arrays = arrays
+        self.size = 0
+        root: dict[str, Any] = {"name": "physcore", "children": []}
+        if upright:
+            root["rotation"] = UPRIGHT
+        self.json: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": f"physcore {version()}"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "nodes": [root],
+            "meshes": [],
+            "accessors": [],
+            "bufferViews": [],
+            "materials": [{"doubleSided": True}],
+            "animations": [{"name": "recording", "channels": [], "samplers": []}],
+        }
+
+    def array(self, values: NDArray[Any], *, bounded: bool = False) -> int:
+        """Append an array (N,) or (N, K); the index of its accessor."""
+        kind = "<u4" if values.dtype.kind in "iu" else "<f4"
+        single = np.ascontiguousarray(values, dtype=kind)
+        accessor = {
+            "bufferView": len(self.json["bufferViews"]),
+            "componentType": INTEGER if kind == "<u4" else FLOAT,
+            "count": len(single),
+            "type": TYPES[1 if single.ndim == 1 else single.shape[1]],
+        }
+        if bounded:
+            rows = single.reshape(len(single), -1)
+            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+        self.json["bufferViews"].append({"buffer": 0, "byteOffset": self.size, "byteLength": single.nbytes})
+        self._arrays.write(single.tobytes())
+        self.size += single.nbytes
+        self.json["accessors"].append(accessor)
+        return len(self.json["accessors"]) - 1
+
+    def copy_to(self, file: IO[bytes]) -> None:
+        """Copy all arrays to a file."""
+        self._arrays.seek(0)
+        shutil.copyfileobj(self._arrays, file)
+
+    def mesh(
+        self, name: str, points: FloatArray, faces: NDArray[Any], normals: FloatArray | None = None
+    ) -> dict[str, Any]:
+        """Append a mesh; its entry in the JSON."""
+        attributes = {"POSITION": self.array(points, bounded=True)}
+        if normals is not None:
+            attributes["NORMAL"] = self.array(normals)
+        primitive = {"attributes": attributes, "indices": self.array(faces.ravel()), "material": 0}
+        self.json["meshes"].append({"name": name, "primitives": [primitive]})
+        return cast("dict[str, Any]", self.json["meshes"][-1])
+
+    def node(self, name: str) -> int:
+        """Append a node with the last mesh; its index."""
+        nodes = self.json["nodes"]
+        nodes.append({"name": name, "mesh": len(self.json["meshes"]) - 1})
+        nodes[0]["children"].append(len(nodes) - 1)
+        return len(nodes) - 1
+
+    def animate(self, node: int, path: str, clock: int, values: NDArray[Any]) -> None:
+        """Append an animation of a property of a node, linear between frames."""
+        animation = self.json["animations"][0]
+        animation["channels"].append({"sampler": len(animation["samplers"]), "target": {"node": node, "path": path}})
+        animation["samplers"].append({"input": clock, "output": self.array(values), "interpolation": "LINEAR"})
+
+
+class _Surface:
+    """A body in a file."""
+
+    def __init__(self, asset: _Asset, name: str, body: Body, rows: slice) -> None:
+        self._asset, self._name, self._body, self._rows = asset, name, body, rows
+        self._first: FloatArray | None = None
+        self._targets: list[dict[str, int]] = []
+        self._places: list[FloatArray] = []
+        self._turns: list[FloatArray] = []
+
+    def put(self, positions: FloatArray, orientations: FloatArray | None) -> None:
+        """Add a frame."""
+        places = positions[self._rows]
+        if self._body.is_rigid:
+            assert orientations is not None  # rigid bodies have some
+            self._places.append(places)
+            self._turns.append(orientations[self._rows][:, [1, 2, 3, 0]])
+        elif self._first is None:
+            self._first = places
+        else:
+            self._targets.append({"POSITION": self._asset.array(places - self._first, bounded=True)})
+
+    def finish(self, clock: int, frames: int) -> None:
+        """Write what moves."""
+        if self._body.is_rigid:
+            self._finish_solids(clock)
+            return
+        assert self._first is not None  # there is a frame
+        assert self._body.network is not None  # other surfaces are rigid
+        mesh = self._asset.mesh(self._name, self._first, self._body.network.faces)
+        node = self._asset.node(self._name)
+        if self._targets:
+            mesh["primitives"][0]["targets"] = self._targets
+            mesh["weights"] = [0.0] * len(self._targets)
+            self._asset.animate(node, "weights", clock, np.eye(frames)[:, 1:].ravel())
+
+    def _finish_solids(self, clock: int) -> None:
+        """Write rigid bodies: one mesh, and a node for each."""
+        body = cast("RigidBodies", self._body)
+        size = float(np.cbrt(body.shape.properties(3).size))
+        solid = mesh_of(body.shape, ACROSS / size, marks=False)
+        self._asset.mesh(self._name, solid.points, solid.triangles, solid.normals)
+        places, turns = np.stack(self._places), np.stack(self._turns)
+        for index in range(len(body)):
+            node = self._asset.node(self._name if len(body) == 1 else f"{self._name} {index}")
+            self._asset.animate(node, "translation", clock, places[:, index])
+            self._asset.animate(node, "rotation", clock, _continuous(turns[:, index]))
+
+
+def _continuous(quaternions: FloatArray) -> FloatArray:
+    """Quaternions (F, 4) with the signs for which each is nearest to the one before."""
+    turned = np.einsum("fk,fk->f", quaternions[1:], quaternions[:-1]) < 0.0
+    signs = np.concatenate([[1.0], np.where(turned, -1.0, 1.0).cumprod()])
+    return np.asarray(quaternions * signs[:, np.newaxis])
+
+
+def _assemble(file: IO[bytes], asset: _Asset, target: Path) -> None:
+    """Write a file from its JSON and its arrays.
+
+    Raises:
+        FileError: the file would be too large for the format.
+    """
+    if not asset.json["animations"][0]["channels"]:
+        del asset.json["animations"]
+    asset.json["buffers"] = [{"byteLength": asset.size}]
+    text = json.dumps(asset.json, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    whole = 28 + len(text) + asset.size
+    if whole > MOST:
+        raise FileError(f"{target}: would have {whole / 2**30:.1f} GiB, and glTF holds 4; take fewer frames (fps=…)")
+    file.write(b"glTF" + _words(2, whole))
+    file.write(_words(len(text)) + b"JSON" + text)
+    file.write(_words(asset.size) + b"BIN\0")
+    asset.copy_to(file)
+
+
+def _words(*numbers: int) -> bytes:
+    """Numbers of 32 bits."""
+    return b"".join(number.to_bytes(4, "little") for number in numbers)
