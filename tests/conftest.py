@@ -28,8 +28,15 @@ def clock_of_work() -> Iterator[None]:
         yield
 
 
+def _scene(item: pytest.Item) -> str:
+    """The scene that a contract is tested on: all contracts of a scene follow each other, and share its plain run."""
+    parameters = item.callspec.params if isinstance(item, pytest.Function) and hasattr(item, "callspec") else {}
+    return str(parameters.get("name", "")) if "contracts" in item.path.parts else ""
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark the tests that `long.txt` names: they take seconds, and others like them remain."""
+    """Put the tests in order, and mark those that `long.txt` names: they take seconds, and others like them remain."""
+    items.sort(key=_scene)
     names = set(Path(__file__).with_name("long.txt").read_text(encoding="utf-8").splitlines())
     named = [item for item in items if item.nodeid in names]
     for item in named:
