@@ -53,8 +53,8 @@ test: test-rust test-python ## run every test, Rust and Python, in a quarter of 
 # use the wheel's profile and the same features of all dependencies, so that the engine is compiled once for both.
 test-rust: | check
 	@echo 'The tests of the Rust crates, 300 of them, in a minute; before that the crates are compiled, in minutes.'
-	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) $(UNITS) --lib
-	$(CARGO_TEST) $(TESTED) --release --test '*'
+	CARGO_PROFILE_DEV_OPT_LEVEL=0 PROPTEST_CASES=64 $(CARGO_TEST) $(UNITS) --lib
+	PROPTEST_CASES=64 $(CARGO_TEST) $(TESTED) --release --test '*'
 
 test-python: $(VENV)/tools.stamp
 	@echo 'The tests of the package, 11000 of them, in some nine minutes on two cores.'
