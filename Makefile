@@ -58,7 +58,7 @@ test-rust: | check
 
 test-python: $(VENV)/tools.stamp
 	@echo 'The tests of the package, 11000 of them, in some nine minutes on two cores.'
-	$(BIN)/python -m pytest -q -m 'not long' --numprocesses auto --durations=10
+	$(BIN)/python -m pytest -q -m 'not long' --numprocesses auto --costs 10
 
 # Wave functions take their transforms from AVX at this level too.
 test-portable: $(VENV)/tools.stamp ## compare the bits of the level of other targets, in a build of its own
