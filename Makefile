@@ -16,6 +16,8 @@ WHEEL := $$(echo dist/physcore-*.whl)
 CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo test)
 
 TESTED := --locked --workspace --exclude physcore-benches
+# There is nothing in the bindings that could run without Python; `--lib` would compile them, and the engine once more.
+UNITS := $(TESTED) --exclude physcore-python
 
 .DEFAULT_GOAL := help
 .PHONY: help check install dev wheels demo docs test test-rust test-python test-portable test-long fuzz edges asan validate tradeoff lint format bench clean
@@ -51,12 +53,12 @@ test: test-rust test-python ## run every test, Rust and Python, in a quarter of 
 # use the wheel's profile and the same features of all dependencies, so that the engine is compiled once for both.
 test-rust: | check
 	@echo 'The tests of the Rust crates, 300 of them, in a minute; before that the crates are compiled, in minutes.'
-	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) $(TESTED) --lib
-	$(CARGO_TEST) $(TESTED) --release --test '*'
+	CARGO_PROFILE_DEV_OPT_LEVEL=0 PROPTEST_CASES=64 $(CARGO_TEST) $(UNITS) --lib
+	PROPTEST_CASES=64 $(CARGO_TEST) $(TESTED) --release --test '*'
 
 test-python: $(VENV)/tools.stamp
 	@echo 'The tests of the package, 11000 of them, in some nine minutes on two cores.'
-	$(BIN)/python -m pytest -q -m 'not long' --numprocesses auto --durations=10
+	$(BIN)/python -m pytest -q -m 'not long' --numprocesses auto --costs 10
 
 # Wave functions take their transforms from AVX at this level too.
 test-portable: $(VENV)/tools.stamp ## compare the bits of the level of other targets, in a build of its own

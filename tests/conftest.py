@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from collections import Counter
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
@@ -28,8 +29,15 @@ def clock_of_work() -> Iterator[None]:
         yield
 
 
+def _scene(item: pytest.Item) -> str:
+    """The scene that a contract is tested on: all contracts of a scene follow each other, and share its plain run."""
+    parameters = item.callspec.params if isinstance(item, pytest.Function) and hasattr(item, "callspec") else {}
+    return str(parameters.get("name", "")) if "contracts" in item.path.parts else ""
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark the tests that `long.txt` names: they take seconds, and others like them remain."""
+    """Put the tests in order, and mark those that `long.txt` names: they take seconds, and others like them remain."""
+    items.sort(key=_scene)
     names = set(Path(__file__).with_name("long.txt").read_text(encoding="utf-8").splitlines())
     named = [item for item in items if item.nodeid in names]
     for item in named:
@@ -42,6 +50,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--report", type=Path, help="write a dated table of all tests and what they measured")
+    parser.addoption("--costs", type=int, help="list the files and tests that took the most processor time, so many")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -49,6 +58,42 @@ def pytest_configure(config: pytest.Config) -> None:
     is_worker = hasattr(config, "workerinput")
     if path is not None and not is_worker:
         config.pluginmanager.register(Report(path), "physcore-report")
+    if config.getoption("--costs") is not None or is_worker:
+        config.pluginmanager.register(Costs(), "physcore-costs")
+
+
+class Costs:
+    """Sums the processor time of tests and their processes, by file and by test, over all workers."""
+
+    def __init__(self) -> None:
+        self.before = self.used()
+        self.seconds: Counter[str] = Counter()
+
+    def used(self) -> float:
+        """The processor time of this process and of those that it has waited for [s]."""
+        return sum(os.times()[:4])
+
+    def pytest_collection_finish(self) -> None:
+        self.before = self.used()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self) -> Iterator[None]:
+        report = yield
+        now = self.used()
+        report.processor_time, self.before = now - self.before, now
+        return report
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        for name in {"all tests", report.nodeid.partition("::")[0], report.nodeid}:
+            self.seconds[name] += report.processor_time
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+        count = config.getoption("--costs")
+        files = [each for each in self.seconds.most_common() if "::" not in each[0]][: count + 1]
+        tests = [each for each in self.seconds.most_common() if "::" in each[0]][:count]
+        terminalreporter.section("processor time [s]")
+        for name, seconds in [*files, *tests]:
+            terminalreporter.write_line(f"{seconds:8.1f}  {name}")
 
 
 class Report:

@@ -22,6 +22,16 @@ from physcore.gallery.figure import Figure
 from physcore.gallery.page import gallery
 from physcore.progress import Progress
 
+SHORT = "from physcore.gallery import demo; demo('rope').DURATION = 0.2"
+"""What makes a process film the first moments of a demo."""
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch, request):
+    """Film the first moments of a demo, except where other processes film it too."""
+    if "processes" not in request.node.name:
+        monkeypatch.setattr(demo("rope"), "DURATION", 0.2)
+
 
 def test_list_names_every_demo_with_its_caption(capsys):
     assert main(["list"]) == 0
@@ -171,7 +181,8 @@ def test_the_source_of_a_demo_is_a_script_that_makes_its_film(capsys, tmp_path, 
     assert main(["demo", "rope", "--source"]) == 0
     script = capsys.readouterr().out
     monkeypatch.chdir(tmp_path)
-    exec(compile(script, "x.py", "exec"), {"__name__": "__main__"})
+    assert "\nDURATION = 2.0\n" in script
+    exec(compile(script.replace("DURATION = 2.0", "DURATION = 0.2"), "x.py", "exec"), {"__name__": "__main__"})
     assert (tmp_path / "rope.gif").read_bytes().startswith(b"GIF89a")
 
 
@@ -218,7 +229,8 @@ def test_a_gallery_refuses_before_it_begins(capsys, tmp_path):
 
 def test_a_gallery_that_is_killed_leaves_what_was_there_and_whole_films(tmp_path):
     (tmp_path / "index.html").write_text("the last one")
-    command = [sys.executable, "-m", "physcore", "gallery", "rope", "jelly", "bowl", "-o", str(tmp_path)]
+    program = f"{SHORT}; from physcore.__main__ import main; main()"
+    command = [sys.executable, "-c", program, "gallery", "rope", "jelly", "bowl", "-o", str(tmp_path)]
     running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         while not (tmp_path / "rope.gif").exists():

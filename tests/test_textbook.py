@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import pytest
 
@@ -10,9 +11,19 @@ import physcore as pc
 from physcore.integrators import INTEGRATORS
 from textbook import TEN, TEXTBOOK, Textbook
 
+LONG = os.environ.get("PHYSCORE_TESTS") == "long"
+RATES = [5.0, 30.0, 120.0]
+"""Frames per second: all of them in `make test-long`, else one for each scene in turns."""
 
-@pytest.mark.parametrize("fps", [5.0, 30.0, 120.0])
-@pytest.mark.parametrize("case", TEXTBOOK, ids=lambda case: case.name)
+
+@pytest.mark.parametrize(
+    ("case", "fps"),
+    [
+        pytest.param(case, fps, id=f"{case.name}-{fps}")
+        for number, case in enumerate(TEXTBOOK)
+        for fps in (RATES if LONG else [RATES[number % 3]])
+    ],
+)
 def test_all_defaults_are_within_a_percent_of_the_truth(case: Textbook, fps: float) -> None:
     recording = pc.simulate(case.scene, case.duration, fps=fps)
     assert case.error(recording) <= 0.01

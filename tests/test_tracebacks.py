@@ -50,13 +50,39 @@ MISTAKES = {
 }
 
 
+APART = """import os, sys, physcore, physcore.film, physcore.studies
+for number, code in enumerate(sys.argv[1:]):
+    if os.fork() == 0:
+        os.dup2(os.open(str(number), os.O_WRONLY | os.O_CREAT), 2)
+        exec(code, {})
+        os._exit(0)
+    assert os.wait()[1] == 1 << 8
+"""
+"""Runs scripts that fail, each in a fork of one process that has imported the package; their errors go to files."""
+
+
+def files_of(errors: str) -> list[str]:
+    """The files in tracebacks, in the order in which Python prints them."""
+    return re.findall(r'File "(.*?)", line', errors)
+
+
+@pytest.fixture(scope="module")
+def tracebacks(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """The files in the traceback of each mistake."""
+    folder = tmp_path_factory.mktemp("tracebacks")
+    known = {name: value for name, value in os.environ.items() if name != FULL}
+    scripts = [BALL + mistake for mistake in MISTAKES.values()]
+    subprocess.run([sys.executable, "-c", APART, *scripts], cwd=folder, env=known, check=True)
+    return {name: files_of((folder / str(number)).read_text()) for number, name in enumerate(MISTAKES)}
+
+
 def entries(code: str, **environment: str) -> list[str]:
-    """The files in the tracebacks of a script that fails, in the order in which Python prints them."""
+    """The files in the tracebacks of a script that fails."""
     program = [sys.executable, "-c", code]
     known = {name: value for name, value in os.environ.items() if name != FULL}
     done = subprocess.run(program, capture_output=True, text=True, env={**known, **environment})
     assert done.returncode == 1, done.stderr
-    return re.findall(r'File "(.*?)", line', done.stderr)
+    return files_of(done.stderr)
 
 
 def own(file: str) -> bool:
@@ -65,8 +91,8 @@ def own(file: str) -> bool:
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_the_traceback_of_a_mistake_has_the_users_line_alone(mistake):
-    files = entries(BALL + MISTAKES[mistake])
+def test_the_traceback_of_a_mistake_has_the_users_line_alone(mistake, tracebacks):
+    files = tracebacks[mistake]
     assert "<string>" in files
     assert not any(map(own, files))
     assert files[-1] == "<string>"

@@ -688,7 +688,9 @@ SCENES: dict[str, Case] = {
     "shell BDF2": Case(shell, 0.002, {"integrator": pc.BDF2(1e-12)}, large=lambda: shell((70, 60))),
     "flag BackwardEuler f32": Case(flag, 0.002, {**F32, "integrator": pc.BackwardEuler(1e-7)}),
     "grains BackwardEuler": Case(grains, 0.002, {"integrator": pc.BackwardEuler(1e-12)}),
-    "atoms ImplicitMidpoint": Case(lambda: crowd(ATOMS), 0.001, {"integrator": pc.ImplicitMidpoint(1e-12)}),
+    "atoms ImplicitMidpoint": Case(
+        lambda: crowd(ATOMS, dimension=2), 0.001, {"integrator": pc.ImplicitMidpoint(1e-12)}
+    ),
     "swarm star BDF2": Case(lambda: swarm(STAR, RESISTANCE, BREEZE, count=100), 0.01, {"integrator": pc.BDF2(1e-12)}),
     "network XPBD": Case(network, 0.02, {"integrator": pc.XPBD(3, 2)}, large=_large_network),
     "network ProjectiveDynamics": Case(network, 0.02, {"integrator": pc.ProjectiveDynamics(4)}, large=_large_network),

@@ -26,7 +26,9 @@ def after(case: Case, threads: int) -> tuple[str, dict[str, object]]:
 
 @pytest.mark.parametrize("name", LARGE)
 def test_any_number_of_threads_gives_the_same_bits(name):
-    """Every particle sums its own forces in a fixed order, and reductions run over fixed blocks."""
-    alone = after(LARGE[name], 1)
-    for threads in (2, 3):
-        assert after(LARGE[name], threads) == alone
+    """Every particle sums its own forces in a fixed order, and reductions run over fixed blocks.
+
+    Scenes run with two and with three threads in turns: kinds of items stand in several.
+    """
+    threads = 2 + list(LARGE).index(name) % 2
+    assert after(LARGE[name], threads) == after(LARGE[name], 1)

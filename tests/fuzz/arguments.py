@@ -140,4 +140,4 @@ def _look(simulation: pc.Simulation, script: str) -> None:
         require_finite([energy.kinetic, energy.total, energy.balance], "the energy is", f"{script}; .energy()")
 
 
-TARGET = Target("arguments", examples(), check, share=0.8, quick=1500, prepare=prepare)
+TARGET = Target("arguments", examples(), check, share=0.8, quick=600, prepare=prepare)

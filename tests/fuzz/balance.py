@@ -68,4 +68,4 @@ def check(example: tuple[str, str, str]) -> int:
     return 4
 
 
-TARGET = Target("balance", EXAMPLES, check, share=0.02, quick=60)
+TARGET = Target("balance", EXAMPLES, check, share=0.02, quick=30)

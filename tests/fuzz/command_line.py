@@ -97,4 +97,4 @@ def check(arguments: list[str]) -> int:
     return 1
 
 
-TARGET = Target("command_line", EXAMPLES, check, share=0.005, quick=40)
+TARGET = Target("command_line", EXAMPLES, check, share=0.005, quick=20)

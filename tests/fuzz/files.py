@@ -194,4 +194,4 @@ def _use(thing: Any, script: str) -> None:
             require_finite(result, "what was loaded is", shown)
 
 
-TARGET = Target("files", EXAMPLES, check, share=0.04, quick=250, prepare=prepare)
+TARGET = Target("files", EXAMPLES, check, share=0.04, quick=120, prepare=prepare)

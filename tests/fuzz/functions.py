@@ -145,4 +145,4 @@ def _own(source: str) -> tuple[type[BaseException], ...]:
     return tuple(type(evaluate(source[5:-1])) for start in ("boom(",) if source.startswith(start))
 
 
-TARGET = Target("functions", EXAMPLES, check, share=0.05, quick=150)
+TARGET = Target("functions", EXAMPLES, check, share=0.05, quick=80)

@@ -92,4 +92,4 @@ def _interrupted(scene: str, numerics: str, size: float) -> None:
     assert plain.state_hash() == run.state_hash(), "other bits a step after an interrupt"
 
 
-TARGET = Target("limits", EXAMPLES, check, share=0.02, quick=10)
+TARGET = Target("limits", EXAMPLES, check, share=0.02, quick=4)

@@ -230,4 +230,4 @@ def _look(simulation: pc.Simulation, script: str) -> None:
             )
 
 
-TARGET = Target("scenes", EXAMPLES, check, share=0.1, quick=60)
+TARGET = Target("scenes", EXAMPLES, check, share=0.1, quick=30)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,8 +16,9 @@ from physcore.gallery.crystal import lattice_energy
 from physcore.gallery.figure import Figure
 from physcore.gallery.hourglass import GRAINS
 
+LONG = os.environ.get("PHYSCORE_TESTS") == "long"
 QUICK = 5.0
-"""Processor time of a demo that is run whole in `make test` [s], at most."""
+"""Processor time of a demo, its film included, that is run whole in `make test` [s], at most."""
 COSTS = costs()
 FRAMES = 2
 """How many steps of a film the quick test simulates."""
@@ -54,13 +56,19 @@ def test_every_demo_starts_and_writes_its_film(name: str, tmp_path: Path, monkey
 
 
 @pytest.fixture
-def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Callable[..., pc.Recording]:
-    """Runs a demo, whose film fits into a message and whose figure holds; gives its last recording."""
+def shown(
+    tmp_path: Path, record_property: Callable[[str, object], None], monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., pc.Recording]:
+    """Runs a demo, whose film fits into a message and whose figure holds; gives its last recording. In `make test` the
+    film, which takes longer than the physics, is left out.
+    """
+    if not LONG:
+        monkeypatch.setattr(pc, "film", lambda *arguments, **options: None)
 
     def run(name: str, **options: int) -> pc.Recording:
         path = tmp_path / f"{name}.gif"
         recordings = demo(name).main(path, progress=False, **options)
-        assert path.stat().st_size <= 3e6
+        assert not LONG or path.stat().st_size <= 3e6
         figure = demo(name).figure(recordings)
         record_property("figure", str(figure))
         assert figure.holds

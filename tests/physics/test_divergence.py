@@ -192,7 +192,7 @@ def test_an_oscillation_does_not_alarm_however_its_energy_spirals(integrator):
 
 
 @pytest.mark.parametrize("integrator", ALL, ids=name)
-@pytest.mark.parametrize("dt", [1.0, 1000.0])
+@pytest.mark.parametrize("dt", [10.0, 1000.0])
 def test_a_free_fall_of_a_million_seconds_is_no_divergence(integrator, dt):
     run = simulation(pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -9.81))), integrator, dt)
     run.run(1e6)
@@ -302,7 +302,7 @@ def test_a_rope_that_whips_above_the_limit_fails_at_one_step(seed):
     assert len({ended(pieces) for pieces in ([6000], [1] * 6000, [100] * 60, [50] * 120, [60] * 100)}) == 1
 
 
-@settings(max_examples=8 if not LONG else 1000)
+@settings(max_examples=4 if not LONG else 1000)
 @given(
     seed=st.integers(0, 10**6),
     factor=st.floats(0.8, 4.0),

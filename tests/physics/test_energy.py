@@ -39,7 +39,7 @@ def balances(run: pc.Simulation, steps: int, samples: int) -> Array:
 
 
 @pytest.mark.parametrize("integrator", SYMMETRIC, ids=name)
-@settings(max_examples=100 if LONG else 25)
+@settings(max_examples=100 if LONG else 12)
 @given(net=networks())
 def test_the_energy_of_a_network_stays_within_what_the_discrete_modes_allow(integrator, net):
     """Its swing is bounded by the sum over modes of |1 + r/q| V ≤ the worst factor times all energy, for ever.
@@ -98,6 +98,7 @@ def test_the_plan_recommends_who_keeps_the_energy_better_at_equal_cost(integrato
 
 
 @pytest.mark.parametrize("integrator", SYMMETRIC, ids=name)
+@settings(max_examples=1000 if LONG else 6)
 @given(orbit=orbits())
 def test_the_energy_error_of_an_orbit_is_bounded_by_a_constant_times_dt_to_the_order(integrator, orbit):
     """The largest error over four turns shrinks by 2^p when dt is halved, up to the next term, and does not grow.

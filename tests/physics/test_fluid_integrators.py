@@ -149,7 +149,7 @@ def test_a_checkpoint_at_any_step_of_a_splash_changes_no_bit(integrator, dt, tmp
     with unwarned():
         whole = pc.Simulation(scene, integrator, dt, "f64", 1, fluids=method)
         parts = pc.Simulation(scene, integrator, dt, "f64", 1, fluids=method)
-    for _ in range(40):
+    for _ in range(20):
         whole.step(8)
         parts.step(8)
         parts.save(tmp_path / "splash.npz")

@@ -52,7 +52,7 @@ def test_an_empty_variable_counts_as_unset(variable, monkeypatch):
 
 def test_a_second_thread_gets_a_clear_error_and_the_first_one_goes_on():
     simulation, plain = running(0, HANGING), running(0, HANGING)
-    worker = threading.Thread(target=simulation.step, args=(2000,))
+    worker = threading.Thread(target=simulation.step, args=(600,))
     worker.start()
     refusals = []
     while worker.is_alive():
@@ -63,7 +63,7 @@ def test_a_second_thread_gets_a_clear_error_and_the_first_one_goes_on():
     worker.join()
     assert refusals
     assert "another thread" in refusals[0]
-    plain.step(2000)
+    plain.step(600)
     assert simulation.state_hash() == plain.state_hash()
 
 
@@ -118,10 +118,10 @@ def test_readers_do_not_keep_each_other_out():
     expected, wrong = simulation.energy().total, []
 
     def read() -> None:
-        seen = [(simulation.energy().total, simulation.positions) for _ in range(3)]
+        seen = [(simulation.energy().total, simulation.positions) for _ in range(2)]
         wrong.extend(pair for pair in seen if pair[0] != expected or not np.array_equal(pair[1], ATOMS))
 
-    readers = [threading.Thread(target=read) for _ in range(3)]
+    readers = [threading.Thread(target=read) for _ in range(2)]
     for reader in readers:
         reader.start()
     for reader in readers:

@@ -287,7 +287,7 @@ fn extreme_network() -> impl Strategy<Value = Network> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 8))]
 
     /// A step 1 % above `endured`, beyond which some mode is certain to grow, is unstable, whatever couples the modes.
     #[test]

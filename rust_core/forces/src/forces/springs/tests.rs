@@ -229,7 +229,7 @@ fn undamped(springs: &[Spring]) -> Vec<Spring> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 5))]
 
     #[test]
     fn stencils_and_slices_are_the_textbooks_springs(network in networks()) {
