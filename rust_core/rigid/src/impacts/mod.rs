@@ -87,7 +87,8 @@ impl Island {
             self.strike(h);
             self.hold_resting(h);
             rows += self.rows_of_contacts();
-            if !self.is_small() || (rows > MOST_ROWS && self.may_be_swept(h - time)) {
+            let are_many = rows > MOST_ROWS && self.joints.is_empty();
+            if !self.is_small() || (are_many && self.may_be_swept(h - time)) {
                 return self.take_sweeps(shapes, (h - time, h), pieces);
             }
             let remaining = h - time;
