@@ -4,7 +4,7 @@ class Drawing {
     const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, preserveDrawingBuffer: true});
     if (!gl) throw new Error("no WebGL2");
     Object.assign(this, {gl, canvas, film, turn: STRAIGHT, zoom: [1, 0, 0], programs: {}, buffers: new Map(), pictures: {}});
-    this.fields = gl.getExtension("EXT_color_buffer_float") && gl.getExtension("OES_texture_float_linear") !== undefined;
+    this.fields = gl.getExtension("EXT_color_buffer_float") || gl.getExtension("EXT_color_buffer_half_float");
     for (const kind of Object.keys(PROGRAMS)) this.programs[kind] = this.program(...PROGRAMS[kind]);
     this.tracks = film.tracks.map(track => {
       const streams = Object.fromEntries(Object.entries(track.streams || {}).map(([name, spec]) => [name, new Stream(spec, bytes, track.still ? 1 : film.count)]));
