@@ -118,6 +118,11 @@ def _frame(desk: Desk, message: Mapping[str, Any]) -> None:
     desk.artist.frame_anew()
 
 
+def _turn(desk: Desk, message: Mapping[str, Any]) -> None:
+    angles = [number(message[name], name, least=-360.0, most=360.0) for name in ("azimuth", "elevation")]
+    desk.artist.turn(angles[0], angles[1], number(message["zoom"], "zoom", least=0.1, most=10.0))
+
+
 def _look(desk: Desk, message: Mapping[str, Any]) -> None:
     width = number(message["width"], "width", least=1.0, most=1e5)
     desk.artist.suit(word(message["theme"], "theme", ("dark", "light")), width)
@@ -142,5 +147,6 @@ REQUESTS: dict[str, Callable[[Desk, Mapping[str, Any]], None]] = {
     "release": _release,
     "frame": _frame,
     "look": _look,
+    "turn": _turn,
 }
 """Requests by name. "seen" and "save" are answered by what carries the messages."""
