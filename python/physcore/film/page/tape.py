@@ -226,7 +226,7 @@ class Tape:
         if texture is not None:
             pixels = texture[0][:: -(-texture[0].shape[0] // TEXELS), :: -(-texture[0].shape[1] // TEXELS)]
             fixed |= {"texels": opaque(pixels.reshape(-1, 3)), "texture": [*pixels.shape[1::-1]], "spots": texture[1]}
-        arrays: dict[str, NDArray[Any]] = {"places": place.astype(np.float32), "inks": opaque(ink)}
+        arrays: dict[str, NDArray[Any]] = {"places": np.nan_to_num(place.astype(np.float32)), "inks": opaque(ink)}
         arrays["faces"] = faces.astype(np.uint32)
         self._keep(self._track("surface", deep, **fixed), arrays)
 
