@@ -9,6 +9,8 @@ import pytest
 
 import physcore as pc
 from physcore.film.page import tape
+from physcore.film.styles.base import Painter
+from physcore.film.styles.phase import PhasePainter
 from physcore.film.writers import page
 
 RANDOM = np.random.default_rng(4)
@@ -39,9 +41,11 @@ def test_a_page_is_rounded_to_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 def test_what_a_page_cannot_show_is_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "film.html"
-    tracers = pc.Tracers(RANDOM.random((100, 3)), pc.Lorenz())
-    with pytest.raises(pc.SceneError, match="style: Density draws a density in 3D, which a page cannot show; give"):
-        pc.film(pc.Scene(tracers), path, duration=0.1, style=pc.styles.Density(on=tracers))
+    monkeypatch.setattr(PhasePainter, "record", Painter.record)  # as a style that draws pixels and knows no other way
+    grid = pc.Grid((20, 20), 0.1)
+    packet = pc.Schrodinger(grid, pc.wave_packet(grid, (1.0, 1.0), (1.0, 0.0), 0.3))
+    with pytest.raises(pc.SceneError, match="style: Phase draws pixels, which a page cannot show; give another style"):
+        pc.film(pc.Scene(packet), path, duration=0.1)
     plain = pc.Scene(pc.Particles([[0.0, 0.0]]))
     with pytest.raises(pc.SceneError, match="loop: a page cannot blend the end into the start; give 'bounce'"):
         pc.film(plain, path, duration=0.1, loop="crossfade")

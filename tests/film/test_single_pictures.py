@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -264,3 +265,30 @@ def test_a_present_frame_is_that_of_a_recording() -> None:
     assert present.energy.total == last.energy.total
     for name in ("positions", "velocities", "densities", "pressures"):
         assert np.array_equal(present.fields[name], last.fields[name]), name
+
+
+@pytest.mark.parametrize("camera", [None, pc.Orbit(azimuth=10.0, extent=3.0, target=(0.0, 0.0, 0.5))])
+def test_a_turned_renderer_is_one_with_another_camera(camera):
+    """The same picture as that of a renderer whose Orbit had the angles and the extent from the start, but for what the
+    automatic view leaves open; its target and scale stay. Turning back gives the first picture again.
+    """
+    scene = pc.Scene(pc.Particles([[0.0, 0.0, 0.3], [1.0, 0.5, 1.0]], radius=0.2), pc.Floor())
+    simulation, renderer = pc.Simulation(scene), pc.Renderer(scene, size=(160, 120), camera=camera)
+    with pytest.raises(pc.SceneError, match="turn: needs a camera at rest that has drawn a picture"):
+        renderer.turn(10.0)
+    first, before = renderer.draw(simulation), renderer.view
+    renderer.turn(azimuth=25.0, elevation=15.0, zoom=2.0)
+    other, after = renderer.draw(simulation), renderer.view
+    np.testing.assert_allclose(after.axes.T @ after.center, before.axes.T @ before.center, atol=1e-12)
+    assert after.scale == pytest.approx(2.0 * before.scale, rel=1e-6)
+    if camera is not None:
+        exact = replace(camera, azimuth=35.0, elevation=35.0, extent=1.5)
+        again = pc.Renderer(scene, size=(160, 120), camera=exact)
+        again.draw(simulation)
+        np.testing.assert_allclose(again.view.axes, after.axes, atol=1e-12)
+        assert again.view.scale == pytest.approx(after.scale)
+    assert (other != first).any()
+    renderer.turn(azimuth=-25.0, elevation=-15.0, zoom=0.5)
+    np.testing.assert_array_equal(renderer.draw(simulation), first)
+    with pytest.raises(pc.SceneError, match=r"turn.zoom: must be .*, got 0"):
+        renderer.turn(zoom=0.0)

@@ -102,6 +102,29 @@ def grasp(panel, page, point):
     raise AssertionError("nothing was held")
 
 
+def test_the_wheel_zooms_and_the_right_button_turns(browser):
+    """By the same angles and factor as `Renderer.turn`; "Fit" goes back. In the picture up is +z all the time."""
+    ball = pc.Particles([[0.3, 0.2, 0.5]], radius=0.2)
+    with pc.live(lambda: pc.Scene(ball, pc.Floor(), pc.Gravity()), show=False, size=(320, 240)) as panel:
+        page = browser.page(panel.url)
+        page.until("Number(panel.dataset.pictures) > 0")
+        before = panel.artist.picture.view
+        x, y = page.middle(".film canvas")
+        page.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=-400)
+        until(lambda: panel.artist.picture.view.scale > 1.5 * before.scale, "the zoom")
+        assert panel.artist.picture.view.scale == pytest.approx(np.exp(0.6) * before.scale, rel=1e-3)
+        for kind, across in (("mousePressed", 0), ("mouseMoved", 50), ("mouseReleased", 50)):
+            page.call("Input.dispatchMouseEvent", type=kind, x=x + across, y=y, button="right", buttons=2)
+        until(lambda: not np.allclose(panel.artist.picture.view.axes, before.axes), "the turn")
+        until(lambda: panel.artist.picture.view.axes[0] @ before.axes[0] < 0.95, "the whole turn")
+        now = panel.artist.picture.view
+        assert now.axes[0] @ before.axes[0] == pytest.approx(np.cos(np.radians(20.0)), abs=1e-6)
+        np.testing.assert_allclose(now.axes.T @ now.center, before.axes.T @ before.center, atol=1e-9)
+        page.click(".frame")
+        until(lambda: np.allclose(panel.artist.picture.view.axes, before.axes), "the fit")
+        page.close()
+
+
 def test_a_drag_closes_the_budget(panel, page):
     """The mouse takes the lower corner of the net and draws it aside; what it did is work."""
     start = panel.simulation.energy().balance

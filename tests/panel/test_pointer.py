@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ import physcore as pc
 from physcore.film.renderer import Renderer
 from physcore.panel.artist import Picture
 from physcore.panel.pointer import moved, picked
+from physcore.panel.requests import Desk
 
 
 def drawn(scene, **options):
@@ -67,3 +70,30 @@ def test_indices_count_within_their_body_and_rigid_bodies_too():
 
 def test_a_scene_of_fields_has_nothing_to_pick():
     assert picked(drawn(pc.Scene(pc.Wave(pc.Grid((8, 8), 0.1), 1.0))), 100.0, 100.0) is None
+
+
+class Physics:
+    """A thread of physics that only keeps what it is asked for, and is itself the session."""
+
+    def __init__(self, scene):
+        self.scene, self.held = scene, []
+
+    def post(self, request):
+        request(self)
+
+    def grab(self, element, stiffness):
+        self.held.append(element)
+
+
+@pytest.mark.parametrize("size", [(320, 240), (640, 480), (1920, 1440)])
+def test_a_press_means_the_same_element_in_pictures_of_any_size(size):
+    """A page of another width gets larger pictures; a press on the smaller one, which it still shows, does not miss."""
+    shown = drawn(FLAT)
+    (x, y), *_ = shown.view.project(FLAT.bodies[0].positions[1:])[0].tolist()
+    renderer = Renderer(FLAT, size=size)
+    present = pc.Simulation(FLAT)
+    newer = Picture(renderer.draw(present), present.frame(), renderer.view, None)
+    physics = Physics(FLAT)
+    desk = Desk(physics, SimpleNamespace(picture=newer), 1.0)
+    desk.receive({"do": "grab", "x": x / 320, "y": y / 240})
+    assert physics.held == [(FLAT.bodies[0], 1)]

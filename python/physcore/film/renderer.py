@@ -123,6 +123,8 @@ class Renderer(Composition):
             "samples": SAMPLES[word(quality, "quality", QUALITIES)],
         }
         self._extent: Extent | None = None
+        self._is_turned = False
+        """Whether the view was turned since the last picture."""
         self._arrange(scene)
 
     def _arrange(self, scene: Scene) -> None:
@@ -166,10 +168,10 @@ class Renderer(Composition):
                 self._change(scene)
             self._present.frame, self._present.integrator = frame, integrator
             frame = next(self._found[0].frames())
-            if self._last is not None and _equal(frame, self._last[0]):
+            if self._last is not None and _equal(frame, self._last[0]) and not self._is_turned:
                 return self._last[1].copy()
             pixels = self._drawn(frame)
-            self._last = frame, pixels
+            self._last, self._is_turned = (frame, pixels), False
             return pixels.copy()
 
     def look_as(self, other: Renderer) -> None:
@@ -183,6 +185,25 @@ class Renderer(Composition):
                 f"look_as.other: must show a scene in {self.scene.dimension}D, got {other.scene.dimension}D"
             )
         self._extent = other._extent
+
+    def turn(self, azimuth: float = 0.0, elevation: float = 0.0, zoom: float = 1.0) -> None:
+        """Move the camera about its target, and magnify, from the next picture on.
+
+        Args:
+            azimuth, elevation: the angles by which it moves [degrees]; without effect in 2D. The elevation stays within
+                −90 and 90.
+            zoom: factor of the magnification, from 0.01 to 100.
+
+        Raises:
+            SceneError: a value is not valid, nothing was drawn yet, or the camera moves by itself.
+        """
+        angles = number(azimuth, "turn.azimuth"), number(elevation, "turn.elevation")
+        factor = number(zoom, "turn.zoom", least=0.01, most=100.0)
+        if self._extent is None or self._seen is None or self._moving:
+            raise SceneError("turn: needs a camera at rest that has drawn a picture")
+        self._extent = self._extent.turned(*angles, factor)
+        self._compose(self.size, [self._extent], [self._seen], still=True)
+        self._is_turned = True
 
     def reset(self) -> None:
         """Forget all states drawn so far, with their view: the next picture is framed as the first one was."""

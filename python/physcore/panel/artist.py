@@ -109,6 +109,16 @@ class Artist:
         """Frame the next picture anew, around the state then."""
         self._lost = True
 
+    def turn(self, azimuth: float, elevation: float, zoom: float) -> None:
+        """Turn and magnify the view, as `Renderer.turn` does.
+
+        Raises:
+            SceneError: a value is not valid, or the camera moves by itself.
+        """
+        with self._lock:
+            self._renderer.turn(azimuth, elevation, zoom)
+        self._shown = None
+
     def suit(self, theme: str, width: float) -> None:
         """Draw from now on in a theme and for a width of the page [pixels], as far as the options leave them open."""
         factor = min(max(width / SIZE[0], 1.0), LARGEST)

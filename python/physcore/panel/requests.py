@@ -8,11 +8,13 @@ from typing import Any
 
 from physcore.checks import number, word
 from physcore.errors import PhyscoreError
-from physcore.panel.artist import Artist
+from physcore.panel.artist import Artist, Picture
 from physcore.panel.pointer import moved, picked
 from physcore.panel.runner import Runner
 from physcore.panel.session import Session
 
+BEYOND = 100.0
+"""Largest distance of a pointer from a picture, as a share of its sides."""
 SPEEDS = 1024.0
 """Largest factor by which a page changes the speed."""
 
@@ -65,8 +67,8 @@ def _speed(desk: Desk, message: Mapping[str, Any]) -> None:
 
 
 def _grab(desk: Desk, message: Mapping[str, Any]) -> None:
-    x, y = _pixel(message)
     picture = desk.artist.picture
+    x, y = _pixel(message, picture)
     found, seen = picked(picture, x, y), picture.state.scene
     if found is None or seen is None:
         return
@@ -82,11 +84,12 @@ def _grab(desk: Desk, message: Mapping[str, Any]) -> None:
 
 
 def _drag(desk: Desk, message: Mapping[str, Any]) -> None:
-    x, y = _pixel(message)
+    picture = desk.artist.picture
+    x, y = _pixel(message, picture)
 
     def drag(session: Session) -> None:
         if session.hand is not None:
-            session.drag(moved(desk.artist.picture.view, session.hand.pointer, x, y))
+            session.drag(moved(picture.view, session.hand.pointer, x, y))
 
     desk.runner.urge("drag", drag)
 
@@ -115,13 +118,21 @@ def _frame(desk: Desk, message: Mapping[str, Any]) -> None:
     desk.artist.frame_anew()
 
 
+def _turn(desk: Desk, message: Mapping[str, Any]) -> None:
+    angles = [number(message[name], name, least=-360.0, most=360.0) for name in ("azimuth", "elevation")]
+    desk.artist.turn(angles[0], angles[1], number(message["zoom"], "zoom", least=0.1, most=10.0))
+
+
 def _look(desk: Desk, message: Mapping[str, Any]) -> None:
     width = number(message["width"], "width", least=1.0, most=1e5)
     desk.artist.suit(word(message["theme"], "theme", ("dark", "light")), width)
 
 
-def _pixel(message: Mapping[str, Any]) -> tuple[float, float]:
-    return number(message["x"], "x"), number(message["y"], "y")
+def _pixel(message: Mapping[str, Any], picture: Picture) -> tuple[float, float]:
+    """The pixel of a picture that a page means, which gives shares of its own one. That one may have another size."""
+    height, width, _ = picture.pixels.shape
+    x, y = (number(message[name], name, least=-BEYOND, most=BEYOND) for name in ("x", "y"))
+    return width * x, height * y
 
 
 REQUESTS: dict[str, Callable[[Desk, Mapping[str, Any]], None]] = {
@@ -136,5 +147,6 @@ REQUESTS: dict[str, Callable[[Desk, Mapping[str, Any]], None]] = {
     "release": _release,
     "frame": _frame,
     "look": _look,
+    "turn": _turn,
 }
 """Requests by name. "seen" and "save" are answered by what carries the messages."""

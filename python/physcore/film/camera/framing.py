@@ -121,6 +121,24 @@ class Extent:
             return True
         return any(isinstance(each, Orbit) and each.extent is not None for each in self.stills)
 
+    def turned(self, azimuth: float, elevation: float, zoom: float) -> Extent:
+        """The extent of the first view from another direction [degrees], magnified, with the same target."""
+        camera = self.stills[0]
+        target = camera.axes.T @ self.centers[0]
+        if isinstance(camera, Orbit):
+            level = min(max(camera.elevation + elevation, -90.0), 90.0)
+            extent = None if camera.extent is None else camera.extent / zoom
+            camera = replace(camera, azimuth=camera.azimuth + azimuth, elevation=level, extent=extent)
+        elif isinstance(camera, Window):
+            half = (np.array(camera.upper) - np.array(camera.lower)) / (2.0 * zoom)
+            lower, upper = (target + sign * half for sign in (-1.0, 1.0))
+            camera = Window((lower[0], lower[1]), (upper[0], upper[1]))
+        center = (camera.axes @ target)[np.newaxis]
+        shown = self.shown[:1].copy()
+        shown[:, :2] /= zoom  # The depth stays, and all that is seen: the camera does not come nearer.
+        seen = np.maximum(self.seen, self.shown)[:1]
+        return replace(self, stills=[camera], centers=center, shown=shown, seen=seen)
+
 
 @dataclass(eq=False)
 class PanelView:

@@ -4,7 +4,7 @@ class Drawing {
     const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, preserveDrawingBuffer: true});
     if (!gl) throw new Error("no WebGL2");
     Object.assign(this, {gl, canvas, film, turn: STRAIGHT, zoom: [1, 0, 0], programs: {}, buffers: new Map(), pictures: {}});
-    this.fields = gl.getExtension("EXT_color_buffer_float") && gl.getExtension("OES_texture_float_linear") !== undefined;
+    this.fields = gl.getExtension("EXT_color_buffer_float") || gl.getExtension("EXT_color_buffer_half_float");
     for (const kind of Object.keys(PROGRAMS)) this.programs[kind] = this.program(...PROGRAMS[kind]);
     this.tracks = film.tracks.map(track => {
       const streams = Object.fromEntries(Object.entries(track.streams || {}).map(([name, spec]) => [name, new Stream(spec, bytes, track.still ? 1 : film.count)]));
@@ -172,11 +172,12 @@ class Drawing {
       gl.depthMask(true);
       gl.disable(gl.BLEND);
       gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-      for (const track of solid) if (track.kind !== "halo") this.track(track, frame, share);
+      const lights = track => track.kind === "halo" || track.kind === "density";
+      for (const track of solid) if (!lights(track)) this.track(track, frame, share);
       gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
       gl.enable(gl.BLEND);
       gl.depthMask(false);
-      for (const track of solid) if (track.kind === "halo") this.track(track, frame, share);
+      for (const track of solid) if (lights(track)) this.track(track, frame, share);
       gl.disable(gl.DEPTH_TEST);
       const turned = !panel.flat && (this.turn !== STRAIGHT || this.zoom[0] !== 1);
       for (const track of tracks) if (!track.shapes && !track.deep && !turned) {
@@ -235,7 +236,7 @@ class Drawing {
     gl.uniform1f(this.now.uniforms.amount, track.streams.light.real(frame, 0)[0] / (2 * Math.PI * track.spread ** 2));
     this.square();
     this.places(track, frame, share, [["one", "other", 0]], 1);
-    gl.vertexAttrib1f(length_, 3 * track.spread);
+    gl.vertexAttrib1f(length_, 3 * track.spread * track.size);
     if (ink !== undefined) gl.vertexAttrib4f(ink, 1, 1, 1, 1);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, track.streams.places.rows(frame));
     this.finish();

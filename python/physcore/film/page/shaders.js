@@ -1,6 +1,7 @@
 // Shaders: how places become pixels, and the light of the renderer (styles in film/colors/light.py, rust_core/canvas).
 const COMMON = `#version 300 es
 precision highp float;
+precision highp sampler2D;
 uniform vec2 size;          // of the picture [pixels]
 uniform float pixel;        // pixels of the screen per pixel of the picture
 uniform vec4 eye;           // scale [pixels/m], middle [pixels], 1 / distance [1/m]

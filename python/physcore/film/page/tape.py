@@ -159,15 +159,21 @@ class Tape:
     def paint(self) -> None:
         """No effect: shapes are drawn in the order in which they were added, in 3D by their depth."""
 
-    def density(self, points: PixelArray, table: Inks, strength: float, spread: float) -> None:
-        """Add points that are shown as a density. The light of each is relative to the mean density over all points."""
+    def density(
+        self, points: PixelArray, table: Inks, strength: float, spread: float, places: FloatArray | None = None
+    ) -> None:
+        """Add points that are shown as a density, in 3D with their places (N, 3) [m]. The light of each is relative to
+        the mean density over all points.
+        """
         assert self._view is not None  # `look` comes first
-        if not self._view.flat:
-            self._refuse("a density in 3D")
-        known = points[np.isfinite(points).all(axis=1)]
-        light = strength * TYPICAL / _mean_density(known, spread, self._view.middle)
-        track = self._track("density", False, table=opaque(table), colors=len(table), spread=max(float(spread), 0.1))
-        arrays: dict[str, NDArray[Any]] = {"places": known, "light": np.array([[light]], dtype=np.float32)}
+        deep, known = places is not None, np.isfinite(points).all(axis=1)
+        light = strength * TYPICAL / _mean_density(points[known], spread, self._view.middle)
+        size = 1.0 / self._view.scale if deep else 1.0
+        track = self._track(
+            "density", deep, table=opaque(table), colors=len(table), spread=max(float(spread), 0.1), size=size
+        )
+        found = points if places is None else self._from_eye(places).astype(np.float32)
+        arrays: dict[str, NDArray[Any]] = {"places": found[known], "light": np.array([[light]], dtype=np.float32)}
         self._keep(track, arrays)
 
     def picture(self, *values: object) -> None:
@@ -220,7 +226,7 @@ class Tape:
         if texture is not None:
             pixels = texture[0][:: -(-texture[0].shape[0] // TEXELS), :: -(-texture[0].shape[1] // TEXELS)]
             fixed |= {"texels": opaque(pixels.reshape(-1, 3)), "texture": [*pixels.shape[1::-1]], "spots": texture[1]}
-        arrays: dict[str, NDArray[Any]] = {"places": place.astype(np.float32), "inks": opaque(ink)}
+        arrays: dict[str, NDArray[Any]] = {"places": np.nan_to_num(place.astype(np.float32)), "inks": opaque(ink)}
         arrays["faces"] = faces.astype(np.uint32)
         self._keep(self._track("surface", deep, **fixed), arrays)
 

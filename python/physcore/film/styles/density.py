@@ -14,6 +14,7 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import WHOLE, ColormapName, ramp
 from physcore.film.colors.themes import Theme
+from physcore.film.page.tape import Tape
 from physcore.film.styles.base import BRIGHT, Painter, SystemPart, SystemStyle
 from physcore.film.styles.typical import MANY
 from physcore.scene.points import PointSystem
@@ -116,6 +117,12 @@ class DensityPainter(PointsPainter):
         """Draw the density immediately."""
         centers, _, _ = view.project(frame.fields[self._field])
         canvas.density(np.ascontiguousarray(centers), self._table, self._exposure, self._chosen(pixels))
+
+    def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Put the tracers on a tape, in 3D with their places."""
+        points = frame.fields[self._field]
+        centers = np.ascontiguousarray(view.project(points)[0])
+        tape.density(centers, self._table, self._exposure, self._chosen(pixels), None if view.flat else points)
 
     def _chosen(self, pixels: float) -> float:
         """The standard deviation of a tracer's light [pixels]."""

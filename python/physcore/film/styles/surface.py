@@ -246,6 +246,9 @@ class SurfacePainter(Painter):
                     places, faces[shown & chosen], colors, closed=closed, back=self._back,
                     texture=None if picture is None else (picture.pixels, spots),
                 )  # fmt: skip
+        if self._thickness.any() and not view.flat:
+            rim = inks(np.clip(RIM * self._colors(frame), 0.0, 255.0), self._theme, None)
+            paint_rim(cast("Canvas", tape), frame.positions, self._faces[shown], self._thickness, rim, view)
 
     @cached_property
     def _parts(self) -> tuple[IntArray, IntArray]:

@@ -94,7 +94,7 @@ def packed(tape: Tape, facts: dict[str, Any], bits: int) -> bytes:
     """The film as a raw stream of deflate: the length of its description, this as JSON, and the packed arrays."""
     pack = Pack(bits)
     tracks = [_track(pack, track, tape.count) for track in tape.tracks]
-    head = json.dumps(facts | {"tracks": tracks}, separators=(",", ":")).encode()
+    head = json.dumps(facts | {"tracks": tracks}, separators=(",", ":"), allow_nan=False).encode()
     head += b" " * (-len(head) % 4)
     return pack.deflated(len(head).to_bytes(4, "little") + head)
 
@@ -135,7 +135,7 @@ def _facts(job: FilmJob, tape: Tape, lines: list[str], energies: list[list[Energ
 
 
 def _curves(energies: list[list[Energy | None]]) -> list[dict[str, Any]]:
-    """The energies of each panel at some of the frames; none if they are not known."""
+    """The energies of each panel at some of the frames; none if they are not known, or not finite."""
     if any(each is None for frame in energies for each in frame) or len({len(frame) for frame in energies}) != 1:
         return []
     some = np.unique(np.linspace(0, len(energies) - 1, min(len(energies), POINTS)).round().astype(int)).tolist()
@@ -144,6 +144,8 @@ def _curves(energies: list[list[Energy | None]]) -> list[dict[str, Any]]:
         known = [each for index in some if (each := energies[index][panel]) is not None]
         rows = {name: [float(f"{getattr(each, name):.6g}") for each in known]
                 for name in ("kinetic", "potential", "internal", "total")}  # fmt: skip
+        if not np.isfinite(list(rows.values())).all():
+            return []
         curves.append({"frames": some, "unit": known[0].units.symbol("J"), **rows})
     return curves
 
