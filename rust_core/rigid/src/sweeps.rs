@@ -16,6 +16,10 @@ mod touching;
 
 use touching::{Begin, Clear, Gain, Meter, Resume, Softness, Touching, Undo};
 
+/// Number of bodies from one to the next of which impacts pass the speed of a body on in a step. Beyond that too little is left of
+/// it: bodies may overlap for a step.
+const PASSED: usize = 2;
+
 /// Contacts of a group during a step: in the plane if it has no joints.
 #[derive(Debug, Clone)]
 pub enum GroupSweep {
@@ -54,9 +58,8 @@ impl Island {
     pub fn sweep(&mut self, shapes: &[SolidShape], h: f64, (pieces, accuracy): (usize, Accuracy)) {
         self.accuracy = accuracy;
         self.joints.iter_mut().for_each(|held| held.held = [true; 2]);
-        // Impacts may pass the largest speed on to any body.
-        let way = 2.0 * h * self.speed();
-        self.find_contacts(shapes, |_, pair| way.min(pair.size));
+        let ways = self.ways(h);
+        self.find_contacts(shapes, |_, pair| (ways[pair.bodies[0]] + ways[pair.bodies[1]]).min(pair.size));
         let is_flat = self.planar && self.joints.is_empty();
         let mut sweep = match self.take_sweep() {
             GroupSweep::InSpace(_) if is_flat => GroupSweep::InPlane(RowSweep::default()),
@@ -68,6 +71,25 @@ impl Island {
             GroupSweep::InSpace(sweep) => sweep.take(self, h, pieces),
         }
         self.open_sweep(sweep, h / pieces as f64, h);
+    }
+
+    /// Ways of surface points in a step of `h` seconds for which contacts are found [m]. Impacts may pass the speed of a body on to
+    /// those that it strikes, and these to others; joints, to any body.
+    fn ways(&self, h: f64) -> Vec<f64> {
+        if !self.joints.is_empty() {
+            return vec![h * self.speed(); self.movers.len()];
+        }
+        let mut ways: Vec<f64> = self.movers.iter().map(|mover| h * mover.speed()).collect();
+        for _ in 0..PASSED {
+            let before = ways.clone();
+            for [one, other] in self.pairs.iter().map(|pair| pair.bodies) {
+                if !self.movers[one].is_fixed() && !self.movers[other].is_fixed() {
+                    ways[one] = ways[one].max(before[other]);
+                    ways[other] = ways[other].max(before[one]);
+                }
+            }
+        }
+        ways
     }
 
     /// Ends the last piece of a sweep, at the velocities after the kick.
