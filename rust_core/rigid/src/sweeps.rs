@@ -9,15 +9,15 @@ use glam::DVec3;
 
 use crate::island::{Accuracy, FirstHalf, Island};
 use crate::rotation::{Inertia, Orientation};
-use crate::rows::{Batches, BodyVelocities, BodyVelocity, InPlane, InSpace, RowSpace, SIDE, adds_energy};
+use crate::rows::{BodyVelocities, BodyVelocity, Bundles, InPlane, InSpace, RowSpace, SIDE, adds_energy};
 use crate::shapes::SolidShape;
 
 mod touching;
 
-use touching::{Begin, Clear, Gain, Meter, Resume, Softness, Touching, Undo};
+use touching::{Begin, Clear, Gain, HalfEnergies, Resume, Softness, Touching, Undo};
 
-/// Number of bodies from one to the next of which impacts pass the speed of a body on in a step. Beyond that too little is left of
-/// it: bodies may overlap for a step.
+/// Number of impacts in a row that pass the speed of a body on in a step. What is left of it after more may make bodies overlap
+/// until the next step.
 const PASSED: usize = 2;
 
 /// Contacts of a group during a step: in the plane if it has no joints.
@@ -38,8 +38,8 @@ impl Default for GroupSweep {
 pub struct RowSweep<S: RowSpace> {
     /// Rows of joints in a half of a piece.
     joints: FirstHalf,
-    /// Rows of contacts, which last throughout the step, with the contacts of each batch.
-    rows: Batches<S>,
+    /// Rows of contacts, which last throughout the step, with the contacts of each bundle.
+    rows: Bundles<S>,
     touching: Vec<Touching<S>>,
     /// Whether a contact strikes.
     strikes: bool,
@@ -83,9 +83,10 @@ impl Island {
         for _ in 0..PASSED {
             let before = ways.clone();
             for [one, other] in self.pairs.iter().map(|pair| pair.bodies) {
-                if !self.movers[one].is_fixed() && !self.movers[other].is_fixed() {
-                    ways[one] = ways[one].max(before[other]);
-                    ways[other] = ways[other].max(before[one]);
+                for (body, by) in [(one, other), (other, one)] {
+                    if !self.movers[body].is_fixed() {
+                        ways[body] = ways[body].max(before[by]);
+                    }
                 }
             }
         }
@@ -139,12 +140,12 @@ impl<S: RowSpace> RowSweep<S> {
         self.strikes = false;
         for (index, contact) in island.contacts.iter().enumerate() {
             let Some(row) = island.row(contact, &self.v) else { continue };
-            let [batch, lane] = self.rows.add(&row, &self.v);
-            if batch == self.touching.len() {
+            let [bundle, lane] = self.rows.add(&row, &self.v);
+            if bundle == self.touching.len() {
                 self.touching.push(Touching::default());
             }
             let size = island.pairs[contact.pair].size;
-            self.touching[batch].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
+            self.touching[bundle].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
         }
         self.rows.equip(&self.v);
     }
@@ -299,10 +300,11 @@ impl<S: RowSpace> RowSweep<S> {
         let mut start = std::mem::take(&mut self.start);
         self.lost += self.stopped(&mut start);
         self.start = start;
-        let mut meter = Meter::<S, ENDS> { touching: &mut self.touching, length, lost: [0.0; SIDE], pushed: [0.0; SIDE] };
-        self.rows.pass(&mut self.v, &mut meter, false);
-        self.lost += meter.lost.iter().sum::<f64>();
-        meter.pushed.iter().sum()
+        let mut energies =
+            HalfEnergies::<S, ENDS> { touching: &mut self.touching, length, lost: [0.0; SIDE], pushed: [0.0; SIDE] };
+        self.rows.pass(&mut self.v, &mut energies, false);
+        self.lost += energies.lost.iter().sum::<f64>();
+        energies.pushed.iter().sum()
     }
 }
 
