@@ -65,6 +65,11 @@ impl Mover {
         if self.is_fixed() { self.spin } else { self.inverse_inertia() * self.spin }
     }
 
+    /// Bound on the speed of surface points [m/s].
+    pub fn speed(&self) -> f64 {
+        self.velocity.length() + self.angular_velocity().length() * self.arm
+    }
+
     /// Applies the forces for `h` seconds.
     pub fn kick(&mut self, h: f64) {
         if !self.is_fixed() {

@@ -9,13 +9,17 @@ use glam::DVec3;
 
 use crate::island::{FirstHalf, Island};
 use crate::rotation::{Inertia, Orientation};
-use crate::rows::{Batches, BodyVelocities, BodyVelocity, InPlane, InSpace, RowSpace, SIDE, adds_energy};
+use crate::rows::{BodyVelocities, BodyVelocity, Bundles, InPlane, InSpace, RowSpace, SIDE, adds_energy};
 use crate::shapes::SolidShape;
 use crate::sweep_steps::SweepPieces;
 
 mod touching;
 
-use touching::{Begin, Clear, Gain, Meter, Resume, Softness, Touching, Undo};
+use touching::{Begin, Clear, Gain, HalfEnergies, Resume, Softness, Touching, Undo};
+
+/// Number of impacts in a row that pass the speed of a body on in a step. What is left of it after more may make bodies overlap
+/// until the next step.
+const PASSED: usize = 2;
 
 /// Contacts of a group during a step: in the plane if it has no joints.
 #[derive(Debug, Clone)]
@@ -35,8 +39,8 @@ impl Default for GroupSweep {
 pub struct RowSweep<S: RowSpace> {
     /// Rows of joints in a half of a piece.
     joints: FirstHalf,
-    /// Rows of contacts, which last throughout the step, with the contacts of each batch.
-    rows: Batches<S>,
+    /// Rows of contacts, which last throughout the step, with the contacts of each bundle.
+    rows: Bundles<S>,
     touching: Vec<Touching<S>>,
     /// Whether a contact strikes.
     strikes: bool,
@@ -56,9 +60,8 @@ impl Island {
         self.accuracy = pieces.accuracy;
         let length = h / pieces.count as f64;
         self.joints.iter_mut().for_each(|held| held.held = [true; 2]);
-        // Impacts may pass the largest speed on to any body.
-        let way = 2.0 * h * self.speed();
-        self.find_contacts(shapes, |_, pair| way.min(pair.size));
+        let ways = self.ways(h);
+        self.find_contacts(shapes, |_, pair| (ways[pair.bodies[0]] + ways[pair.bodies[1]]).min(pair.size));
         let is_flat = self.planar && self.joints.is_empty();
         let mut sweep = match self.take_sweep() {
             GroupSweep::InSpace(_) if is_flat => GroupSweep::InPlane(RowSweep::default()),
@@ -70,6 +73,26 @@ impl Island {
             GroupSweep::InSpace(sweep) => sweep.take(self, length, pieces),
         }
         self.open_sweep(sweep, length, h);
+    }
+
+    /// Ways of surface points in a step of `h` seconds for which contacts are found [m]. Impacts may pass the speed of a body on to
+    /// those that it strikes, and these to others; joints, to any body.
+    fn ways(&self, h: f64) -> Vec<f64> {
+        if !self.joints.is_empty() {
+            return vec![h * self.speed(); self.movers.len()];
+        }
+        let mut ways: Vec<f64> = self.movers.iter().map(|mover| h * mover.speed()).collect();
+        for _ in 0..PASSED {
+            let before = ways.clone();
+            for [one, other] in self.pairs.iter().map(|pair| pair.bodies) {
+                for (body, by) in [(one, other), (other, one)] {
+                    if !self.movers[body].is_fixed() {
+                        ways[body] = ways[body].max(before[by]);
+                    }
+                }
+            }
+        }
+        ways
     }
 
     /// Ends the last piece of a sweep, at the velocities after the kick.
@@ -119,12 +142,12 @@ impl<S: RowSpace> RowSweep<S> {
         self.strikes = false;
         for (index, contact) in island.contacts.iter().enumerate() {
             let Some(row) = island.row(contact, &self.v) else { continue };
-            let [batch, lane] = self.rows.add(&row, &self.v);
-            if batch == self.touching.len() {
+            let [bundle, lane] = self.rows.add(&row, &self.v);
+            if bundle == self.touching.len() {
                 self.touching.push(Touching::default());
             }
             let size = island.pairs[contact.pair].size;
-            self.touching[batch].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
+            self.touching[bundle].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
         }
         self.rows.equip(&self.v);
     }
@@ -279,10 +302,11 @@ impl<S: RowSpace> RowSweep<S> {
         let mut start = std::mem::take(&mut self.start);
         self.lost += self.stopped(&mut start);
         self.start = start;
-        let mut meter = Meter::<S, ENDS> { touching: &mut self.touching, length, lost: [0.0; SIDE], pushed: [0.0; SIDE] };
-        self.rows.pass(&mut self.v, &mut meter, false);
-        self.lost += meter.lost.iter().sum::<f64>();
-        meter.pushed.iter().sum()
+        let mut energies =
+            HalfEnergies::<S, ENDS> { touching: &mut self.touching, length, lost: [0.0; SIDE], pushed: [0.0; SIDE] };
+        self.rows.pass(&mut self.v, &mut energies, false);
+        self.lost += energies.lost.iter().sum::<f64>();
+        energies.pushed.iter().sum()
     }
 }
 

@@ -144,8 +144,7 @@ impl Island {
 
     /// Largest speed of a surface point [m/s].
     pub fn speed(&self) -> f64 {
-        let of = |mover: &Mover| mover.velocity.length() + mover.angular_velocity().length() * mover.arm;
-        self.movers.iter().map(of).fold(0.0, f64::max)
+        self.movers.iter().map(Mover::speed).fold(0.0, f64::max)
     }
 
     /// Energy supplied in the first half of the open piece [J].

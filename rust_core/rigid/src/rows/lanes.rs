@@ -6,7 +6,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 use glam::{DMat3, DVec2, DVec3};
 use physcore_base::simd::{Number, Pack};
 
-use super::space::{Linear, RowAlgebra};
+use super::ContactImpulse;
+use super::space::{Linear, RowAlgebra, RowSpace};
 
 /// Number of rows side by side; registers hold a part of them.
 pub const SIDE: usize = 8;
@@ -260,5 +261,49 @@ impl<P: Number> RowAlgebra for WideSpace<P> {
     #[inline(always)]
     fn held(_normal: Wide<P, 3>, vector: Wide<P, 3>, most: P) -> Wide<P, 3> {
         vector.limited(most)
+    }
+}
+
+/// Impulses side by side.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ImpulseLanes<S: RowSpace> {
+    pub normal: [f64; SIDE],
+    tangential: LanesOf<S::Vector>,
+    turning: LanesOf<S::Turn>,
+}
+
+impl<S: RowSpace> ImpulseLanes<S> {
+    /// Impulses of a lane.
+    pub fn read(&self, lane: usize) -> ContactImpulse<S> {
+        ContactImpulse {
+            normal: self.normal[lane],
+            tangential: S::Vector::read(&self.tangential, lane),
+            turning: S::Turn::read(&self.turning, lane),
+        }
+    }
+
+    /// Writes the impulses of a lane.
+    pub fn write(&mut self, impulse: &ContactImpulse<S>, lane: usize) {
+        self.normal[lane] = impulse.normal;
+        impulse.tangential.write(&mut self.tangential, lane);
+        impulse.turning.write(&mut self.turning, lane);
+    }
+
+    /// Loads the lanes from `first` on.
+    #[inline(always)]
+    pub fn load<P: Pack<Scalar = f64>>(&self, first: usize) -> ContactImpulse<S::Wide<P>> {
+        ContactImpulse {
+            normal: P::load(&self.normal[first..]),
+            tangential: Loaded::load(&self.tangential, first),
+            turning: Loaded::load(&self.turning, first),
+        }
+    }
+
+    /// Writes the lanes from `first` on.
+    #[inline(always)]
+    pub fn store<P: Pack<Scalar = f64>>(&mut self, impulse: &ContactImpulse<S::Wide<P>>, first: usize) {
+        impulse.normal.store(&mut self.normal[first..]);
+        impulse.tangential.store(&mut self.tangential, first);
+        impulse.turning.store(&mut self.turning, first);
     }
 }

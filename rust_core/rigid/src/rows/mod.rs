@@ -5,7 +5,7 @@
 //! opposite impulses at one point, so that momentum and angular momentum are kept to rounding. Sources: M. Jean, Comput. Meth.
 //! Appl. Mech. Eng. 177, 235 (1999); V. Acary, B. Brogliato, "Numerical Methods for Nonsmooth Dynamical Systems", 2008.
 
-mod batch;
+mod bundle;
 mod contact;
 mod joint;
 mod lanes;
@@ -16,11 +16,11 @@ use glam::DVec3;
 use crate::joint_system::JointSystem;
 use crate::mover::Mover;
 
-pub use batch::{Batches, ImpulseLanes, Pass, RowBatch};
+pub use bundle::{Bundles, Pass, RowBundle};
 pub use contact::{ContactImpulse, ContactRow, add_energy, adds_energy};
 pub(crate) use joint::inverted;
 pub use joint::{BoundedRow, JointRows, Row};
-pub use lanes::{Laned, LanesOf, Loaded, SIDE};
+pub use lanes::{ImpulseLanes, Laned, LanesOf, Loaded, SIDE};
 pub use space::{InPlane, InSpace, Linear, RowAlgebra, RowSpace};
 
 /// Largest number of rows of a joint.

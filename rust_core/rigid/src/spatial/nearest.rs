@@ -177,21 +177,27 @@ pub(super) fn closest(couple: &Couple, gap: f64, normal: DVec3) -> NearPair {
     let mut best = NearPair { distance: f64::INFINITY, edges: [0, 0], along: [0.0, 0.0] };
     let mut limit = farthest;
     // Points nearer than `limit` are no deeper below the supports than its excess over the gap.
-    let is_near = |body: usize, edge: usize, limit: f64| {
-        let ends = couple.parts[body].edge(edge).map(|end| end.dot(locals[body]));
-        ends[0].max(ends[1]) >= supports[body].1 - (limit - gap) - couple.closed()
+    let lowest = |body: usize, limit: f64| supports[body].1 - (limit - gap) - couple.closed();
+    let near = |body: usize| {
+        let edges = 0..couple.parts[body].net.edges.len().max(1);
+        edges.filter_map(move |edge| {
+            let ends = couple.parts[body].edge(edge);
+            let height = ends.map(|end| end.dot(locals[body]));
+            let height = height[0].max(height[1]);
+            (height >= lowest(body, farthest)).then(|| (edge, height, ends.map(|end| couple.poses[body].point(end))))
+        })
     };
-    let count = |body: usize| couple.parts[body].net.edges.len().max(1);
-    for one in 0..count(0) {
-        if !is_near(0, one, limit) {
+    let others: Vec<(usize, f64, [DVec3; 2])> = near(1).collect();
+    for (one, height, ends) in near(0) {
+        if height < lowest(0, limit) {
             continue;
         }
-        for other in 0..count(1) {
-            if is_near(1, other, limit) {
-                let pair = of_edges(couple, [one, other]);
-                if pair.distance < best.distance {
-                    best = pair;
-                    limit = limit.min(pair.distance);
+        for &(other, height, across) in &others {
+            if height >= lowest(1, limit) {
+                let (distance, along) = between([ends, across]);
+                if distance < best.distance {
+                    best = NearPair { distance, edges: [one, other], along };
+                    limit = limit.min(distance);
                 }
             }
         }

@@ -4,7 +4,7 @@ use physcore_base::simd::Pack;
 
 use crate::island::{CLOSED, GroupContact, lost, pushed};
 use crate::rows::{
-    BodyVelocities, ContactImpulse, ImpulseLanes, Laned, LanesOf, Linear, Loaded, Pass, RowAlgebra, RowBatch, RowSpace, SIDE,
+    BodyVelocities, ContactImpulse, ImpulseLanes, Laned, LanesOf, Linear, Loaded, Pass, RowAlgebra, RowBundle, RowSpace, SIDE,
 };
 
 /// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
@@ -29,7 +29,7 @@ impl Softness {
     }
 }
 
-/// Contacts of a batch during a step.
+/// Contacts of a bundle during a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touching<S: RowSpace> {
     /// Indices of the contacts; none of a lane without a row.
@@ -109,14 +109,14 @@ pub(super) struct Begin<'a, S: RowSpace> {
 
 impl<S: RowSpace> Pass<S> for Begin<'_, S> {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, batch: &mut RowBatch<S>, _v: &mut BodyVelocities<S>) {
+    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, bundle: &mut RowBundle<S>, _v: &mut BodyVelocities<S>) {
         let contact = &mut self.touching[index];
         let [zero, one, two] = [P::constant(0.0), P::constant(1.0), P::constant(2.0)];
         let (length, rate, yields) = (P::of(self.length), P::of(self.softness.rate), P::of(self.softness.yields));
         for first in (0..SIDE).step_by(P::WIDTH) {
             let load = |numbers: &[f64; SIDE]| P::load(&numbers[first..]);
             let slip = <S::Wide<P> as RowAlgebra>::Vector::load(&contact.slip.0, first);
-            let approach = zero - batch.load::<P>(first).normal.dot(slip);
+            let approach = zero - bundle.load::<P>(first).normal.dot(slip);
             let (gap, pressing, size) = (load(&contact.gap), load(&contact.pressing), load(&contact.size));
             // Bounces of less than a piece are contacts at rest.
             let least = P::constant(0.5) * length * pressing;
@@ -130,12 +130,12 @@ impl<S: RowSpace> Pass<S> for Begin<'_, S> {
             rebound.masked(least.less(rebound)).store(&mut contact.rebound[first..]);
             // Overlaps are left no faster than a fall through the size of the bodies is.
             let push = (zero - gap * rate).min((two * pressing * size).sqrt());
-            P::select(gap.less(zero), push, zero - gap / length).store(&mut batch.least[first..]);
-            yields.masked(gap.less(zero)).store(&mut batch.yields[first..]);
+            P::select(gap.less(zero), push, zero - gap / length).store(&mut bundle.least[first..]);
+            yields.masked(gap.less(zero)).store(&mut bundle.yields[first..]);
             let impulse = contact.load.load::<P>(first).scaled(P::constant(0.5) * length);
-            batch.impulse.store::<P>(&impulse, first);
+            bundle.impulse.store::<P>(&impulse, first);
         }
-        batch.before = ImpulseLanes::default();
+        bundle.before = ImpulseLanes::default();
         self.strikes |= contact.strikes != [0.0; SIDE];
     }
 }
@@ -147,16 +147,16 @@ pub(super) struct Resume<'a, S: RowSpace> {
 
 impl<S: RowSpace> Pass<S> for Resume<'_, S> {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, batch: &mut RowBatch<S>, _v: &mut BodyVelocities<S>) {
+    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, bundle: &mut RowBundle<S>, _v: &mut BodyVelocities<S>) {
         let (contact, zero) = (&self.touching[index], P::constant(0.0));
         for first in (0..SIDE).step_by(P::WIDTH) {
             let load = |numbers: &[f64; SIDE]| P::load(&numbers[first..]);
             // A gap that is open may close in the next piece.
             let open = P::select(zero.less(load(&contact.gap)), P::of(f64::NEG_INFINITY), zero);
-            let pressed = zero.less(load(&batch.impulse.normal));
-            P::select(pressed, load(&contact.rebound), open).store(&mut batch.least[first..]);
+            let pressed = zero.less(load(&bundle.impulse.normal));
+            P::select(pressed, load(&contact.rebound), open).store(&mut bundle.least[first..]);
         }
-        (batch.yields, batch.before) = ([0.0; SIDE], batch.impulse);
+        (bundle.yields, bundle.before) = ([0.0; SIDE], bundle.impulse);
     }
 }
 
@@ -165,8 +165,8 @@ pub(super) struct Undo;
 
 impl<S: RowSpace> Pass<S> for Undo {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, batch: &mut RowBatch<S>, _v: &mut BodyVelocities<S>) {
-        batch.impulse = batch.before;
+    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, bundle: &mut RowBundle<S>, _v: &mut BodyVelocities<S>) {
+        bundle.impulse = bundle.before;
     }
 }
 
@@ -175,8 +175,8 @@ pub(super) struct Clear;
 
 impl<S: RowSpace> Pass<S> for Clear {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, batch: &mut RowBatch<S>, _v: &mut BodyVelocities<S>) {
-        batch.impulse = ImpulseLanes::default();
+    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, bundle: &mut RowBundle<S>, _v: &mut BodyVelocities<S>) {
+        bundle.impulse = ImpulseLanes::default();
     }
 }
 
@@ -189,11 +189,11 @@ pub(super) struct Gain<'a, S: RowSpace> {
 
 impl<S: RowSpace> Pass<S> for Gain<'_, S> {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, batch: &mut RowBatch<S>, v: &mut BodyVelocities<S>) {
-        let [before, after] = [batch.gather(self.free), batch.gather(v)];
+    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, bundle: &mut RowBundle<S>, v: &mut BodyVelocities<S>) {
+        let [before, after] = [bundle.gather(self.free), bundle.gather(v)];
         for first in (0..SIDE).step_by(P::WIDTH) {
-            let row = batch.load::<P>(first);
-            let [gain, size] = row.gain(batch.slip(&row, &before, first), batch.slip(&row, &after, first));
+            let row = bundle.load::<P>(first);
+            let [gain, size] = row.gain(bundle.slip(&row, &before, first), bundle.slip(&row, &after, first));
             (P::load(&self.sum[first..]) + gain).store(&mut self.sum[first..]);
             (P::load(&self.size[first..]) + size).store(&mut self.size[first..]);
         }
@@ -201,7 +201,7 @@ impl<S: RowSpace> Pass<S> for Gain<'_, S> {
 }
 
 /// Energies of a half of a piece, and the gaps after its first half, or the loads at its end.
-pub(super) struct Meter<'a, S: RowSpace, const ENDS: bool> {
+pub(super) struct HalfEnergies<'a, S: RowSpace, const ENDS: bool> {
     pub touching: &'a mut [Touching<S>],
     /// Length of the piece [s].
     pub length: f64,
@@ -210,15 +210,15 @@ pub(super) struct Meter<'a, S: RowSpace, const ENDS: bool> {
     pub pushed: [f64; SIDE],
 }
 
-impl<S: RowSpace, const ENDS: bool> Pass<S> for Meter<'_, S, ENDS> {
+impl<S: RowSpace, const ENDS: bool> Pass<S> for HalfEnergies<'_, S, ENDS> {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, batch: &mut RowBatch<S>, v: &mut BodyVelocities<S>) {
+    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, bundle: &mut RowBundle<S>, v: &mut BodyVelocities<S>) {
         let contact = &mut self.touching[index];
-        let (sides, zero, one, length) = (batch.gather(v), P::constant(0.0), P::constant(1.0), P::of(self.length));
+        let (sides, zero, one, length) = (bundle.gather(v), P::constant(0.0), P::constant(1.0), P::of(self.length));
         for first in (0..SIDE).step_by(P::WIDTH) {
-            let row = batch.load::<P>(first);
+            let row = bundle.load::<P>(first);
             let before = (Loaded::load(&contact.slip.0, first), Loaded::load(&contact.slip.1, first));
-            let after = batch.slip(&row, &sides, first);
+            let after = bundle.slip(&row, &sides, first);
             // Impacts of other contacts in the first half may have made the bodies approach.
             let least = P::constant(0.5) * length * P::load(&contact.pressing[first..]);
             let approaches = one.masked(least.less(zero - row.normal.dot(before.0)));

@@ -1,5 +1,6 @@
 //! Tests of motion: closed forms, conservation, and rest.
 
+mod bundles;
 mod energy;
 mod heap;
 mod joints;

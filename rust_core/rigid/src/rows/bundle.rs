@@ -1,57 +1,13 @@
 //! Contacts of a large group, side by side.
 //!
-//! The rows of a batch share no body that moves, and each row stands behind all earlier rows of its bodies. Batches that are
+//! The rows of a bundle share no body that moves, and each row stands behind all earlier rows of its bodies. Bundles that are
 //! solved in ascending or descending order therefore give the bits of rows that are solved one by one in this order.
 
 use physcore_base::simd::{Isa, Kernel, Pack, dispatch_wide};
 
-use super::lanes::{Laned, LanesOf, Loaded, SIDE};
+use super::lanes::{ImpulseLanes, Laned, LanesOf, Loaded, SIDE};
 use super::{BodyVelocities, BodyVelocity, ContactImpulse, ContactRow, RowAlgebra, RowSpace};
 use crate::surface::Friction;
-
-/// Impulses side by side.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct ImpulseLanes<S: RowSpace> {
-    pub normal: [f64; SIDE],
-    tangential: LanesOf<S::Vector>,
-    turning: LanesOf<S::Turn>,
-}
-
-impl<S: RowSpace> ImpulseLanes<S> {
-    /// Impulses of a lane.
-    pub fn read(&self, lane: usize) -> ContactImpulse<S> {
-        ContactImpulse {
-            normal: self.normal[lane],
-            tangential: S::Vector::read(&self.tangential, lane),
-            turning: S::Turn::read(&self.turning, lane),
-        }
-    }
-
-    /// Writes the impulses of a lane.
-    pub fn write(&mut self, impulse: &ContactImpulse<S>, lane: usize) {
-        self.normal[lane] = impulse.normal;
-        impulse.tangential.write(&mut self.tangential, lane);
-        impulse.turning.write(&mut self.turning, lane);
-    }
-
-    /// Loads the lanes from `first` on.
-    #[inline(always)]
-    pub fn load<P: Pack<Scalar = f64>>(&self, first: usize) -> ContactImpulse<S::Wide<P>> {
-        ContactImpulse {
-            normal: P::load(&self.normal[first..]),
-            tangential: Loaded::load(&self.tangential, first),
-            turning: Loaded::load(&self.turning, first),
-        }
-    }
-
-    /// Writes the lanes from `first` on.
-    #[inline(always)]
-    pub fn store<P: Pack<Scalar = f64>>(&mut self, impulse: &ContactImpulse<S::Wide<P>>, first: usize) {
-        impulse.normal.store(&mut self.normal[first..]);
-        impulse.tangential.store(&mut self.tangential, first);
-        impulse.turning.store(&mut self.turning, first);
-    }
-}
 
 /// Velocities of bodies side by side.
 #[derive(Debug, Clone, Copy, Default)]
@@ -100,7 +56,7 @@ struct InverseLanes<S: RowSpace> {
 
 /// Rows of contacts that share no body that moves.
 #[derive(Debug, Clone, Copy)]
-pub struct RowBatch<S: RowSpace> {
+pub struct RowBundle<S: RowSpace> {
     bodies: [[u32; SIDE]; 2],
     inverses: [InverseLanes<S>; 2],
     /// Number of rows; the other lanes act on the last body, which does not move.
@@ -123,8 +79,8 @@ type WideBodies<S, P> = [BodyVelocity<<S as RowSpace>::Wide<P>>; 2];
 /// Velocities and angular velocities at the contacts of several rows.
 pub type WideSlip<S, P> = (<<S as RowSpace>::Wide<P> as RowAlgebra>::Vector, <<S as RowSpace>::Wide<P> as RowAlgebra>::Turn);
 
-impl<S: RowSpace> RowBatch<S> {
-    /// Batch without rows, in a group of `bodies`, of which the last does not move.
+impl<S: RowSpace> RowBundle<S> {
+    /// Bundle without rows, in a group of `bodies`, of which the last does not move.
     fn new(bodies: usize) -> Self {
         let zeros = [0.0; SIDE];
         Self {
@@ -259,44 +215,44 @@ impl<S: RowSpace> RowBatch<S> {
     }
 }
 
-/// Action on all batches.
+/// Action on all bundles.
 pub trait Pass<S: RowSpace> {
-    /// Acts on the batch of an index, with registers of a kind. Must be `#[inline(always)]`.
-    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, batch: &mut RowBatch<S>, v: &mut BodyVelocities<S>);
+    /// Acts on the bundle of an index, with registers of a kind. Must be `#[inline(always)]`.
+    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, bundle: &mut RowBundle<S>, v: &mut BodyVelocities<S>);
 }
 
-/// Rows of a group in batches.
+/// Rows of a group in bundles.
 #[derive(Debug, Clone, Default)]
-pub struct Batches<S: RowSpace> {
-    batches: Vec<RowBatch<S>>,
+pub struct Bundles<S: RowSpace> {
+    all: Vec<RowBundle<S>>,
     /// Whether moments resist the turning at a contact.
     resist_turning: bool,
-    /// Number of batches up to the last one of each body.
+    /// Number of bundles up to the last one of each body.
     last: Vec<u32>,
-    /// Next batch that may have room.
+    /// Next bundle that may have room.
     next: Vec<u32>,
 }
 
-impl<S: RowSpace> Batches<S> {
+impl<S: RowSpace> Bundles<S> {
     /// Removes all rows; the next ones are those of a group of `bodies`, of which the last does not move.
     pub fn clear(&mut self, bodies: usize) {
-        self.batches.clear();
+        self.all.clear();
         self.next.clear();
         self.last.clear();
         self.last.resize(bodies, 0);
         self.resist_turning = false;
     }
 
-    /// Adds a row behind all earlier ones of its bodies; returns its batch and lane.
+    /// Adds a row behind all earlier ones of its bodies; returns its bundle and lane.
     pub fn add(&mut self, row: &ContactRow<S>, v: &BodyVelocities<S>) -> [usize; 2] {
         let moved = row.bodies.into_iter().filter(|&body| !v.bodies[body].is_fixed());
         let first = moved.clone().map(|body| self.last[body]).max().unwrap_or(0);
         let place = self.with_room(first as usize);
-        if place == self.batches.len() {
-            self.batches.push(RowBatch::new(v.bodies.len()));
+        if place == self.all.len() {
+            self.all.push(RowBundle::new(v.bodies.len()));
             self.next.push(place as u32);
         }
-        let lane = self.batches[place].add(row);
+        let lane = self.all[place].add(row);
         if lane + 1 == SIDE {
             self.next[place] += 1;
         }
@@ -305,7 +261,7 @@ impl<S: RowSpace> Batches<S> {
         [place, lane]
     }
 
-    /// First batch from `place` on that has room, or the one behind the last.
+    /// First bundle from `place` on that has room, or the one behind the last.
     fn with_room(&mut self, mut place: usize) -> usize {
         while let Some(&next) = self.next.get(place).filter(|&&next| next as usize != place) {
             let beyond = self.next.get(next as usize).copied().unwrap_or(next);
@@ -317,17 +273,17 @@ impl<S: RowSpace> Batches<S> {
 
     /// Takes the inverse masses and inertias of the bodies.
     pub fn equip(&mut self, v: &BodyVelocities<S>) {
-        self.batches.iter_mut().for_each(|batch| batch.equip(v));
+        self.all.iter_mut().for_each(|bundle| bundle.equip(v));
     }
 
-    /// Rows, batch by batch.
+    /// Rows, bundle by bundle.
     pub fn iter(&self) -> impl Iterator<Item = ContactRow<S>> {
-        self.batches.iter().flat_map(|batch| (0..batch.count).map(|lane| batch.row(lane)))
+        self.all.iter().flat_map(|bundle| (0..bundle.count).map(|lane| bundle.row(lane)))
     }
 
-    /// Acts on all batches.
+    /// Acts on all bundles.
     pub fn pass(&mut self, v: &mut BodyVelocities<S>, pass: &mut impl Pass<S>, is_reversed: bool) {
-        dispatch_wide(Passing { batches: &mut self.batches, v, pass, is_reversed });
+        dispatch_wide(Passing { bundles: &mut self.all, v, pass, is_reversed });
     }
 
     /// Adds the initial impulses to the velocities.
@@ -349,9 +305,9 @@ impl<S: RowSpace> Batches<S> {
     }
 }
 
-/// Pass over all batches.
+/// Pass over all bundles.
 struct Passing<'a, S: RowSpace, P> {
-    batches: &'a mut [RowBatch<S>],
+    bundles: &'a mut [RowBundle<S>],
     v: &'a mut BodyVelocities<S>,
     pass: &'a mut P,
     is_reversed: bool,
@@ -362,10 +318,10 @@ impl<S: RowSpace, P: Pass<S>> Kernel for Passing<'_, S, P> {
 
     #[inline(always)]
     fn run<I: Isa>(self, _isa: I) {
-        let count = self.batches.len();
+        let count = self.bundles.len();
         for place in 0..count {
             let index = if self.is_reversed { count - 1 - place } else { place };
-            self.pass.act::<I::Pack<f64>>(index, &mut self.batches[index], self.v);
+            self.pass.act::<I::Pack<f64>>(index, &mut self.bundles[index], self.v);
         }
     }
 }
@@ -389,8 +345,8 @@ struct Start<const TURNING: bool>;
 
 impl<S: RowSpace, const TURNING: bool> Pass<S> for Start<TURNING> {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, batch: &mut RowBatch<S>, v: &mut BodyVelocities<S>) {
-        batch.each::<P>(v, |_, row, bodies, _| {
+    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, bundle: &mut RowBundle<S>, v: &mut BodyVelocities<S>) {
+        bundle.each::<P>(v, |_, row, bodies, _| {
             push(row, row.sum(), bodies);
             if TURNING {
                 twist(row.impulse.turning, bodies);
@@ -404,8 +360,8 @@ struct Relax<const TURNING: bool>;
 
 impl<S: RowSpace, const TURNING: bool> Pass<S> for Relax<TURNING> {
     #[inline(always)]
-    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, batch: &mut RowBatch<S>, v: &mut BodyVelocities<S>) {
-        batch.each::<P>(v, |batch, row, bodies, first| {
+    fn act<P: Pack<Scalar = f64>>(&mut self, _index: usize, bundle: &mut RowBundle<S>, v: &mut BodyVelocities<S>) {
+        bundle.each::<P>(v, |bundle, row, bodies, first| {
             let (normal, tangential) = row.solved(row.between([&bodies[0], &bodies[1]]));
             push(row, row.normal * (normal - row.impulse.normal) + (tangential - row.impulse.tangential), bodies);
             let mut turning = row.impulse.turning;
@@ -413,7 +369,7 @@ impl<S: RowSpace, const TURNING: bool> Pass<S> for Relax<TURNING> {
                 turning = row.solved_turning(row.before.normal + normal, bodies[1].angular - bodies[0].angular);
                 twist(turning - row.impulse.turning, bodies);
             }
-            batch.impulse.store::<P>(&ContactImpulse { normal, tangential, turning }, first);
+            bundle.impulse.store::<P>(&ContactImpulse { normal, tangential, turning }, first);
         });
     }
 }
