@@ -10,6 +10,7 @@ from concurrent.futures import Executor, Future
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,8 @@ SHEET = pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))
 POINTS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 DISCS = pc.RigidBodies(pc.Disc(0.1), POINTS)
 CORNERS = np.vstack([np.zeros(3), np.eye(3)])
+SIDES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+MESH = pc.Mesh(CORNERS, SIDES)
 ONE = pc.Particles(POINTS, radius=0.1)
 SCENE = pc.Scene(ONE, pc.Gravity((0.0, -1.0)))
 RECORDING = pc.simulate(SCENE, 0.1)
@@ -295,6 +298,25 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "save a recording": (lambda path=Path("/nowhere/x"): RECORDING.save(path), {"path": "run"}),
     "export": (pc.export, {"recording": RECORDING, "path": Path("x.xyz")}),
     "export a scene": (pc.export, {"recording": SCENE, "path": Path("x.xyz"), "duration": 1e-3}),
+    "read": (pc.read, {"path": "/nowhere/x.stl"}),
+    "read a picture": (pc.read, {"path": Path(__file__).parents[1] / "docs" / "images" / "drape.png"}),
+    "Mesh": (pc.Mesh, {"vertices": CORNERS, "faces": SIDES}),
+    "moved": (MESH.moved, {}),
+    "cloth of a mesh": (MESH.cloth, {"stiffness": 1.0, "areal_density": 1.0}),
+    "rigid body of a mesh": (MESH.rigid_body, {}),
+    "boundary of a mesh": (MESH.boundary, {}),
+    "contains": (MESH.contains, {"points": CORNERS}),
+    "fill": (MESH.fill, {"spacing": 0.2}),
+    "from_mesh": (pc.from_mesh, {"mesh": SimpleNamespace(vertices=CORNERS, faces=SIDES)}),
+    "Atoms": (pc.Atoms, {"positions": CORNERS, "species": "H"}),
+    "atoms of a species": (pc.Atoms(CORNERS, "H").of, {"species": "H"}),
+    "Signal": (pc.Signal, {"values": [0.0, 1.0], "rate": 2.0}),
+    "channel": (pc.Signal([[0.0, 1.0]], 2.0).channel, {"index": 0}),
+    "text of a picture": (pc.Picture.text, {"text": "R"}),
+    "mask": (pc.Picture.text("R").mask, {}),
+    "outline": (pc.Picture.text("R").outline, {"height": 0.1}),
+    "height_field": (pc.Picture.text("R").height_field, {"width": 1.0, "lowest": 0.0, "highest": 1.0}),
+    "solid": (pc.HeightField([0.0, 1.0], 1.0).solid, {"depth": 1.0}),
     "film": (pc.film, {"recording": RECORDING, "path": "film.png", "size": (64, 48)}),
     "film a scene": (pc.film, {"recording": SCENE, "path": "film.png", "duration": 1e-3, "size": (64, 48)}),
     "provenance": (provenance, {"path": "/nowhere/x.gif"}),
@@ -339,7 +361,7 @@ def parameters(function: Callable[..., object]) -> list[str]:
     return [*names, *(NUMERICS if any(each.kind == each.VAR_KEYWORD for each in given) else ())]
 
 
-@pytest.mark.parametrize("call", [call for call in CALLS if call not in ("load", "provenance")])
+@pytest.mark.parametrize("call", [call for call in CALLS if call not in ("load", "provenance", "read")])
 def test_what_is_right_is_taken(call, tmp_path, monkeypatch):
     """So that the errors below are those of one argument."""
     monkeypatch.chdir(tmp_path)

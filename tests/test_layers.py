@@ -40,7 +40,7 @@ LAYERS = [
     "__main__",
 ]
 
-KINDS = 21
+KINDS = 22
 """Largest number of tests on kinds of scene items, such as `isinstance(item, Fluid)`, in the package."""
 
 ALIASES = {"integrators"}

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from physcore import _core
 from physcore.arithmetic import dots, lengths
 from physcore.boundaries.convex_hull import ConvexHull
-from physcore.checks import BoolArray, FloatArray, IntArray, array, frozen, number, span
+from physcore.checks import BoolArray, FloatArray, IntArray, array, broadcast, frozen, number, span, text
 from physcore.entrance import entrance
 from physcore.errors import SceneError
 from physcore.files.faults import fault_of
@@ -60,7 +60,8 @@ class Mesh:
         triangles = indices(faces, 3, len(points), "Mesh.faces")
         if not len(triangles):
             raise SceneError("Mesh.faces: must be at least one triangle, got none")
-        for field, value in {"vertices": frozen(points), "faces": frozen(triangles), "name": name}.items():
+        label = None if name is None else text(name, "Mesh.name")
+        for field, value in {"vertices": frozen(points), "faces": frozen(triangles), "name": label}.items():
             object.__setattr__(self, field, value)
 
     def __repr__(self) -> str:
@@ -112,8 +113,8 @@ class Mesh:
         Raises:
             SceneError: a value is not valid.
         """
-        factor = number(scale, "moved.scale", above=0.0)
-        return Mesh(factor * self.vertices + array(by, "moved.by"), self.faces, self.name)
+        way = broadcast(by, (3,), "moved.by")
+        return Mesh(span(scale, "moved.scale") * self.vertices + way, self.faces, self.name)
 
     @entrance
     def cloth(
@@ -160,7 +161,7 @@ class Mesh:
             fixed=fixed,
             velocities=velocities,
             radius=radius,
-            name=name or self.name,
+            name=self.name if name is None else name,
             faces=self.faces,
             breaking_strain=breaking_strain,
             strain_limit=strain_limit,
@@ -224,7 +225,7 @@ class Mesh:
             fixed=fixed,
             velocities=velocities,
             radius=radius,
-            name=name or self.name,
+            name=self.name if name is None else name,
             faces=self.faces,
             breaking_strain=breaking_strain,
             strain_limit=strain_limit,
@@ -282,7 +283,7 @@ class Mesh:
             restitution=restitution,
             fixed=fixed,
             charge=charge,
-            name=name or self.name,
+            name=self.name if name is None else name,
         )
 
     @entrance

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from physcore.boundaries.height_field import HeightField
-from physcore.checks import BoolArray, FloatArray, frozen, number
+from physcore.checks import BoolArray, FloatArray, array, frozen, number
 from physcore.checks import text as checked_text
 from physcore.entrance import entrance
 from physcore.errors import SceneError
@@ -42,7 +42,10 @@ class Picture:
     """
 
     def __init__(self, brightness: FloatArray, name: str) -> None:
-        self.brightness: FloatArray = frozen(np.ascontiguousarray(brightness, dtype=np.float64))
+        values = array(brightness, "Picture.brightness")
+        if values.ndim != 2 or not values.size:
+            raise SceneError(f"Picture.brightness: must have the shape (columns, rows), got {values.shape}")
+        self.brightness: FloatArray = frozen(values)
         self.name = name
 
     @classmethod

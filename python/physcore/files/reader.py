@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar
 
-from physcore.checks import number, shown
+from physcore.checks import shown, span
 from physcore.errors import FileError, PhyscoreError, SceneError
 from physcore.spelling import did_you_mean
 from physcore.storage.formats import Format
@@ -109,7 +109,7 @@ def length_unit(given: object, path: str) -> float:
     if isinstance(given, tuple) and len(given) == 2:
         given = given[0]
     if not isinstance(given, str):
-        return number(given, path, above=0.0)
+        return span(given, path)
     name = ALIASES.get(given, given)
     known = {**SYMBOLS["length"], "Å": 1e-10, "in": 0.0254, "ft": 0.3048}
     constants = {name: unit for name, unit in UNITS.items() if unit == "m"}

@@ -49,7 +49,10 @@ class Table(Mapping[str, NDArray[Any]]):
     """
 
     def __init__(self, columns: Mapping[str, NDArray[Any]], units: Mapping[str, str], path: str) -> None:
-        self._columns = dict(columns)
+        for given, name in ((columns, "columns"), (units, "units")):
+            if not isinstance(given, Mapping):
+                raise SceneError(f"Table.{name}: must be a mapping from the names of columns, got {shown(given)}")
+        self._columns = {name: np.asarray(column) for name, column in columns.items()}
         self.units = dict(units)
         self.path = path
 
@@ -67,7 +70,7 @@ class Table(Mapping[str, NDArray[Any]]):
         return len(self._columns)
 
     def __repr__(self) -> str:
-        rows = len(next(iter(self._columns.values())))
+        rows = len(next(iter(self._columns.values()), ()))
         names = (f"{name} [{self.units[name]}]" if name in self.units else name for name in self)
         return f"Table({rows} rows of {', '.join(names)})"
 

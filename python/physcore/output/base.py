@@ -234,7 +234,10 @@ class ExportJob:
         if self._style is not None and not scene.units.is_dimensionless:
             factor = 1.0 / (scene.units.convert(1.0, "J") * self._style.energy)
         if self.for_atoms:
-            freedoms = scene.dimension * sum(int(np.count_nonzero(~body.fixed)) for body in self._bodies)
+            axes = scene.dimension
+            turns = axes * (axes - 1) // 2
+            each = [(axes + turns * body.is_rigid) * int(np.count_nonzero(~body.fixed)) for body in self._bodies]
+            freedoms = sum(each)
             kinetic = float(energy.kinetic) / scene.units.convert(1.0, "J")
             temperature = 2.0 * kinetic / (max(freedoms, 1) * boltzmann_constant)
         return Energies(energy, factor, self._factor("s") * energy.time, temperature)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import IntArray, frozen, shown
+from physcore.checks import IntArray, frozen, items, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Particles, indices
 from physcore.scene.periodic import Periodic
@@ -61,10 +61,15 @@ class Atoms(Particles):
         units: UnitSystem = SI,
     ) -> None:
         super().__init__(positions, velocities, mass, charge, radius, fixed, name)
-        names = (species,) * len(self) if isinstance(species, str) else tuple(species)
+        one = isinstance(species, str)
+        names = (species,) * len(self) if one else tuple(items(species, "Atoms.species", "names"))
         if len(names) != len(self) or not all(isinstance(each, str) for each in names):
             raise SceneError(f"Atoms.species: must be {len(self)} names, one for each atom, got {shown(species)}")
         pairs = indices([] if bonds is None else bonds, 2, len(self), "Atoms.bonds")
+        if domain is not None and not isinstance(domain, Periodic):
+            raise SceneError(f"Atoms.domain: must be a Periodic or None, got {shown(domain)}")
+        if not isinstance(units, UnitSystem):
+            raise SceneError(f"Atoms.units: must be a system of units, such as pc.units.SI, got {shown(units)}")
         self._set(species=tuple(map(str, names)), bonds=pairs, domain=domain, units=units)
 
     def of(self, species: str) -> IntArray:
@@ -79,7 +84,8 @@ class Atoms(Particles):
         Raises:
             SceneError: there is none of this species.
         """
-        found = np.flatnonzero([each == species for each in self.species])
+        name = text(species, "of.species")
+        found = np.flatnonzero([each == name for each in self.species])
         if not len(found):
             known = tuple(dict.fromkeys(self.species))
             raise SceneError(f"of.species: must be one of {known}, got {shown(species)}{did_you_mean(species, known)}")
