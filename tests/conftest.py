@@ -1,4 +1,4 @@
-"""How the tests run: with fewer examples by default, with the full number in `make test-long`, and a report."""
+"""How the tests run: with fewer examples by default, all of them in `make test-long`; what they cost, and a report."""
 
 from __future__ import annotations
 
