@@ -39,7 +39,7 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
         *(each for name in ("accuracy", "replace", "rigid", "sweeps", "live") for each in scripts(f"{name}.md")),
     ],
 )
-def test_scripts_print_what_stands_beneath_them(script, printed, capsys, tmp_path, monkeypatch):
+def test_scripts_print_what_stands_beneath_them(script, printed, capsys, tmp_path, monkeypatch, clock_of_work):
     monkeypatch.chdir(tmp_path)
     exec(compile(script, "docs", "exec"), {})
     took = re.compile(r"about \d+ (s|minutes|hours)")  # That of a run depends on the machine.

@@ -20,7 +20,7 @@ LONG = os.environ.get("PHYSCORE_TESTS") == "long"
 QUICK = 5.0
 """Processor time of a demo, its film included, that is run whole in `make test` [s], at most."""
 COSTS = costs()
-FRAMES = 2
+FRAMES = 1
 """How many steps of a film the quick test simulates."""
 FEWER: dict[str, dict[str, int]] = {
     "hourglass": {"grains": 2000},

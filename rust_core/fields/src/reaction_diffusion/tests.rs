@@ -25,15 +25,17 @@ fn passes(item: &Item, method: &str, depth: Option<usize>, threads: usize) -> (A
     (archive, system.activity().to_vec())
 }
 
+/// Each method takes every second pair of depth and threads.
 #[test]
 fn passes_of_several_stages_change_no_bit() {
+    let pairs = [(None, 1), (None, 2), (Some(7), 1), (Some(7), 3), (Some(2), 8), (Some(1), 2)];
     let flat = noisy(&[150, 13], &["fixed", "free", "periodic", "periodic"], gray_scott());
     let solid = noisy(&[130, 4, 5], &["free", "fixed", "periodic", "periodic", "free", "fixed"], gray_scott());
     for item in [flat, solid] {
-        for method in NAMES {
+        for (number, method) in NAMES.into_iter().enumerate() {
             let expected = passes(&item, method, Some(1), 1);
             assert_eq!(expected.1.len() as u64, STEPS);
-            for (depth, threads) in [(None, 1), (None, 2), (Some(7), 1), (Some(7), 3), (Some(2), 8), (Some(1), 2)] {
+            for (depth, threads) in pairs.into_iter().skip(number % 2).step_by(2) {
                 assert_eq!(passes(&item, method, depth, threads), expected, "{method} {depth:?} {threads}");
             }
         }
