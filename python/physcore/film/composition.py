@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 
 import numpy as np
@@ -21,12 +21,14 @@ from physcore.film.colors.light import LAMP, OCCLUSION, REACH, SHADOW
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.first_pass import FirstPass
 from physcore.film.labels.clock import Clock
-from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
+from physcore.film.labels.curves import Inset, check_inset, energy_graph
+from physcore.film.labels.diagram import Diagram
 from physcore.film.labels.drawing import write
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
+from physcore.film.labels.heading import Heading
 from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
 from physcore.film.labels.tags import Listed, Named, NameTags, check_named
-from physcore.film.layout import Heading, Layout, best, columns_for
+from physcore.film.layout import Layout, best, columns_for
 from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.simulation.sources import Source, SourceFrame
@@ -48,7 +50,7 @@ class Panel:
     samples: list[tuple[int, SourceFrame]]
     tags: NameTags
     bar: ScaleBar | None
-    diagram: Diagram | None = None
+    diagrams: list[Diagram] = field(default_factory=list)
 
 
 class Composition:
@@ -56,7 +58,7 @@ class Composition:
 
     Args:
         found: the sources, one for each panel.
-        style, camera, labels, color_bar, legend, name_tags, scale_bar, inset, credit: as in `film`.
+        style, camera, labels, color_bar, legend, name_tags, scale_bar, inset, figure, credit: as in `film`.
         theme: the colors.
         heading: the titles above the picture; None: no titles.
         samples: samples per pixel along each side in 3D; a pixel is their mean.
@@ -82,7 +84,8 @@ class Composition:
         legend: Listed = False,
         name_tags: Named = False,
         scale_bar: bool | LengthUnit = False,
-        inset: Inset | None = None,
+        inset: Inset | Sequence[Inset] | None = None,
+        figure: str = "",
         credit: str = "",
         samples: int = 1,
         columns: int | None = None,
@@ -93,12 +96,12 @@ class Composition:
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
         if not in_turn and self._columns < len(found) and set(self._labels) - {"time"}:
             raise SceneError(f"labels: of several rows of panels, must be ('time',) or (), got {shown(self._labels)}")
-        self._diagrammed = check_inset(inset, found) is not None
+        self._insets = check_inset(inset, found)
         self._bar = check_scale_bar(scale_bar, self._units)
         self._listed = check_named(legend, "legend", found, systems=True)
         self._tagged = check_named(name_tags, "name_tags", found)
         self._all_listed = isinstance(legend, (bool, np.bool_))
-        self._with_bars, self._credit = color_bar, credit
+        self._with_bars, self._notes = color_bar, (figure, credit)
         styles = assignment.asked(style, found)
         self._camera, self._found = corotating(camera, [assignment.shown(source, styles) for source in found])
         self._painters = [assignment.painters(source, styles, theme) for source in self._found]
@@ -123,7 +126,7 @@ class Composition:
             for source, step in zip(found, steps, strict=True)
         ]
         legend = self._legend(list(chain.from_iterable(self._painters)))
-        return Footer(self._labels, clock, facts, self._color_bars(), self._credit, legend, self._units)
+        return Footer(self._labels, clock, facts, self._color_bars(), *self._notes, legend, self._units)
 
     def _color_bars(self) -> list[Bar]:
         """The color bars of all painters, if there are to be any."""
@@ -202,8 +205,8 @@ class Composition:
         return panels
 
     def _add_diagrams(self, passes: Sequence[FirstPass], duration: float) -> None:
-        """Create the diagram of each panel, for a duration [s]."""
-        history = History([seen.energies for seen in passes], duration, self._units)
+        """Create the diagrams of each panel, for a duration [s]."""
+        energy = energy_graph([seen.energies for seen in passes], duration, self._units)
         for number, panel in enumerate(self._panels):
             occupied = [np.empty((0, 2), dtype=np.float32)]
             for index, frame in panel.samples:
@@ -211,8 +214,11 @@ class Composition:
                 drawn = panel.view.shown(frame, view)
                 more = [points for painter in panel.painters if (points := painter.places(drawn)) is not None]
                 occupied += [view.project(points)[0] for points in (drawn.positions, *more) if len(points)]
-            area, text = self._layout.area(number), self._layout.text
-            panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
+            area, text, covered = self._layout.area(number), self._layout.text, np.concatenate(occupied)
+            panel.diagrams = []
+            for asked in self._insets:
+                graph, taken = energy if asked == "energy" else asked, [each.box for each in panel.diagrams]
+                panel.diagrams.append(Diagram(graph, number, area, text, self._theme, covered, taken))
 
     def _draw_scenery(self, panels: Sequence[Panel], views: Sequence[View]) -> None:
         """Draw all that is behind every moving object."""
@@ -227,9 +233,9 @@ class Composition:
 
     def _write_titles(self, canvas: Canvas, numbers: Sequence[int]) -> None:
         outline = self._theme.background if self._over else None
-        for line, middle, top, height in self._layout.written(numbers):
-            color = self._theme.label if line == self._heading.subtitle else self._theme.text
-            write(canvas, line, middle, top, height, color, 0, outline)
+        for line in self._layout.written(numbers):
+            color = self._theme.label if line.quiet else self._theme.text
+            write(canvas, line.text, line.left, line.top, line.height, color, line.align, outline)
         for index in numbers:
             for bar, box in self._layout.bars(index):
                 bar.draw(canvas, box, self._layout.bar_text, self._theme, outline)
@@ -272,12 +278,11 @@ class Composition:
                 painter.domain = scenery.domain
                 painter.paint(canvas, drawn, view, panel.pixels)
             canvas.paint()
-            taken = []
-            if panel.diagram is not None:
-                panel.diagram.draw(canvas, moment)
-                taken.append(panel.diagram.box)
+            for diagram in panel.diagrams:
+                diagram.draw(canvas, moment)
+            taken = [diagram.box for diagram in panel.diagrams]
             if panel.bar is not None:
-                taken.append(panel.bar.draw(canvas, view, *taken))
+                taken.append(panel.bar.draw(canvas, view, taken))
             panel.tags.draw(canvas, drawn, view, panel.pixels, taken)
         canvas.clip(0, 0, *self.size)
         self._write_titles(canvas, chosen)

@@ -22,7 +22,8 @@ from physcore.film.first_pass import FirstPass, first_pass
 from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.dates import Start
-from physcore.film.layout import Heading, check_size
+from physcore.film.labels.heading import Heading
+from physcore.film.layout import check_size
 from physcore.film.styles import Style
 from physcore.progress import Progress
 from physcore.simulation.sources import Source, SourceFrame
@@ -71,7 +72,7 @@ class FilmRenderer(Composition):
         self.count = sum(counts) if self._in_turn else max(counts)
         self._clock = _clock(self._found, max(counts))
         track = camera_track(self._camera, self._found, self._clock)
-        self._once = track.closed and not self._diagrammed and "dt" not in self._labels and self._settled
+        self._once = track.closed and not self._insets and "dt" not in self._labels and self._settled
         self._caches: list[FrameCache | None] = [None] * len(found)
         self._opened: list[Iterator[SourceFrame]] = []
         try:
@@ -107,7 +108,7 @@ class FilmRenderer(Composition):
     def resize(self, size: tuple[int, int] | None) -> None:
         """Draw in another size [pixels] from now on; None: a size that suits the motion."""
         self._compose(size, self._extents, self._passes, still=not self._moving)
-        if self._diagrammed:
+        if self._insets:
             self._add_diagrams(self._passes, float(self._clock[-1] - self._clock[0]))
 
     @property
