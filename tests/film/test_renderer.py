@@ -431,7 +431,7 @@ def test_panels_say_below_each_what_differs() -> None:
         ({"labels": "time"}, "labels: must be a tuple of 'time', 'dt'"),
         ({"labels": ("speed",)}, "labels: must be a tuple of"),
         ({"inset": "speed"}, "inset: must be 'energy', a Curve"),
-        ({"inset": "energy", "size": (100, 80)}, "size: a panel with an inset needs"),
+        ({"inset": "energy", "size": (100, 80)}, "size: a panel with 1 inset needs"),
         ({"size": "large"}, "size: must be"),
     ],
 )

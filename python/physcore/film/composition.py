@@ -16,13 +16,13 @@ from physcore.film import assignment
 from physcore.film.camera.corotating import Corotating, corotating
 from physcore.film.camera.framing import Extent, PanelView
 from physcore.film.camera.track import Camera, Follow
-from physcore.film.camera.view import View
+from physcore.film.camera.view import Area, View
 from physcore.film.colors.light import LAMP, OCCLUSION, REACH, SHADOW
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.first_pass import FirstPass
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.curves import Inset, check_inset, energy_graph
-from physcore.film.labels.diagram import Diagram
+from physcore.film.labels.diagram import Diagram, beside
 from physcore.film.labels.drawing import write
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.heading import Heading
@@ -179,13 +179,19 @@ class Composition:
         pixels = layout.pixels(index)
         return layout.margin(index) + max((painter.inset(pixels) for painter in self._painters[index]), default=0.0)
 
+    def _divided(self, layout: Layout, index: int) -> tuple[tuple[int, int, int, int], list[Area]]:
+        """The part of a panel that is free of text and diagrams, and the rectangles of the diagrams."""
+        free, boxes = beside(layout.area(index), len(self._insets), layout.bar_text)
+        left, top, right, bottom = map(round, free)
+        return (left, top, right, bottom), boxes
+
     def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
         """Divide the picture into panels and fit the common camera."""
 
         def magnification(candidate: tuple[int, int]) -> float:
             layout = self._layout_of(candidate)
             return min(
-                extent.magnification(layout.area(index), self._inset(layout, index))
+                extent.magnification(self._divided(layout, index)[0], self._inset(layout, index))
                 for index, extent in enumerate(found)
             )
 
@@ -197,8 +203,8 @@ class Composition:
         for index, (source, painters, extent, seen) in enumerate(
             zip(self._found, self._painters, found, passes, strict=True)
         ):
-            view = PanelView(extent, layout.area(index), self._inset(layout, index))
-            free, pixels = layout.area(index), layout.pixels(index)
+            (free, _), pixels = self._divided(layout, index), layout.pixels(index)
+            view = PanelView(extent, free, self._inset(layout, index))
             tags = NameTags(self._tagged[index], painters, free, layout.text, self._theme)
             bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme, self._units)
             panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags, bar))
@@ -208,17 +214,11 @@ class Composition:
         """Create the diagrams of each panel, for a duration [s]."""
         energy = energy_graph([seen.energies for seen in passes], duration, self._units)
         for number, panel in enumerate(self._panels):
-            occupied = [np.empty((0, 2), dtype=np.float32)]
-            for index, frame in panel.samples:
-                view = panel.view.at(index)
-                drawn = panel.view.shown(frame, view)
-                more = [points for painter in panel.painters if (points := painter.places(drawn)) is not None]
-                occupied += [view.project(points)[0] for points in (drawn.positions, *more) if len(points)]
-            area, text, covered = self._layout.area(number), self._layout.text, np.concatenate(occupied)
-            panel.diagrams = []
-            for asked in self._insets:
-                graph, taken = energy if asked == "energy" else asked, [each.box for each in panel.diagrams]
-                panel.diagrams.append(Diagram(graph, number, area, text, self._theme, covered, taken))
+            _, boxes = self._divided(self._layout, number)
+            panel.diagrams = [
+                Diagram(energy if asked == "energy" else asked, number, box, self._layout.bar_text, self._theme)
+                for asked, box in zip(self._insets, boxes, strict=True)
+            ]
 
     def _draw_scenery(self, panels: Sequence[Panel], views: Sequence[View]) -> None:
         """Draw all that is behind every moving object."""
@@ -278,6 +278,7 @@ class Composition:
                 painter.domain = scenery.domain
                 painter.paint(canvas, drawn, view, panel.pixels)
             canvas.paint()
+            canvas.clip(*panel.rectangle)
             for diagram in panel.diagrams:
                 diagram.draw(canvas, moment)
             taken = [diagram.box for diagram in panel.diagrams]

@@ -126,8 +126,8 @@ def film(
             particles; or some of the bodies. Names do not overlap.
         scale_bar: whether to draw a scale bar at the lower left of each panel; or its unit: "nm", "cm", "m", "km",
             "AU", "ly", "kpc" or another. In 3D it is valid at the target of the camera.
-        inset: diagrams in the emptiest corners of a panel, up to four: "energy" (kinetic, potential, internal and total
-            energy), or `physcore.Curve`s, which are computed from the recording.
+        inset: diagrams beside the picture, or below it in a tall panel, up to four: "energy" (kinetic, potential,
+            internal and total energy), or `physcore.Curve`s, which are computed from the recording.
         time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: the unit of the scene, or in the SI one that suits
             the duration. If the film does not play in real time, the label "time" gives the pace:
             "2.5 × slower" or "1 s = 90 d".

@@ -64,7 +64,7 @@ class Layout:
 
     @property
     def bar_text(self) -> int:
-        """The height of the text of a bar [pixels]."""
+        """The height of the text of bars and diagrams [pixels]."""
         return round(SUBTITLE * self.text)
 
     def written(self, shown: Sequence[int]) -> list[Line]:

@@ -20,7 +20,7 @@ from physcore.simulation.sources import Recorded, Source
 from physcore.units.systems import UnitSystem
 
 MOST = 4
-"""Largest number of diagrams: one in each corner."""
+"""Largest number of diagrams."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def check_inset(inset: object, found: Sequence[Source]) -> tuple[Literal["energy
     several = isinstance(inset, (list, tuple))
     asked = list(cast("Sequence[object]", inset)) if several else [inset]
     if len(asked) > MOST:
-        raise SceneError(f"inset: must be at most {MOST} diagrams, one in each corner, got {len(asked)}")
+        raise SceneError(f"inset: must be at most {MOST} diagrams, got {len(asked)}")
     result: list[Literal["energy"] | Graph] = []
     for index, each in enumerate(asked):
         path = f"inset[{index}]" if several else "inset"

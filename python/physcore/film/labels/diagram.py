@@ -2,29 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from physcore._core import Canvas, text_width
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
-from physcore.film.camera.view import Area, PixelArray
+from physcore.film.camera.view import Area
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.labels.curves import Graph
 from physcore.film.labels.drawing import stroke
 from physcore.film.labels.text import GAP, ends, wrapped
 
-WIDTH, HEIGHT = 0.4, 0.36
-"""Width and height of the diagram, as fractions of its panel."""
+SHARE = 0.36
+"""Share of a panel that diagrams take: of its width beside the picture, or of its height below it."""
+MOST = 0.6
+"""Largest share of the width, where the text needs more."""
+TALLEST = 0.8
+"""Largest height of a diagram, over its width."""
 LEAST_LEGEND = "potential   internal"
 """Text that determines the least width of the legend: two words side by side."""
-LEAST = (140, 110)
-"""Width and height of the smallest panel with room for a diagram [pixels]."""
+LEAST = 1.5
+"""Least height of the curves, in heights of the text."""
 OPACITY = 215
 """Opacity of its background, out of 255: moving objects behind it remain visible, and the curves stand out."""
 FRAME = 90
 """Opacity of its frame, out of 255."""
+
+
+def beside(area: Area, count: int, text: int) -> tuple[Area, list[Area]]:
+    """Divide an area between the picture and some diagrams: at its right in a wide area, below it in a tall one.
+
+    Raises:
+        SceneError: the area is too small.
+    """
+    left, top, right, bottom = area
+    width, height, gap = right - left, bottom - top, text // 2
+    if count == 0:
+        return area, []
+    least = text_width(LEAST_LEGEND, text) + 2 * (text // 3)
+    wide = width >= height
+    across = max(SHARE * width, least) if wide else (width - gap * (count + 1)) / count
+    down = min(height / count - gap if wide else SHARE * height, TALLEST * across)
+    if across < least or across > (MOST * width if wide else width) or down < 4.0 * text:
+        raise SceneError(
+            f"size: a panel with {count} inset{'s' * (count > 1)} needs more than {width:g} × {height:g} pixels beside "
+            "its text"
+        )
+    if wide:
+        first = (top + bottom - count * down - (count - 1) * gap) / 2
+        start, tops = right - gap - across, [first + number * (down + gap) for number in range(count)]
+        return (left, top, start, bottom), [(start, each, start + across, each + down) for each in tops]
+    low = bottom - gap - down
+    starts = [left + gap + number * (across + gap) for number in range(count)]
+    return (left, top, right, low), [(each, low, each + across, low + down) for each in starts]
 
 
 class Diagram:
@@ -33,43 +63,24 @@ class Diagram:
     Args:
         graph: the curves.
         panel: the number of the panel.
-        area: the part of the panel that is free of text.
+        box: its rectangle [pixels].
         text: the height of its text [pixels].
         theme: the colors.
-        occupied: positions of particles in sampled frames (N, 2) [pixels]; the diagram takes the emptiest corner.
-        taken: the rectangles of other diagrams [pixels].
 
     Raises:
-        SceneError: the panel is too small.
+        SceneError: the rectangle is too small.
     """
 
-    def __init__(
-        self,
-        graph: Graph,
-        panel: int,
-        area: Area,
-        text: int,
-        theme: Theme,
-        occupied: PixelArray,
-        taken: Sequence[Area] = (),
-    ) -> None:
-        left, top, right, bottom = area
-        if right - left < LEAST[0] or bottom - top < LEAST[1]:
-            raise SceneError(
-                f"size: a panel with an inset needs {LEAST[0]} × {LEAST[1]} pixels beside its text, got "
-                f"{right - left:g} × {bottom - top:g}"
-            )
-        self._text, self._theme, self._graph = text, theme, graph
+    def __init__(self, graph: Graph, panel: int, box: Area, text: int, theme: Theme) -> None:
+        self._text, self._theme, self._graph, self._box = text, theme, graph, box
         pad = text // 3
-        room = max(text_width(LEAST_LEGEND, text), round(WIDTH * (right - left)) - 2 * pad)
-        self._words = self._legend(room)
-        self._axis = self._below(room)
-        width = room + 2 * pad
-        rows = len(self._words) + bool(self._axis)
-        height = max(HEIGHT * (bottom - top), (rows + 1.5) * text + 2 * pad)
-        self._box = _corner(area, width, height, text // 2, occupied, taken)
-        first, last = self._box[1] + pad + len(self._words) * text, self._box[3] - pad - bool(self._axis) * text
-        inner = self._box[0] + pad, first, self._box[2] - pad, last
+        room = round(box[2] - box[0]) - 2 * pad
+        self._words, self._axis = self._legend(room), self._below(room)
+        first, last = box[1] + pad + len(self._words) * text, box[3] - pad - bool(self._axis) * text
+        if last - first < LEAST * text:
+            needed = round(box[3] - box[1] + LEAST * text - (last - first))
+            raise SceneError(f"size: an inset with these labels needs {needed} pixels, got {box[3] - box[1]:.0f}")
+        inner = box[0] + pad, first, box[2] - pad, last
         self._pad, self._lines = pad, self._placed(panel, inner)
         low, high = graph.range
         zero = 0.0 if low <= 0.0 <= high and not graph.logarithmic else low
@@ -162,32 +173,3 @@ class Diagram:
         x = left + (right - left) * (self._graph.places[panel] - start) / ((end - start) or 1.0)
         share = (self._graph.values[panel] - low) / ((high - low) or 1.0)
         return [np.stack([x, bottom - (bottom - top) * each], axis=1) for each in share]
-
-
-def _corner(
-    area: Area, width: float, height: float, gap: float, occupied: PixelArray, taken: Sequence[Area] = ()
-) -> Area:
-    """The emptiest corner of an area beside some rectangles. Among equally empty corners, the order is upper right,
-    upper left, lower right, lower left.
-
-    Raises:
-        SceneError: no corner is free.
-    """
-    left, top, right, bottom = area
-    xs, ys = {"right": right - gap - width, "left": left + gap}, {"upper": top + gap, "lower": bottom - gap - height}
-    boxes = [(x, y, x + width, y + height) for y in ys.values() for x in xs.values()]
-    free = [
-        box
-        for box in boxes
-        if all(box[0] >= one[2] or box[2] <= one[0] or box[1] >= one[3] or box[3] <= one[1] for one in taken)
-    ]
-    if not free:
-        raise SceneError(
-            f"size: {len(taken) + 1} insets need a larger panel than {right - left:g} × {bottom - top:g} pixels beside "
-            "its text"
-        )
-
-    def count(box: Area) -> int:
-        return int(((occupied >= box[:2]) & (occupied <= box[2:])).all(axis=1).sum())
-
-    return min(free, key=count)
