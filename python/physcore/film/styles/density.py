@@ -80,23 +80,22 @@ class Density(Style):
 
     def can_draw(self, item: Body | System) -> bool:
         """Whether an item has many points, and no springs or fluid between them."""
-        if isinstance(item, Body):
-            plain = not item.is_rigid and not item.is_fluid and item.network is None
-            return plain and len(item) > FEW
-        return item.elements.get("points", 0) > FEW
+        if item.section != "bodies":
+            return item.elements.get("points", 0) > FEW
+        body = cast("Body", item)
+        return not (body.is_rigid or body.is_fluid or body.network is not None) and len(body) > FEW
 
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter for each system, and one for all bodies."""
         found: list[Painter] = []
         every = [*source.scene.bodies, *source.scene.systems]
-        bodies = [item for item in items if isinstance(item, Body)]
-        for item in items:
-            if isinstance(item, System):
-                if self.color is not None:
-                    raise SceneError(f"Density.color: must be None for {item!r}, whose colors show the density")
-                index = next(at for at, each in enumerate(every) if each is item)
-                part = SystemPart(item, str(source.scene.system(item)), index)
-                found.append(DensityPainter(self, source, part, theme))
+        bodies = [cast("Body", item) for item in items if item.section == "bodies"]
+        for system in [cast("System", item) for item in items if item.section != "bodies"]:
+            if self.color is not None:
+                raise SceneError(f"Density.color: must be None for {system!r}, whose colors show the density")
+            index = next(at for at, each in enumerate(every) if each is system)
+            part = SystemPart(system, str(source.scene.system(system)), index)
+            found.append(DensityPainter(self, source, part, theme))
         for body in bodies:
             if body.is_rigid:
                 raise SceneError(f"Density.on: {body!r} consists of rigid bodies; draw it by Solids")
