@@ -213,6 +213,14 @@ class Canvas:
     def density(
         self, points: NDArray[np.float32], table: NDArray[np.uint8], strength: float, spread: float
     ) -> None: ...
+    def starlight(
+        self,
+        points: NDArray[np.float32],
+        colors: NDArray[np.uint8],
+        strength: float,
+        spread: float,
+        shadow: bool,
+    ) -> None: ...
     def text(self, text: str, x: int, y: int, height: int, color: _Ink, align: int) -> None: ...
     def pixels(self) -> NDArray[np.uint8]: ...
 

@@ -11,8 +11,9 @@ from PIL import Image
 import physcore as pc
 from physcore.film import DARK, Window
 from physcore.film.film_renderer import FilmRenderer
+from physcore.film.labels.heading import check_heading
 from physcore.film.labels.parameters import parameter_bars, scale_of
-from physcore.film.layout import Layout, check_heading, columns_for
+from physcore.film.layout import Layout, columns_for
 from physcore.simulation.sources import sources
 
 SIZE = (480, 360)

@@ -16,8 +16,8 @@ from PIL import Image
 import physcore as pc
 from physcore.film import DARK, Orbit, Window
 from physcore.film.film_renderer import FilmRenderer
+from physcore.film.labels.heading import Heading
 from physcore.film.labels.scale_bar import UNITS, ScaleBar, rounded
-from physcore.film.layout import Heading
 from physcore.simulation.sources import sources
 
 if TYPE_CHECKING:
@@ -259,7 +259,7 @@ def test_a_scale_bar_leaves_room_for_what_is_there() -> None:
     bar = ScaleBar(True, (0.0, 0.0, 320.0, 200.0), 16, DARK)
     with renderer(system()) as made:
         view = made._panels[0].view.at(0)
-    left, right = (bar.placed(view, taken)[0] for taken in (None, (8.0, 120.0, 150.0, 192.0)))
+    left, right = (bar.placed(view, taken)[0] for taken in ((), [(8.0, 120.0, 150.0, 192.0)]))
     assert left[2] < 150.0 < right[0]
     assert right[2] < 320.0
 
@@ -275,7 +275,7 @@ def test_what_is_near_in_space_goes_on_under_the_text(labels: tuple[str, ...]) -
     """A ball wider than the picture: the rows of the text have its color, but for the text with its outline."""
     near = Orbit(azimuth=0.0, elevation=0.0, target=(0.0, 0.0, 0.0), extent=0.2, field_of_view=0.0)
     ball, style = pc.Particles([[0.0, 0.0, 0.0]], radius=1.0), pc.styles.Points("#ff0000", shading=False)
-    with renderer(pc.Scene(ball), style=style, camera=near, labels=labels, heading=Heading(("A ball",))) as made:
+    with renderer(pc.Scene(ball), style=style, camera=near, labels=labels, heading=Heading("A ball")) as made:
         picture = next(iter(made.frames())).pixels()
     covered = (picture == (255, 0, 0)).all(axis=2)
     assert covered[:, : SIZE[0] // 60].all()

@@ -44,6 +44,8 @@ def test_every_demo_starts_and_writes_its_film(name: str, tmp_path: Path, monkey
     def first_frames(
         source: object, path: Path, *, duration: float | None = None, fps: float = 30.0, **options: object
     ) -> None:
+        assert options["title"]
+        assert options["subtitle"]
         given = {} if duration is None else {"duration": FRAMES / fps, "fps": fps}
         drawn(source, path, **given, **options)  # type: ignore[arg-type]
 

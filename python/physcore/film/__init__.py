@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from physcore.film.camera.track import Follow, Keyframes
     from physcore.film.camera.view import Orbit, Window
     from physcore.film.colors.themes import DARK, LIGHT, Theme
+    from physcore.film.labels.curves import Curve
     from physcore.film.metadata import provenance
     from physcore.film.renderer import Renderer
 
@@ -29,6 +30,7 @@ __all__ = [
     "DARK",
     "LIGHT",
     "Corotating",
+    "Curve",
     "Follow",
     "Keyframes",
     "Orbit",
@@ -45,6 +47,7 @@ _MODULES = {
     "DARK": "colors.themes",
     "LIGHT": "colors.themes",
     "Corotating": "camera.corotating",
+    "Curve": "labels.curves",
     "Follow": "camera.track",
     "Keyframes": "camera.track",
     "Orbit": "camera.view",

@@ -25,6 +25,7 @@ from physcore.film.styles import (
 )
 from physcore.film.styles.base import BodyStyle
 from physcore.film.styles.line import LinePainter
+from physcore.film.styles.paths import PathsPainter
 from physcore.scene.bodies import Body
 from physcore.scene.system import System
 from physcore.simulation.sources import Source
@@ -82,6 +83,9 @@ def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]
     curves = [painter for painter in result if isinstance(painter, LinePainter)]
     for curve in curves:
         curve.together = curves
+    for painter in result:
+        if isinstance(painter, PathsPainter):
+            painter.match(result)
     return result
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import cast
 
@@ -17,17 +17,19 @@ from physcore.film import assignment
 from physcore.film.camera.corotating import Corotating, corotating
 from physcore.film.camera.framing import Extent, PanelView
 from physcore.film.camera.track import Camera, Follow
-from physcore.film.camera.view import View
+from physcore.film.camera.view import Area, View
 from physcore.film.colors.light import LAMP, OCCLUSION, REACH, SHADOW
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.first_pass import FirstPass
 from physcore.film.labels.clock import Clock
-from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
+from physcore.film.labels.curves import Inset, check_inset, energy_graph
+from physcore.film.labels.diagram import Diagram, beside
 from physcore.film.labels.drawing import write
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
+from physcore.film.labels.heading import Heading
 from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
 from physcore.film.labels.tags import Listed, Named, NameTags, check_named
-from physcore.film.layout import Heading, Layout, best, columns_for
+from physcore.film.layout import Layout, best, columns_for
 from physcore.film.page.tape import Tape
 from physcore.film.scenery import draw_among, draw_backdrop, draw_behind, record
 from physcore.film.styles import Painter, Style
@@ -50,7 +52,7 @@ class Panel:
     samples: list[tuple[int, SourceFrame]]
     tags: NameTags
     bar: ScaleBar | None
-    diagram: Diagram | None = None
+    diagrams: list[Diagram] = field(default_factory=list)
 
 
 class Composition:
@@ -58,7 +60,7 @@ class Composition:
 
     Args:
         found: the sources, one for each panel.
-        style, camera, labels, color_bar, legend, name_tags, scale_bar, inset, credit: as in `film`.
+        style, camera, labels, color_bar, legend, name_tags, scale_bar, inset, figure, credit: as in `film`.
         theme: the colors.
         heading: the titles above the picture; None: no titles.
         samples: samples per pixel along each side in 3D; a pixel is their mean.
@@ -85,7 +87,8 @@ class Composition:
         legend: Listed = False,
         name_tags: Named = False,
         scale_bar: bool | LengthUnit = False,
-        inset: Inset | None = None,
+        inset: Inset | Sequence[Inset] | None = None,
+        figure: str = "",
         credit: str = "",
         samples: int = 1,
         columns: int | None = None,
@@ -95,15 +98,15 @@ class Composition:
         self._columns, self._in_turn = columns_for(columns, len(found)), in_turn
         self._theme, self._samples, self._units = theme, samples, found[0].scene.units
         self.heading, self._captioned, self._labels = heading or Heading(), captioned, check_labels(labels, found)
-        self._heading = self.heading if captioned else self.heading.own
+        self._heading = self.heading if captioned else self.heading.of_panels
         if not in_turn and self._columns < len(found) and set(self._labels) - {"time"}:
             raise SceneError(f"labels: of several rows of panels, must be ('time',) or (), got {shown(self._labels)}")
-        self._diagrammed = check_inset(inset, found) is not None
+        self._insets = check_inset(inset, found)
         self._bar = check_scale_bar(scale_bar, self._units)
         self._listed = check_named(legend, "legend", found, systems=True)
         self._tagged = check_named(name_tags, "name_tags", found)
         self._all_listed = isinstance(legend, (bool, np.bool_))
-        self._with_bars, self._credit = color_bar, credit
+        self._with_bars, self._notes = color_bar, (figure, credit)
         styles = assignment.asked(style, found)
         self._camera, self._found = corotating(camera, [assignment.shown(source, styles) for source in found])
         self._painters = [assignment.painters(source, styles, theme) for source in self._found]
@@ -128,7 +131,7 @@ class Composition:
             for source, step in zip(found, steps, strict=True)
         ]
         legend = self._legend(list(chain.from_iterable(self._painters)))
-        return Footer(self._labels, clock, facts, self._color_bars(), self._credit, legend, self._units)
+        return Footer(self._labels, clock, facts, self._color_bars(), *self._notes, legend, self._units)
 
     def _color_bars(self) -> list[Bar]:
         """The color bars of all painters, if there are to be any."""
@@ -181,13 +184,19 @@ class Composition:
         pixels = layout.pixels(index)
         return layout.margin(index) + max((painter.inset(pixels) for painter in self._painters[index]), default=0.0)
 
+    def _divided(self, layout: Layout, index: int) -> tuple[tuple[int, int, int, int], list[Area]]:
+        """The part of a panel that is free of text and diagrams, and the rectangles of the diagrams."""
+        free, boxes = beside(layout.area(index), len(self._insets), layout.bar_text)
+        left, top, right, bottom = map(round, free)
+        return (left, top, right, bottom), boxes
+
     def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
         """Divide the picture into panels and fit the common camera."""
 
         def magnification(candidate: tuple[int, int]) -> float:
             layout = self._layout_of(candidate)
             return min(
-                extent.magnification(layout.area(index), self._inset(layout, index))
+                extent.magnification(self._divided(layout, index)[0], self._inset(layout, index))
                 for index, extent in enumerate(found)
             )
 
@@ -199,25 +208,22 @@ class Composition:
         for index, (source, painters, extent, seen) in enumerate(
             zip(self._found, self._painters, found, passes, strict=True)
         ):
-            view = PanelView(extent, layout.area(index), self._inset(layout, index))
-            free, pixels = layout.area(index), layout.pixels(index)
+            (free, _), pixels = self._divided(layout, index), layout.pixels(index)
+            view = PanelView(extent, free, self._inset(layout, index))
             tags = NameTags(self._tagged[index], painters, free, layout.text, self._theme)
             bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme, self._units)
             panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags, bar))
         return panels
 
     def _add_diagrams(self, passes: Sequence[FirstPass], duration: float) -> None:
-        """Create the diagram of each panel, for a duration [s]."""
-        history = History([seen.energies for seen in passes], duration, self._units)
+        """Create the diagrams of each panel, for a duration [s]."""
+        energy = energy_graph([seen.energies for seen in passes], duration, self._units)
         for number, panel in enumerate(self._panels):
-            occupied = [np.empty((0, 2), dtype=np.float32)]
-            for index, frame in panel.samples:
-                view = panel.view.at(index)
-                drawn = panel.view.shown(frame, view)
-                more = [points for painter in panel.painters if (points := painter.places(drawn)) is not None]
-                occupied += [view.project(points)[0] for points in (drawn.positions, *more) if len(points)]
-            area, text = self._layout.area(number), self._layout.text
-            panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
+            _, boxes = self._divided(self._layout, number)
+            panel.diagrams = [
+                Diagram(energy if asked == "energy" else asked, number, box, self._layout.bar_text, self._theme)
+                for asked, box in zip(self._insets, boxes, strict=True)
+            ]
 
     def _draw_scenery(self, panels: Sequence[Panel], views: Sequence[View]) -> None:
         """Draw all that is behind every moving object."""
@@ -253,20 +259,19 @@ class Composition:
                 tape.begin(owner, type(painter.style).__name__)
                 painter.record(tape, drawn, view, panel.pixels)
             tape.begin(len(panel.painters) + 1, "a label")
-            taken = []
-            if panel.diagram is not None:
-                panel.diagram.draw(canvas, moment)
-                taken.append(panel.diagram.box)
+            for diagram in panel.diagrams:
+                diagram.draw(canvas, moment)
+            taken = [diagram.box for diagram in panel.diagrams]
             if panel.bar is not None:
-                taken.append(panel.bar.draw(canvas, view, *taken))
+                taken.append(panel.bar.draw(canvas, view, taken))
             panel.tags.draw(canvas, drawn, view, panel.pixels, taken)
         self._write_titles(canvas, numbers)
 
     def _write_titles(self, canvas: Canvas, numbers: Sequence[int]) -> None:
         outline = self._theme.background if self._over else None
-        for line, middle, top, height in self._layout.written(numbers):
-            color = self._theme.label if line == self._heading.subtitle else self._theme.text
-            write(canvas, line, middle, top, height, color, 0, outline)
+        for line in self._layout.written(numbers):
+            color = self._theme.label if line.quiet else self._theme.text
+            write(canvas, line.text, line.left, line.top, line.height, color, line.align, outline)
         for index in numbers:
             for bar, box in self._layout.bars(index):
                 bar.draw(canvas, box, self._layout.bar_text, self._theme, outline)
@@ -309,12 +314,12 @@ class Composition:
                 painter.domain = scenery.domain
                 painter.paint(canvas, drawn, view, panel.pixels)
             canvas.paint()
-            taken = []
-            if panel.diagram is not None:
-                panel.diagram.draw(canvas, moment)
-                taken.append(panel.diagram.box)
+            canvas.clip(*panel.rectangle)
+            for diagram in panel.diagrams:
+                diagram.draw(canvas, moment)
+            taken = [diagram.box for diagram in panel.diagrams]
             if panel.bar is not None:
-                taken.append(panel.bar.draw(canvas, view, *taken))
+                taken.append(panel.bar.draw(canvas, view, taken))
             panel.tags.draw(canvas, drawn, view, panel.pixels, taken)
         canvas.clip(0, 0, *self.size)
         self._write_titles(canvas, chosen)

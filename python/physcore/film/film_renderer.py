@@ -24,7 +24,8 @@ from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.dates import Start
 from physcore.film.labels.footer import Bar
-from physcore.film.layout import Heading, check_size
+from physcore.film.labels.heading import Heading
+from physcore.film.layout import check_size
 from physcore.film.page.tape import Tape
 from physcore.film.styles import Style
 from physcore.progress import Progress
@@ -76,7 +77,7 @@ class FilmRenderer(Composition):
         self._clock = _clock(self._found, max(counts))
         track = camera_track(self._camera, self._found, self._clock)
         # A page is drawn twice: its shapes, and a GIF for browsers that cannot draw them.
-        self._once = track.closed and not self._diagrammed and "dt" not in self._labels and self._settled
+        self._once = track.closed and not self._insets and "dt" not in self._labels and self._settled
         self._once &= self._captioned
         self._caches: list[FrameCache | None] = [None] * len(found)
         self._opened: list[Iterator[SourceFrame]] = []
@@ -113,7 +114,7 @@ class FilmRenderer(Composition):
     def resize(self, size: tuple[int, int] | None) -> None:
         """Draw in another size [pixels] from now on; None: a size that suits the motion."""
         self._compose(size, self._extents, self._passes, still=not self._moving)
-        if self._diagrammed:
+        if self._insets:
             self._add_diagrams(self._passes, float(self._clock[-1] - self._clock[0]))
 
     @property
@@ -144,8 +145,8 @@ class FilmRenderer(Composition):
                 yield palette_samples(painters, bodies, self._theme, flat=flat, once=self._once)
 
     @property
-    def parts(self) -> tuple[Sequence[Bar], Sequence[tuple[str, Color]], str]:
-        """The color bars, the names of the legend with their colors, and the credit."""
+    def parts(self) -> tuple[Sequence[Bar], Sequence[tuple[str, Color]], tuple[str, str]]:
+        """The color bars, the names of the legend with their colors, and figure and credit."""
         return self._footer.parts
 
     @property

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from physcore.film.camera.corotating import Corotating
     from physcore.film.camera.track import Camera, Follow
     from physcore.film.colors.themes import Color, Theme, ThemeName
-    from physcore.film.labels.diagram import Inset
+    from physcore.film.labels.curves import Inset
     from physcore.film.labels.footer import Label
     from physcore.film.labels.scale_bar import LengthUnit
     from physcore.film.labels.tags import Listed, Named
@@ -49,13 +49,15 @@ def film(
     title: str | None = None,
     titles: Sequence[str] | None = None,
     subtitle: str | None = None,
+    formula: str | None = None,
+    figure: str | None = None,
     credit: str | None = None,
     labels: Sequence[Label] = ("time",),
     color_bar: bool = True,
     legend: Listed = False,
     name_tags: Named = False,
     scale_bar: bool | LengthUnit = False,
-    inset: Inset | None = None,
+    inset: Inset | Sequence[Inset] | None = None,
     time_unit: str | None = None,
     start: str | date | None = None,
     speed: float | None = None,
@@ -114,8 +116,10 @@ def film(
         title: a line above the picture. The fonts have Latin and Greek letters, sub- and superscripts, mathematical
             signs, Chinese, Japanese and Korean: "v₀ = √(2gh)", "抛体运动". Other signs, such as emoji, cause a
             SceneWarning.
-        titles: a line above each panel.
-        subtitle: a smaller line under the title.
+        titles: a line above each panel, also below a common title.
+        subtitle: a smaller line under the title. Title and subtitle are broken into several lines where they are long.
+        formula: a line at the upper right, such as "m ẍ = −k x", or below the title where it is too long.
+        figure: a small line at the lower left, such as a measured value.
         credit: a small line at the lower right.
         labels: the labels below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so far).
             Each panel has its own labels.
@@ -127,9 +131,11 @@ def film(
             particles; or some of the bodies. Names do not overlap.
         scale_bar: whether to draw a scale bar at the lower left of each panel; or its unit: "nm", "cm", "m", "km",
             "AU", "ly", "kpc" or another. In 3D it is valid at the target of the camera.
-        inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
+        inset: diagrams beside the picture, or below it in a tall panel, up to four: "energy" (kinetic, potential,
+            internal and total energy), or `physcore.Curve`s, which are computed from the recording.
         time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: the unit of the scene, or in the SI one that suits
-            the duration. If the film does not play in real time, the label "time" gives the pace: "1 s = 90 d".
+            the duration. If the film does not play in real time, the label "time" gives the pace:
+            "2.5 × slower" or "1 s = 90 d".
         start: the date at the time 0: a text such as "2026-01-01" or "2026-01-01 12:00", a datetime.date or a
             datetime.datetime. The label "time" then shows dates, with the time of day if frames are less than a day
             apart.
@@ -171,7 +177,8 @@ def film(
     from physcore.film.film_renderer import FilmRenderer
     from physcore.film.labels.clock import check_unit
     from physcore.film.labels.dates import check_start
-    from physcore.film.layout import ARRANGEMENTS, check_format, check_heading, check_size, line_of
+    from physcore.film.labels.heading import check_heading, line_or_none
+    from physcore.film.layout import ARRANGEMENTS, check_format, check_size
     from physcore.film.metadata import metadata, sidecar_of, write_sidecar
     from physcore.film.quality import SAMPLES
     from physcore.film.writers import WRITERS, FilmJob, check_loop
@@ -192,15 +199,15 @@ def film(
     _check_bytes(quality, max_bytes)
     sides = check_format(format, check_size(size), video=writer.video)
     colors = chosen_theme(theme, background)
-    heading = check_heading(title, titles, subtitle, len(found), parameters)
+    heading = check_heading(title, titles, subtitle, len(found), parameters, formula)
     in_turn = word(arrangement, "arrangement", ARRANGEMENTS) == "sequence"
-    note = "" if credit is None else line_of(credit, "credit")
+    notes = {"figure": line_or_none(figure, "figure"), "credit": line_or_none(credit, "credit")}
     begin = check_start(start, units)
     try:
         with units.worded(), FilmRenderer(
             found, sides, style, camera, colors, heading, shown,
             labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
-            inset=inset, credit=note, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
+            inset=inset, **notes, time_unit=unit, start=begin, rate=rate, samples=SAMPLES[quality],
             columns=columns, in_turn=in_turn, captioned=writer.captioned,
         ) as renderer:  # fmt: skip
             job = FilmJob(renderer, rate, max_bytes, lambda: metadata(found), shown, repeat)

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from physcore.checks import count as whole_number
-from physcore.checks import items, shown, text, word
+from physcore.checks import shown, word
 from physcore.errors import SceneError
-from physcore.film.labels.parameters import ParameterBar, parameter_bars
-from physcore.film.labels.text import fitting, text_height, warn_of_missing
+from physcore.film.labels.heading import LEADING, SUBTITLE, Heading, Line
+from physcore.film.labels.parameters import ParameterBar
+from physcore.film.labels.text import text_height
 
 MARGIN = 0.03
 """Margin around the motion, as a fraction of a panel's shorter side."""
@@ -35,37 +36,6 @@ FORMATS: dict[Format, tuple[int, int]] = {"square": (480, 480), "wide": (640, 36
 """Common formats: 1 : 1, 16 : 9 and 9 : 16 [pixels]."""
 VIDEO: dict[Format, tuple[int, int]] = {"square": (1080, 1080), "wide": (1920, 1080), "story": (1080, 1920)}
 """Common formats of videos, in which pixels take few bytes [pixels]."""
-TITLE, SUBTITLE, LEADING = 1.2, 0.85, 1.25
-"""Heights of title and subtitle, and the line spacing, in heights of the text."""
-
-
-@dataclass(frozen=True)
-class Heading:
-    """The titles above the picture."""
-
-    titles: tuple[str, ...] = ()
-    """No title, one for all panels, or one for each panel."""
-    subtitle: str = ""
-    """A smaller line below a common title."""
-    bars: tuple[tuple[ParameterBar, ...], ...] = ()
-    """The bars of parameters of each panel, as many in all; or none."""
-
-    @property
-    def common(self) -> Heading:
-        """The lines for all panels."""
-        return Heading(self.titles if len(self.titles) == 1 else (), self.subtitle)
-
-    @property
-    def own(self) -> Heading:
-        """The lines of each panel."""
-        return Heading(self.titles if len(self.titles) > 1 else (), bars=self.bars)
-
-    def lines(self, text: int) -> int:
-        """The height of all lines for a text of this height [pixels]."""
-        heights = [TITLE] * bool(self.titles) + [SUBTITLE] * (
-            bool(self.subtitle) + len(self.bars[0] if self.bars else ())
-        )
-        return round(LEADING * sum(heights) * text)
 
 
 @dataclass(frozen=True)
@@ -94,36 +64,29 @@ class Layout:
 
     @property
     def bar_text(self) -> int:
-        """The height of the text of a bar [pixels]."""
+        """The height of the text of bars and diagrams [pixels]."""
         return round(SUBTITLE * self.text)
 
-    def written(self, shown: Sequence[int]) -> list[tuple[str, int, int, int]]:
-        """The lines above some panels: text, horizontal center, top and height [pixels]."""
-        text, titles, edge = self.text, self.heading.titles, self._edge
-        whole = (0, 0, *self.size)
-        lines = [(titles[0], whole, edge, round(TITLE * text))] if len(titles) == 1 else []
-        if len(titles) > 1:
-            panels = {index: self.panel(index) for index in shown}
-            lines = [(titles[index], panel, panel[1] + edge, round(TITLE * text)) for index, panel in panels.items()]
-        if self.heading.subtitle:
-            above = self.heading.titles if self.rows == 1 else self.heading.common.titles
-            below = edge + round(LEADING * TITLE * text) * bool(above)
-            lines.append((self.heading.subtitle, whole, below, round(SUBTITLE * text)))
-        result = []
-        for line, (left, _, right, _), start, height in lines:
-            fits = fitting(line, height, right - left - text)
-            result.append((line, (left + right) // 2, start + (height - fits) // 2, fits))
-        return result
+    def written(self, shown: Sequence[int]) -> list[Line]:
+        """The lines above some panels, in pixels of the picture."""
+        width = self.size[0]
+        lines = [replace(line, top=line.top + self._edge) for line in self.heading.common(self.text, width)[0]]
+        for index in shown:
+            left, _, right, _ = self.panel(index)
+            first = self._first(index)
+            own, _ = self.heading.own(index, self.text, right - left)
+            lines += [replace(line, left=left + line.left, top=first + line.top) for line in own]
+        return lines
 
     def bars(self, index: int) -> list[tuple[ParameterBar, tuple[int, int, int]]]:
         """The bars of a panel, each with its left, top and right [pixels]."""
         if not self.heading.bars:
             return []
-        left, top, right, _ = self.panel(index)
-        above = replace(self.heading if self.rows == 1 else self.heading.own, bars=()).lines(self.text)
-        first, line, edge = top + self._edge + above, LEADING * SUBTITLE * self.text, self.text // 2
+        left, _, right, _ = self.panel(index)
+        line, edge = LEADING * SUBTITLE * self.text, self.text // 2
         own = self.heading.bars[index]
-        return [(bar, (left + edge, first + round(number * line), right - edge)) for number, bar in enumerate(own)]
+        below = self._first(index) + self.heading.own(index, self.text, right - left)[1] - round(len(own) * line)
+        return [(bar, (left + edge, below + round(number * line), right - edge)) for number, bar in enumerate(own)]
 
     def panel(self, index: int) -> tuple[int, int, int, int]:
         """Left, top, right and bottom of a panel [pixels]. A single row has the height of the picture."""
@@ -134,18 +97,28 @@ class Layout:
         left, right = width * column // self.columns, width * (column + 1) // self.columns
         if self.rows == 1:
             return left, 0, right, height
-        header = self.heading.common.lines(self.text)
-        top = min(header + self._edge * (header > 0), height - self.rows)
+        top = min(self._header, height - self.rows)
         free = max(height - self.footer - top, self.rows)
         return left, top + free * row // self.rows, right, top + free * (row + 1) // self.rows
 
     def area(self, index: int) -> tuple[int, int, int, int]:
         """The part of a panel that is free of text."""
         left, above, right, bottom = self.panel(index)
-        header = (self.heading if self.rows == 1 else self.heading.own).lines(self.text)
+        own = self.heading.own(index, self.text, right - left)[1]
         # At least one row of pixels is left free of text.
-        top = min(above + header + self._edge * (header > 0), bottom - 1)
+        top = min(self._first(index) + own if own else max(above, self._header), bottom - 1)
         return left, top, right, max(bottom - self.footer * (self.rows == 1), top + 1)
+
+    @property
+    def _header(self) -> int:
+        """The height of the lines above all panels with the distance from the edge; zero without lines [pixels]."""
+        height = self.heading.common(self.text, self.size[0])[1]
+        return height + self._edge * (height > 0)
+
+    def _first(self, index: int) -> int:
+        """The top of a panel's own lines [pixels]."""
+        header = self._header
+        return (header or self._edge) if self.rows == 1 else self.panel(index)[1] + self._edge
 
     @property
     def _edge(self) -> int:
@@ -189,37 +162,6 @@ def check_format(format: object, size: tuple[int, int] | None, *, video: bool) -
         raise SceneError("format: give a format or a size, not both")
     chosen = word(format, "format", (*FORMATS,))
     return VIDEO[chosen] if video else FORMATS[chosen]
-
-
-def check_heading(
-    title: str | None, titles: Sequence[str] | None, subtitle: str | None, panels: int, parameters: object = None
-) -> Heading:
-    """The requested titles, none, one for all panels or one for each, and the bars of parameters.
-
-    Raises:
-        SceneError: the titles are not valid.
-    """
-    if title is not None and titles is not None:
-        raise SceneError("titles: give one title for all or titles for the panels, not both")
-    if titles is not None:
-        lines = [line_of(each, f"titles[{index}]") for index, each in enumerate(items(titles, "titles", "strings"))]
-        if len(lines) not in (1, panels):
-            raise SceneError(f"titles: must be one for each of the {panels} panels, got {len(lines)}")
-    else:
-        lines = [] if title is None else [each for each in (line_of(title, "title"),) if each]
-    bars = parameter_bars(parameters, panels)
-    return Heading(tuple(lines), "" if subtitle is None else line_of(subtitle, "subtitle"), bars)
-
-
-def line_of(value: object, path: str) -> str:
-    """A line of text; signs that no font has cause a warning.
-
-    Raises:
-        SceneError: the value is not a string.
-    """
-    line = text(value, path)
-    warn_of_missing(line, path)
-    return line
 
 
 def columns_for(columns: object, panels: int) -> int:

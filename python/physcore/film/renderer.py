@@ -19,12 +19,13 @@ from physcore.film.colors.themes import Color, Theme, ThemeName, chosen_theme
 from physcore.film.composition import Composition, Panel
 from physcore.film.first_pass import FirstPass, first_pass
 from physcore.film.labels.clock import Clock, check_unit
+from physcore.film.labels.curves import Inset
 from physcore.film.labels.dates import check_start
-from physcore.film.labels.diagram import Inset
 from physcore.film.labels.footer import Label
+from physcore.film.labels.heading import check_heading, line_or_none
 from physcore.film.labels.scale_bar import LengthUnit
 from physcore.film.labels.tags import Listed, Named
-from physcore.film.layout import Format, check_format, check_heading, check_size, line_of
+from physcore.film.layout import Format, check_format, check_size
 from physcore.film.present import Present
 from physcore.film.quality import QUALITIES, SAMPLES, Quality
 from physcore.film.styles import Style
@@ -62,8 +63,8 @@ class Renderer(Composition):
 
     Args:
         scene: the scene.
-        size, format, style, theme, background, title, subtitle, credit, labels, color_bar, legend, name_tags,
-            scale_bar, inset, time_unit, start, quality: as in `film`.
+        size, format, style, theme, background, title, subtitle, formula, figure, credit, labels, color_bar, legend,
+            name_tags, scale_bar, inset, time_unit, start, quality: as in `film`.
         camera: as in `film`. A function of the time or Keyframes without an extent show the first state completely in
             all directions of the next `duration`. Follow looks exactly at the center of mass, because smoothing needs
             later frames.
@@ -88,13 +89,15 @@ class Renderer(Composition):
         background: Color | str | None = None,
         title: str | None = None,
         subtitle: str | None = None,
+        formula: str | None = None,
+        figure: str | None = None,
         credit: str | None = None,
         labels: Sequence[Label] = ("time",),
         color_bar: bool = True,
         legend: Listed = False,
         name_tags: Named = False,
         scale_bar: bool | LengthUnit = False,
-        inset: Inset | None = None,
+        inset: Inset | Sequence[Inset] | None = None,
         time_unit: str | None = None,
         start: str | date | None = None,
         quality: Quality = "fast",
@@ -112,14 +115,15 @@ class Renderer(Composition):
             "style": style,
             "camera": camera,
             "theme": chosen_theme(theme, background),
-            "heading": check_heading(title, None, subtitle, 1),
+            "heading": check_heading(title, None, subtitle, 1, formula=formula),
             "labels": labels,
             "color_bar": flag(color_bar, "color_bar"),
             "legend": legend,
             "name_tags": name_tags,
             "scale_bar": scale_bar,
             "inset": inset,
-            "credit": "" if credit is None else line_of(credit, "credit"),
+            "figure": line_or_none(figure, "figure"),
+            "credit": line_or_none(credit, "credit"),
             "samples": SAMPLES[word(quality, "quality", QUALITIES)],
         }
         self._extent: Extent | None = None
@@ -219,7 +223,7 @@ class Renderer(Composition):
         energy, dt = getattr(present, "energy", None), getattr(present, "dt", None)
         integrator = type(state.integrator).__name__ if isinstance(state, Simulation) else None
         needed = [f"the label {label!r}" for label in AUDITED if label in self._labels]
-        needed += ["the inset"] if self._diagrammed else []
+        needed += ["the inset"] if self._insets else []
         if needed and energy is None:
             raise SceneError(f"draw.state: {needed[0]} needs a Frame or a Simulation, got {shown(state)}")
         if "integrator" in self._labels and integrator is None:
@@ -251,7 +255,7 @@ class Renderer(Composition):
             if frame.energy is not None:
                 self._seen.energies.append(frame.energy)
         assert self._seen is not None
-        if self._diagrammed:
+        if self._insets:
             first = self._seen.energies[0].time
             self._add_diagrams([self._seen], max(self._duration, frame.time - first))
         self._views = [self._view(panel, frame) for panel in self._panels]

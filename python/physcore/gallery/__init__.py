@@ -5,7 +5,7 @@ Each demo is a module with the following contents:
 - a docstring, whose first line is the caption;
 - `scene()`, which builds the scene;
 - `DURATION`, the simulated time;
-- `main(path, progress)`, which writes a GIF and returns its recordings by title;
+- `main(path, progress)`, which writes a GIF with a title and a line below it, and returns its recordings by title;
 - `figure(recordings)`, which measures a quantity whose value is known.
 
 To add a demo: a module here and a line in `DEMOS`. `physcore gallery` shows all of them on a page.

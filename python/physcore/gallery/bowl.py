@@ -30,7 +30,14 @@ def main(path: str | os.PathLike[str] = "bowl.gif", progress: bool | None = None
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
     pc.film(
-        recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), max_bytes=3_000_000, progress=progress
+        recording,
+        path,
+        size=(640, 500),
+        style=pc.styles.Points(color="speed"),
+        max_bytes=3_000_000,
+        title="Dust in a bowl",
+        subtitle="A hundred thousand particles bounce, and settle",
+        progress=progress,
     )
     return {"dust": recording}
 

@@ -45,7 +45,16 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "brachistochrone.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film, four times slower than real time."""
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=DURATION / 8400, progress=progress)
-    pc.film(recording, path, size=(528, 330), style=pc.styles.Points("body", trail=0.2), speed=0.25, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(528, 392),
+        style=pc.styles.Points("body", size=13.0, trail=0.25, glow=0.5),
+        speed=0.25,
+        title="The fastest way down",
+        subtitle="From any height of the cycloid beads arrive together",
+        progress=progress,
+    )
     return {"brachistochrone": recording}
 
 

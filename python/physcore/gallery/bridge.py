@@ -116,7 +116,17 @@ def main(path: str | os.PathLike[str] = "bridge.gif", progress: bool | None = No
         pc.styles.Solids("#9fb0c4", on=wheels),
         pc.styles.Solids(on="banks", marks=False, joints=False),
     ]
-    pc.film(recording, path, size=(640, 280), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 350),
+        style=style,
+        camera=camera,
+        quality="high",
+        title="A bridge of planks",
+        subtitle="It carries the car, but not the lorry",
+        progress=progress,
+    )
     return {"bridge": recording}
 
 

@@ -27,7 +27,7 @@ FPS = 13
 def scene(tracers: int = TRACERS) -> pc.Scene:
     """A small ball of tracers in the middle."""
     places = np.array([0.0, 0.0, 25.0]) + 0.8 * np.random.default_rng(1).normal(size=(tracers, 3))
-    return pc.Scene(pc.Tracers(places, pc.Lorenz(beta=BETA), name="tracers"))
+    return pc.Scene(pc.Tracers(places, pc.Lorenz(beta=BETA), name="tracers"), units=pc.units.dimensionless)
 
 
 def main(
@@ -40,13 +40,15 @@ def main(
         path,
         duration=DURATION,
         fps=FPS,
-        size=(464, 354),
+        size=(464, 396),
         camera=Keyframes({0.0: first, DURATION: last}),
         style=pc.styles.Density(exposure=0.7),
         speed=0.9,
         dt=1.0 / (16 * FPS),
         precision="f32",
         max_bytes=3_000_000,
+        title="Lorenz’s butterfly",
+        subtitle="A million tracers start together; chaos separates them",
         progress=progress,
     )
     recording = pc.simulate(scene(MEASURED), DURATION, fps=FPS, dt=1.0 / (16 * FPS), progress=progress)

@@ -46,7 +46,16 @@ def main(path: str | os.PathLike[str] = "chain.gif", progress: bool | None = Non
     recording = pc.simulate(scene(), DURATION, fps=25, dt=5e-4, progress=progress)
     style = [pc.styles.Paths([-1], fade=1.2, width=2.0), pc.styles.Strain(width=5.0, nodes=True)]
     camera = Window((-2.25, -2.25), (2.25, 0.15))
-    pc.film(recording, path, size=(640, 400), style=style, camera=camera, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 472),
+        style=style,
+        camera=camera,
+        title="A chain with a heavy ball",
+        subtitle="Colors show the tension of each link",
+        progress=progress,
+    )
     return {"chain": recording}
 
 

@@ -53,11 +53,13 @@ def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = Non
     pc.film(
         recording,
         path,
-        size=(640, 480),
+        size=(640, 500),
         style=style,
         camera=camera,
         quality="high",
         max_bytes=3_000_000,
+        title="A cloth swings",
+        subtitle="Held at two corners, it falls from the horizontal",
         progress=progress,
     )
     return {"cloth": recording}

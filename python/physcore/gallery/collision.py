@@ -60,20 +60,32 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "collision.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw it from an oblique view, with each star in the color of its galaxy."""
-    recording = pc.simulate(scene(), DURATION, fps=15, dt=0.01, precision="f32", progress=progress)
+    recording = pc.simulate(scene(), DURATION, fps=8, dt=0.0125, precision="f32", progress=progress)
     flat, tilted, cores = recording.scene.bodies
     style = [
-        pc.styles.Points(color="body", size=1.8, glow=0.2, on=[flat, tilted]),
-        pc.styles.Points(color="body", size=7.0, glow=1.0, trail=0.0, on=cores),
+        pc.styles.Density(color={flat: "#8fb6ff", tilted: "#ffb070"}, spread=1.1, exposure=0.8, on=[flat, tilted]),
+        pc.styles.Points("#fff2dc", size=5.0, glow=1.0, trail=0.0, shading=False, on=cores),
     ]
     middle = (0.0, 0.0, 0.0)
     camera = Keyframes(
         {
             0.0: Orbit(10.0, 60.0, target=middle, extent=4.4),
-            DURATION: Orbit(45.0, 50.0, target=middle, extent=7.6),
+            DURATION: Orbit(45.0, 50.0, target=middle, extent=10.0),
         }
     )
-    pc.film(recording, path, size=(560, 420), style=style, camera=camera, max_bytes=3_000_000, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(600, 480),
+        style=style,
+        camera=camera,
+        title="Two galaxies pass each other",
+        subtitle="Tides draw long tails out of their discs",
+        labels=(),
+        speed=1.5,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"galaxies": recording}
 
 

@@ -60,7 +60,17 @@ def main(path: str | os.PathLike[str] = "cradle.gif", progress: bool | None = No
     recording = pc.simulate(scene(), DURATION, fps=30, dt=1 / 960, progress=progress)
     style = pc.styles.Solids({"balls": "#dfe6ee", "rails": "#8d5a3b", "posts": "#8d5a3b"}, marks=False)
     camera = Orbit(-70.0, 9.0, target=(0.0, 0.0, -0.5), extent=1.35)
-    pc.film(recording, path, size=(600, 360), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(600, 410),
+        style=style,
+        camera=camera,
+        quality="high",
+        title="Newton’s cradle",
+        subtitle="Two balls fall in, and two go out",
+        progress=progress,
+    )
     return {"cradle": recording}
 
 

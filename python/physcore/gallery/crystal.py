@@ -30,7 +30,17 @@ def main(path: str | os.PathLike[str] = "crystal.gif", progress: bool | None = N
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.16, dt=0.008, progress=progress)
     style = pc.styles.Points(top=2.5)
-    pc.film(recording, path, size=(496, 400), style=style, speed=100.0, max_bytes=3_000_000, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(496, 456),
+        style=style,
+        speed=100.0,
+        max_bytes=3_000_000,
+        title="A gas freezes",
+        subtitle="Atoms condense into drops, and freeze into crystals",
+        progress=progress,
+    )
     return {"argon": recording}
 
 

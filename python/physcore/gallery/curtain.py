@@ -62,13 +62,14 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
     pc.film(
         list(recordings.values()),
         path,
-        size=(960, 300),
+        size=(960, 344),
         style=pc.styles.Surface(texture=stripes()),
         camera=Orbit(-65.0, 14.0, target=(0.5, 0.2, -0.4), extent=1.5),
         titles=list(recordings),
         subtitle=f"energy at the end: {', '.join(f'{each.energy.drift[-1]:+.0%}' for each in recordings.values())}",
         quality="high",
         max_bytes=3_000_000,
+        title="One curtain, five methods",
         progress=progress,
     )
     return recordings

@@ -29,7 +29,15 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "dam_break.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress, fluids=METHOD)
-    pc.film(recording, path, size=(640, 500), style=pc.styles.Fluid(surface=True), progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 572),
+        style=pc.styles.Fluid(surface=True),
+        title="A dam breaks",
+        subtitle="The water runs up the far wall, and falls back as a wave",
+        progress=progress,
+    )
     return {"water": recording}
 
 

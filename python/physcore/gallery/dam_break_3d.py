@@ -34,7 +34,16 @@ def main(path: str | os.PathLike[str] = "dam_break_3d.gif", progress: bool | Non
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress, fluids=METHOD)
     style, camera = pc.styles.Fluid(surface=True), Orbit(azimuth=-62.0, elevation=22.0)
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 480),
+        style=style,
+        camera=camera,
+        title="A dam breaks in a tank",
+        subtitle="The water flows around a ball; white is fast",
+        progress=progress,
+    )
     return {"water": recording}
 
 

@@ -55,11 +55,13 @@ def main(path: str | os.PathLike[str] = "dipole.gif", progress: bool | None = No
     pc.film(
         recording,
         path,
-        size=(560, 420),
+        size=(560, 484),
         style=style,
         camera=Window((-1.15, -0.86), (1.15, 0.86)),
         theme=replace(DARK, bodies=((255, 96, 84), (86, 156, 255))),
         speed=PERIOD / 2.4,
+        title="Two charges",
+        subtitle="Opposite ones orbit each other, with their field",
         progress=progress,
     )
     return {"charges": recording}

@@ -65,11 +65,13 @@ def main(path: str | os.PathLike[str] = "dominoes.gif", progress: bool | None = 
     pc.film(
         recording,
         path,
-        size=(640, 300),
+        size=(640, 350),
         style=style,
         camera=Orbit(-72.0, 24.0, target=(0.0, 0.0, -0.05), extent=1.75),
         color_bar=False,
         quality="high",
+        title="Dominoes",
+        subtitle="A marble topples a row on a winding way",
         progress=progress,
     )
     return {"dominoes": recording}

@@ -69,15 +69,27 @@ def down() -> pc.Gravity:
 def main(path: str | os.PathLike[str] = "double_pendulum.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene by RATTLE of order 4, and draw rods and bobs with fading paths."""
     recording = pc.simulate(scene(), DURATION, fps=20, integrator=pc.RATTLE(4), dt=2e-3, progress=progress)
-    draw(recording, path, fade=0.5, size=(400, 400), progress=progress)
+    options = {"title": "Forty double pendulums", "subtitle": "They swing together, until chaos parts them"}
+    draw(recording, path, fade=0.5, size=(640, 440), progress=progress, **options)
     return {"pendulums": recording}
 
 
 def draw(recording: pc.Recording, path: str | os.PathLike[str], *, fade: float, **options: Any) -> None:
-    """Draw rods and bobs, each pendulum in its own color, with the path of its last bob, which fades in `fade` [s]."""
+    """Draw rods and bobs, each pendulum in its own color, with the path of its last bob, which fades in `fade` [s],
+    and the spread of these bobs.
+    """
     colors = rainbow(recording.scene.bodies)
     style = [pc.styles.Paths([-1], fade=fade, width=1.8), pc.styles.Strain(width=1.5, nodes=True, color=colors)]
-    pc.film(recording, path, style=style, theme=replace(DARK, bodies=tuple(colors.values())), **options)
+    curve = pc.Curve(spread, "spread", unit="m", logarithmic=True)
+    theme = replace(DARK, bodies=tuple(colors.values()))
+    pc.film(recording, path, style=style, theme=theme, inset=curve, max_bytes=3_000_000, **options)
+
+
+def spread(recording: pc.Recording) -> np.ndarray:
+    """The standard deviation of the places of the last bobs at each frame [m]."""
+    tips = np.stack([recording[body].positions[:, -1] for body in recording.scene.bodies])
+    apart: np.ndarray = np.sqrt(tips.var(axis=0).sum(axis=1))
+    return apart
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:

@@ -34,15 +34,17 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=10, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=6, progress=progress)
     pc.film(
         recording,
         path,
-        size=(400, 420),
+        size=(400, 468),
         style=pc.styles.Field(range=0.028),
         camera=Window((-0.5, -4.0), (7.0, 4.0)),
         speed=2.0,
         max_bytes=3_000_000,
+        title="Two slits",
+        subtitle="Dark where the paths differ by half a wave",
         progress=progress,
     )
     return {"light": recording}

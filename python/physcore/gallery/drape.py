@@ -51,11 +51,13 @@ def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = Non
     pc.film(
         recording,
         path,
-        size=(640, 480),
+        size=(640, 500),
         style=style,
         camera=camera,
         labels=(),
         quality="high",
+        title="A cloth drapes a ball",
+        subtitle="Friction holds it there",
         progress=progress,
     )
     return {"cloth": recording}

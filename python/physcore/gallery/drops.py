@@ -47,11 +47,13 @@ def main(path: str | os.PathLike[str] = "drops.gif", progress: bool | None = Non
     pc.film(
         recording,
         path,
-        size=(560, 392),
+        size=(560, 430),
         style=style,
         camera=Orbit(elevation=12.0),
         speed=0.125,
         max_bytes=3_000_000,
+        title="Two drops of water",
+        subtitle="In weightlessness they collide, coalesce and oscillate",
         progress=progress,
     )
     return {"drops": recording}

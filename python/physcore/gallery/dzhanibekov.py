@@ -44,11 +44,13 @@ def main(path: str | os.PathLike[str] = "dzhanibekov.gif", progress: bool | None
     pc.film(
         recording,
         path,
-        size=(480, 360),
+        size=(480, 404),
         style=style,
         camera=camera,
         quality="high",
         max_bytes=3_000_000,
+        title="The Dzhanibekov effect",
+        subtitle="A spinning T turns over again and again",
         progress=progress,
     )
     return {"T": recording}

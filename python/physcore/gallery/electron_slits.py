@@ -35,7 +35,9 @@ def scene() -> pc.Scene:
         height: np.ndarray = 200.0 * ((np.abs(x) < 0.2) & shut)
         return height
 
-    return pc.Scene(pc.Schrodinger(room, packet, potential=wall, edges="absorbing", name="electron"))
+    return pc.Scene(
+        pc.Schrodinger(room, packet, potential=wall, edges="absorbing", name="electron"), units=pc.units.dimensionless
+    )
 
 
 def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -43,7 +45,16 @@ def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | N
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=0.004, progress=progress)
     style, camera = pc.styles.Phase(range=0.012), Window((-9.0, -6.6), (9.0, 6.6))
     pc.film(
-        recording, path, size=(396, 322), style=style, camera=camera, speed=0.5, max_bytes=3_000_000, progress=progress
+        recording,
+        path,
+        size=(396, 370),
+        style=style,
+        camera=camera,
+        speed=0.5,
+        max_bytes=3_000_000,
+        title="One electron, two slits",
+        subtitle="It interferes with itself",
+        progress=progress,
     )
     return {"electron": recording}
 

@@ -53,7 +53,17 @@ def main(path: str | os.PathLike[str] = "falling_chain.gif", progress: bool | No
     chain, ball = recording.scene.bodies
     style = [pc.styles.Strain(width=6.0, range=40.0, on=chain), pc.styles.Points(color="#ffb703", on=ball)]
     camera = Window((-0.5, -2.05), (0.8, 0.1))
-    pc.film(recording, path, size=(360, 600), style=style, camera=camera, speed=0.1, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(360, 646),
+        style=style,
+        camera=camera,
+        speed=0.1,
+        title="Faster than free fall",
+        subtitle="The chain pulls its own end down",
+        progress=progress,
+    )
     return {"chain": recording}
 
 

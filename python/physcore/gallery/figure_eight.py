@@ -30,7 +30,7 @@ def scene() -> pc.Scene:
         pc.Particles([-place], [0.5 * velocity], name="left"),
         pc.Particles([0.0 * place], [-velocity], name="middle"),
     ]
-    return pc.Scene(*stars, pc.Gravitation(1.0))
+    return pc.Scene(*stars, pc.Gravitation(1.0), units=pc.units.dimensionless)
 
 
 def main(path: str | os.PathLike[str] = "figure_eight.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -39,11 +39,13 @@ def main(path: str | os.PathLike[str] = "figure_eight.gif", progress: bool | Non
     pc.film(
         recording,
         path,
-        size=(640, 320),
+        size=(640, 392),
         style=pc.styles.Points(color="body", size=16.0, trail=0.3 * PERIOD, glow=0.8),
         camera=Window((-1.25, -0.5), (1.25, 0.5)),
         labels=("time", "energy"),
         speed=PERIOD / 4.0,
+        title="Figure eight",
+        subtitle="Three equal stars follow each other on one curve",
         progress=progress,
     )
     return {"stars": recording}

@@ -68,12 +68,14 @@ def main(path: str | os.PathLike[str] = "flag.gif", progress: bool | None = None
     pc.film(
         recording,
         path,
-        size=(528, 363),
+        size=(528, 400),
         style=style,
         camera=camera,
         labels=(),
         quality="high",
         max_bytes=3_000_000,
+        title="A flag in gusts",
+        subtitle="The wind presses on its faces",
         progress=progress,
     )
     return {"flag": recording}

@@ -68,11 +68,13 @@ def main(path: str | os.PathLike[str] = "floating_box.gif", progress: bool | Non
     pc.film(
         recording,
         path,
-        size=(640, 344),
+        size=(640, 416),
         style=style,
         camera=camera,
         quality="high",
         max_bytes=3_000_000,
+        title="Toys in a basin",
+        subtitle="Each floats as deep as its density says",
         progress=progress,
     )
     return {"toys": recording}

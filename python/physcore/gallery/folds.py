@@ -48,7 +48,17 @@ def main(path: str | os.PathLike[str] = "folds.gif", progress: bool | None = Non
     first = Orbit(azimuth=-62.0, elevation=6.0, target=(0.0, 0.05, 0.62), extent=1.35)
     last = Orbit(azimuth=-68.0, elevation=14.0, target=(0.0, 0.0, 0.07), extent=0.5)
     camera = Keyframes({0.0: first, 0.5: first, 1.8: last})
-    pc.film(recording, path, size=(480, 480), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(480, 520),
+        style=style,
+        camera=camera,
+        quality="high",
+        title="A ribbon folds",
+        subtitle="Lowered onto a floor, layer upon layer",
+        progress=progress,
+    )
     return {"ribbon": recording}
 
 

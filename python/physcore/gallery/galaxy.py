@@ -19,6 +19,8 @@ CORE = 0.3
 """Core radius b, for G M = 1 m³/s² [m]."""
 RADII = (0.1, 2.0)
 """Radii of the innermost and the outermost orbit [m]."""
+WARM, BLUE = np.array([255.0, 196.0, 130.0]), np.array([130.0, 176.0, 255.0])
+"""Colors of the light of old stars near the core, and of young ones in the arms."""
 
 DURATION = 8.0
 """Simulated time [s]."""
@@ -51,10 +53,25 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "galaxy.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw it with a rising camera."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
-    style = pc.styles.Points(size=2.2, glow=0.4)
-    camera = Keyframes({0.0: Orbit(-60.0, 25.0), DURATION: Orbit(-90.0, 60.0)})
-    pc.film(recording, path, size=(432, 334), style=style, camera=camera, max_bytes=3_000_000, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=6, progress=progress)
+    radius = np.linalg.norm(recording.positions[0, :, :2], axis=1)[:, np.newaxis]
+    far = np.clip((radius - RADII[0]) / (RADII[1] - RADII[0]), 0.0, 1.0)
+    colors = np.rint((1.0 - far) * WARM + far * BLUE).astype(int)
+    style = pc.styles.Density(color=colors, spread=1.2)
+    camera = Keyframes({0.0: Orbit(-60.0, 30.0), DURATION: Orbit(-90.0, 60.0)})
+    pc.film(
+        recording,
+        path,
+        size=(600, 480),
+        style=style,
+        camera=camera,
+        title="Spiral arms",
+        subtitle="Where the orbits of stars crowd; they wind up",
+        labels=(),
+        speed=2.0,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"stars": recording}
 
 

@@ -67,7 +67,18 @@ def main(path: str | os.PathLike[str] = "galton.gif", progress: bool | None = No
     recording = pc.simulate(scene(), DURATION, fps=8, dt=1 / 480, progress=progress)
     style = pc.styles.Solids({"balls": "#f2b134", "pegs": "#8aa0b8"}, marks=False)
     camera = Window((-0.72, -1.95), (0.72, 0.2))
-    pc.film(recording, path, size=(400, 600), style=style, camera=camera, speed=4.0, hold=1.0, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(400, 648),
+        style=style,
+        camera=camera,
+        speed=4.0,
+        hold=1.0,
+        title="A Galton board",
+        subtitle="Piles of balls follow the binomial distribution",
+        progress=progress,
+    )
     return {"balls": recording}
 
 

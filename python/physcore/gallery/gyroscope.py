@@ -55,7 +55,17 @@ def main(path: str | os.PathLike[str] = "gyroscope.gif", progress: bool | None =
     recording = pc.simulate(scene(), DURATION, fps=30, dt=1 / 1920, progress=progress)
     style = pc.styles.Solids({"gyroscope": "#f4743b", "stand": "#8aa0b8"})
     camera = Orbit(-60.0, 22.0, target=(0.0, 0.0, -0.12), extent=1.3)
-    pc.film(recording, path, size=(480, 400), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(480, 444),
+        style=style,
+        camera=camera,
+        quality="high",
+        title="A gyroscope",
+        subtitle="Held at one end it does not fall: it goes around, and nods",
+        progress=progress,
+    )
     return {"gyroscope": recording}
 
 

@@ -36,7 +36,12 @@ def scene() -> pc.Scene:
         return np.asarray(-np.square(RATES) * positions)
 
     particle = pc.Particles([START], [MOMENTUM], name="particle")
-    return pc.Scene(pc.Schrodinger(room, packet, potential=trap, name="atom"), particle, pc.CustomForce(force))
+    return pc.Scene(
+        pc.Schrodinger(room, packet, potential=trap, name="atom"),
+        particle,
+        pc.CustomForce(force),
+        units=pc.units.dimensionless,
+    )
 
 
 def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -45,7 +50,16 @@ def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | No
     style = [pc.styles.Phase(), pc.styles.Points(color="body", size=9.0, trail=DURATION)]
     camera = Window((-6.8, -4.7), (6.8, 4.7))
     pc.film(
-        recording, path, size=(520, 400), style=style, camera=camera, speed=2.0, max_bytes=3_000_000, progress=progress
+        recording,
+        path,
+        size=(520, 440),
+        style=style,
+        camera=camera,
+        speed=2.0,
+        max_bytes=3_000_000,
+        title="A wave packet in a harmonic trap",
+        subtitle="It keeps its shape on a classical orbit",
+        progress=progress,
     )
     return {"atom": recording}
 

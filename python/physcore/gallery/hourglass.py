@@ -81,11 +81,13 @@ def main(
     pc.film(
         recording,
         path,
-        size=(400, 640),
+        size=(400, 688),
         style=pc.styles.Points(color="body"),
         camera=Window((-WIDTH, -HEIGHT - 0.02), (WIDTH, HEIGHT - 0.15)),
         speed=0.5,
         max_bytes=3_000_000,
+        title="An hourglass",
+        subtitle="Twelve thousand grains run out at a constant rate",
         progress=progress,
     )
     return {"sand": recording}

@@ -51,12 +51,14 @@ def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = Non
     pc.film(
         recording,
         path,
-        size=(640, 360),
+        size=(640, 400),
         style=style,
         camera=camera,
         speed=0.5,
         quality="high",
         legend=True,
+        title="Three cubes of jelly",
+        subtitle="Soft, medium and firm, until damping stops them",
         progress=progress,
     )
     return {"jelly": recording}

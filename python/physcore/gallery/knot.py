@@ -59,18 +59,21 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "knot.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), DURATION, fps=30, progress=progress)
-    first = Orbit(azimuth=-90.0, elevation=65.0, target=(0.0, 0.0, 0.0), extent=0.95)
-    last = Orbit(azimuth=-60.0, elevation=50.0, target=(0.0, 0.0, 0.0), extent=0.4)
+    first = Orbit(azimuth=-90.0, elevation=65.0, target=(0.0, 0.0, 0.0), extent=0.8)
+    last = Orbit(azimuth=-60.0, elevation=50.0, target=(0.0, 0.0, 0.0), extent=0.36)
     camera = Keyframes({0.0: first, DURATION: last})
-    style = pc.styles.Strain(color="#e9b44c", width=16.0)
+    style = pc.styles.Tube("#e0b05a", strands=3)
     pc.film(
         recording,
         path,
-        size=(640, 360),
+        size=(640, 400),
         style=style,
+        title="Pulling a knot tight",
+        subtitle="Friction locks an overhand knot in a rope",
         camera=camera,
         labels=(),
         quality="high",
+        max_bytes=3_000_000,
         progress=progress,
     )
     return {"rope": recording}

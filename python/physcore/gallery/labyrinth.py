@@ -26,7 +26,7 @@ def scene() -> pc.Scene:
     drops = np.max([np.exp(-((x - a) ** 2 + (y - b) ** 2) / (2.0 * 0.035**2)) for a, b in DROPS], axis=0)
     start = {"u": 1.0 - 0.5 * drops, "v": 0.3 * drops}
     dish = pc.ReactionDiffusion(grid, pc.GrayScott.pearson("theta"), {"u": 2e-5, "v": 1e-5}, start)
-    return pc.Scene(dish)
+    return pc.Scene(dish, units=pc.units.dimensionless)
 
 
 def main(path: str | os.PathLike[str] = "labyrinth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -35,10 +35,12 @@ def main(path: str | os.PathLike[str] = "labyrinth.gif", progress: bool | None =
     pc.film(
         recording,
         path,
-        size=(468, 396),
+        size=(468, 450),
         style=pc.styles.Field(relief=0.3),
         speed=750.0,
         max_bytes=3_000_000,
+        title="A labyrinth grows",
+        subtitle="A substance that feeds on another (Gray–Scott)",
         progress=progress,
     )
     return {"dish": recording}

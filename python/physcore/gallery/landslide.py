@@ -55,7 +55,16 @@ def main(path: str | os.PathLike[str] = "landslide.gif", progress: bool | None =
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
     camera = Orbit(azimuth=-72.0, elevation=42.0, target=(0.0, 0.0, 0.13), extent=2.25)
     style = pc.styles.Points(color="speed", top=2.5)
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 470),
+        style=style,
+        camera=camera,
+        title="A landslide",
+        subtitle="Six hundred pebbles run down into a hollow",
+        progress=progress,
+    )
     return {"pebbles": recording}
 
 

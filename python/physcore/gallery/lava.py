@@ -42,7 +42,17 @@ def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None
     recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress, fluids=METHOD)
     camera = Orbit(azimuth=-40.0, elevation=28.0, target=(-0.05, 0.0, 0.2), extent=2.4)
     style = pc.styles.Fluid(colormap="ember", top=0.45, opacity=1.0, glow=0.4)
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 470),
+        style=style,
+        camera=camera,
+        quality="high",
+        title="Lava",
+        subtitle="It flows around boulders, slows down, and sticks",
+        progress=progress,
+    )
     return {"lava": recording}
 
 

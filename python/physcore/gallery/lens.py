@@ -46,9 +46,19 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=6, progress=progress)
     style = [pc.styles.Field(), pc.styles.Points(color="body", size=2.0)]
-    pc.film(recording, path, size=(440, 360), style=style, speed=2.0, max_bytes=3_000_000, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(440, 412),
+        style=style,
+        speed=2.0,
+        max_bytes=3_000_000,
+        title="A lens of slow sound",
+        subtitle="Plane waves focus on the far rim",
+        progress=progress,
+    )
     return {"light": recording}
 
 

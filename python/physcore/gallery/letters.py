@@ -58,7 +58,17 @@ def main(path: str | os.PathLike[str] = "letters.gif", progress: bool | None = N
     recording = pc.simulate(scene(), DURATION, fps=30, dt=1 / 480, progress=progress)
     camera = Window((-3.9, -3.8), (7.0, 2.7))
     style = [pc.styles.Solids(marks=False)]
-    pc.film(recording, path, size=(640, 382), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 454),
+        style=style,
+        camera=camera,
+        quality="high",
+        title="Letters",
+        subtitle="They fall down stairs",
+        progress=progress,
+    )
     return {"letters": recording}
 
 

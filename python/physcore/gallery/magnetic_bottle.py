@@ -16,7 +16,7 @@ from physcore.film import DARK, Orbit
 from physcore.gallery.figure import Figure
 from physcore.units import elementary_charge, proton_mass
 
-DURATION = 50e-6
+DURATION = 36e-6
 """Simulated time [s]."""
 RADIUS, APART, CURRENT = 0.16, 0.56, 1.5e4
 """Radius of the coils and distance between them [m], and their current [A]."""
@@ -57,20 +57,22 @@ def main(path: str | os.PathLike[str] = "magnetic_bottle.gif", progress: bool | 
     recording = pc.simulate(scene(), DURATION, fps=7.5e6, dt=1 / 52.5e6, progress=progress)
     coils, beams = recording.scene.bodies[:2], recording.scene.bodies[2:]
     style = [
-        pc.styles.Paths(fade=12e-6, width=2.0, on=beams),
+        pc.styles.Paths(fade=6e-6, width=2.0, on=beams),
         pc.styles.Points(color="body", size=6.0, trail=0.0, on=coils),
         pc.styles.Points(color="body", size=8.0, glow=0.5, trail=0.0, on=beams),
     ]
     pc.film(
         recording,
         path,
-        size=(640, 360),
+        size=(640, 400),
         style=style,
         camera=Orbit(-73.0, 16.0, target=(0.0, 0.0, 0.0), extent=0.39),
         theme=replace(DARK, bodies=COLORS),
         labels=("energy",),
         speed=3.5e-6,
         max_bytes=3_000_000,
+        title="A magnetic bottle",
+        subtitle="Protons turn back where the field grows",
         progress=progress,
     )
     return {"protons": recording}

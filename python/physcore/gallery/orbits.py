@@ -41,11 +41,13 @@ def main(path: str | os.PathLike[str] = "orbits.gif", progress: bool | None = No
         list(recordings.values()),
         path,
         titles=list(recordings),
-        size=(720, 320),
+        size=(720, 400),
         style=pc.styles.Points(size=12.0, trail=PERIOD, glow=0.8),
         camera=Window((-2.45, -1.05), (0.85, 1.05)),
         labels=("time", "energy"),
         speed=PERIOD / 2.0,
+        title="One orbit, one step size, three methods",
+        subtitle="Explicit Euler spirals outward; the others stay on the ellipse",
         progress=progress,
     )
     return recordings

@@ -62,13 +62,15 @@ def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None =
     pc.film(
         recording,
         path,
-        size=(528, 330),
+        size=(528, 370),
         style=style,
         camera=camera,
         color_bar=False,
         speed=2.0,
         quality="high",
         max_bytes=3_000_000,
+        title="Pendulum waves",
+        subtitle="Fifteen pendulums drift apart, and meet again",
         progress=progress,
     )
     return {"pendulums": recording}

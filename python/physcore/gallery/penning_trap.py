@@ -43,13 +43,15 @@ def main(path: str | os.PathLike[str] = "penning_trap.gif", progress: bool | Non
     pc.film(
         recording,
         path,
-        size=(640, 480),
+        size=(640, 500),
         style=[pc.styles.Paths(width=1.3), pc.styles.Points(color="body", size=13.0, glow=0.8, trail=0.0)],
         camera=Orbit(-60.0, 33.0, target=(0.0, 0.0, 0.0), extent=2.3),
         theme=replace(DARK, bodies=COLORS),
         labels=("time", "energy"),
         speed=5.0,
         max_bytes=3_000_000,
+        title="A Penning trap",
+        subtitle="Ions draw rosettes: gyration, oscillation and a slow drift",
         progress=progress,
     )
     return {"ions": recording}

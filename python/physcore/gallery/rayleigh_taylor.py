@@ -43,7 +43,16 @@ def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | 
         pc.styles.Fluid(on=light, top=1.2, surface=True),
         pc.styles.Fluid(on=heavy, colormap="ember", top=1.2, surface=True),
     ]
-    pc.film(recording, path, size=(360, 720), style=styles, max_bytes=3_000_000, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(360, 772),
+        style=styles,
+        max_bytes=3_000_000,
+        title="Rayleigh–Taylor instability",
+        subtitle="A heavy fluid sinks into a light one as a mushroom",
+        progress=progress,
+    )
     return {"fluids": recording}
 
 

@@ -52,11 +52,13 @@ def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = N
     pc.film(
         recording,
         path,
-        size=(520, 360),
+        size=(520, 396),
         style=style,
         camera=camera,
         color_bar=False,
         max_bytes=3_000_000,
+        title="Rain on a pond",
+        subtitle="Circular waves cross each other",
         progress=progress,
     )
     return {"pond": recording}

@@ -53,7 +53,16 @@ def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None
     style = pc.styles.Strain(width=4.0, color=rainbow(recording.scene.bodies))
     camera = Window((-1.1, -1.1), (1.1, 0.1))
     pc.film(
-        recording, path, size=(640, 380), style=style, camera=camera, speed=0.4, max_bytes=3_000_000, progress=progress
+        recording,
+        path,
+        size=(640, 440),
+        style=style,
+        camera=camera,
+        speed=0.4,
+        max_bytes=3_000_000,
+        title="A fan of ropes",
+        subtitle="Released at all angles; the outer ones crack like whips",
+        progress=progress,
     )
     return {"ropes": recording}
 

@@ -32,7 +32,9 @@ def scene() -> pc.Scene:
         height: np.ndarray = HEIGHT * np.exp(-(x * x + y * y) / (2.0 * RADIUS**2))
         return height
 
-    return pc.Scene(pc.Schrodinger(room, packet, potential=hill, edges="absorbing", name="electron"))
+    return pc.Scene(
+        pc.Schrodinger(room, packet, potential=hill, edges="absorbing", name="electron"), units=pc.units.dimensionless
+    )
 
 
 def main(path: str | os.PathLike[str] = "scattering.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -43,12 +45,14 @@ def main(path: str | os.PathLike[str] = "scattering.gif", progress: bool | None 
     pc.film(
         recording,
         path,
-        size=(484, 391),
+        size=(484, 447),
         style=style,
         camera=camera,
         speed=0.25,
         quality="high",
         max_bytes=3_000_000,
+        title="Scattering",
+        subtitle="A wave packet meets a potential hill",
         progress=progress,
     )
     return {"electron": recording}

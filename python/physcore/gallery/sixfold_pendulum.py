@@ -42,7 +42,8 @@ def main(
     """Simulate the scene by RATTLE of order 4, and draw rods and bobs with fading paths."""
     recording = pc.simulate(scene(), DURATION, fps=20, integrator=pc.RATTLE(4), dt=1e-3, progress=progress)
     camera = Window((-1.9, -1.95), (1.9, 0.9))
-    draw(recording, path, fade=0.6, size=(520, 420), camera=camera, progress=progress)
+    options = {"title": "Chains of six rods", "subtitle": "Twenty-four move alike, and a second later all differ"}
+    draw(recording, path, fade=0.6, size=(640, 440), camera=camera, progress=progress, **options)
     return {"pendulums": recording}
 
 

@@ -27,14 +27,24 @@ def scene() -> pc.Scene:
         "u": lambda x, y: np.where((np.abs(x - 65.0) < 16.0) & (np.abs(y - 50.0) < 4.0), 1.5, REST[0]),
         "v": lambda x, y: np.where((np.abs(x - 65.0) < 16.0) & (np.abs(y - 36.0) < 10.0), REST[1] + 1.2, REST[1]),
     }
-    return pc.Scene(pc.ReactionDiffusion(grid, MEDIUM, {"u": 1.0, "v": 0.0}, start))
+    return pc.Scene(pc.ReactionDiffusion(grid, MEDIUM, {"u": 1.0, "v": 0.0}, start), units=pc.units.dimensionless)
 
 
 def main(path: str | os.PathLike[str] = "spirals.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=0.5, precision="f32", progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=0.25, precision="f32", progress=progress)
     style = pc.styles.Field(colormap="inferno", range=(-2.6, 2.2), relief=0.3)
-    pc.film(recording, path, size=(440, 372), style=style, speed=50.0, max_bytes=3_000_000, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(440, 422),
+        style=style,
+        speed=50.0,
+        max_bytes=3_000_000,
+        title="Spiral waves",
+        subtitle="Excitation in a sheet of cells curls up at its free ends",
+        progress=progress,
+    )
     return {"sheet": recording}
 
 

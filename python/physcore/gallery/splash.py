@@ -52,7 +52,17 @@ def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = No
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress, fluids=METHOD)
     style = pc.styles.Fluid({"pool": "#f7f5ee", "drop": "#e8485f"}, opacity=1.0)
     camera = Orbit(elevation=24.0, target=(0.0, 0.0, 0.15), extent=0.85)
-    pc.film(recording, path, size=(560, 392), style=style, camera=camera, speed=0.125, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(560, 428),
+        style=style,
+        camera=camera,
+        speed=0.125,
+        title="A crown of milk",
+        subtitle="A drop falls into a layer, which throws up a rim and a jet",
+        progress=progress,
+    )
     return {"splash": recording}
 
 

@@ -48,7 +48,15 @@ def main(path: str | os.PathLike[str] = "string.gif", progress: bool | None = No
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
     string, *harmonics = recording.scene.systems
     style = [pc.styles.Line(range=HEIGHT, width=4.0, on=string), pc.styles.Line(range=HEIGHT, width=1.4, on=harmonics)]
-    pc.film(recording, path, size=(640, 330), style=style, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 404),
+        style=style,
+        title="A plucked string",
+        subtitle="Blue: the string; the others: its first harmonics",
+        progress=progress,
+    )
     return {"string": recording}
 
 

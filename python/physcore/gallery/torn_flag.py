@@ -69,12 +69,14 @@ def main(path: str | os.PathLike[str] = "torn_flag.gif", progress: bool | None =
     pc.film(
         recording,
         path,
-        size=(560, 386),
+        size=(560, 424),
         style=style,
         camera=camera,
         labels=(),
         quality="high",
         max_bytes=3_000_000,
+        title="A storm tears a flag",
+        subtitle="At 18 m/s the fabric breaks where it flutters most",
         progress=progress,
     )
     return {"flag": recording}

@@ -63,12 +63,14 @@ def main(path: str | os.PathLike[str] = "trojans.gif", progress: bool | None = N
     pc.film(
         recording,
         path,
-        size=(640, 600),
+        size=(640, 672),
         style=style,
         camera=Corotating(sun, jupiter, around),
         theme=replace(DARK, bodies=COLORS),
         labels=("energy",),
         speed=17.0 * year,
+        title="Trojan asteroids",
+        subtitle="60° ahead of and behind Jupiter, in its rotating frame",
         progress=progress,
     )
     return {"asteroids": recording}

@@ -30,7 +30,7 @@ def scene() -> pc.Scene:
     def barrier(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return HEIGHT * (np.abs(x + 0.0 * y) < THICK / 2)
 
-    return pc.Scene(pc.Schrodinger(plane, packet, potential=barrier, name="electron"))
+    return pc.Scene(pc.Schrodinger(plane, packet, potential=barrier, name="electron"), units=pc.units.dimensionless)
 
 
 def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -40,12 +40,14 @@ def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None 
     pc.film(
         recording,
         path,
-        size=(540, 224),
+        size=(540, 284),
         style=style,
         camera=camera,
         speed=0.5,
         quality="high",
         max_bytes=3_000_000,
+        title="Tunnelling",
+        subtitle="Most of a packet is reflected, some passes the barrier",
         progress=progress,
     )
     return {"electron": recording}

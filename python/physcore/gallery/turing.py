@@ -26,7 +26,7 @@ def scene() -> pc.Scene:
     grid = pc.Grid.over((0.0, 0.0), (130.0, 100.0), 0.5, periodic=True)
     noise = 0.05 * np.random.default_rng(5).standard_normal(grid.cells)
     start = {"u": (A + B) * (1.0 + noise), "v": np.full(grid.cells, B / (A + B) ** 2)}
-    return pc.Scene(pc.ReactionDiffusion(grid, pc.Schnakenberg(A, B), DIFFUSION, start))
+    return pc.Scene(pc.ReactionDiffusion(grid, pc.Schnakenberg(A, B), DIFFUSION, start), units=pc.units.dimensionless)
 
 
 def main(path: str | os.PathLike[str] = "turing.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -35,7 +35,17 @@ def main(path: str | os.PathLike[str] = "turing.gif", progress: bool | None = No
         scene(), duration=DURATION, fps=2.0, integrator=pc.RungeKuttaChebyshev(), precision="f32", progress=progress
     )
     style = pc.styles.Field(relief=0.3)
-    pc.film(recording, path, size=(520, 436), style=style, speed=10.0, max_bytes=3_000_000, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(520, 496),
+        style=style,
+        speed=10.0,
+        max_bytes=3_000_000,
+        title="Turing’s spots",
+        subtitle="Reaction and diffusion make a pattern of nothing",
+        progress=progress,
+    )
     return {"dish": recording}
 
 

@@ -52,7 +52,17 @@ def main(
     recording = pc.simulate(scene(particles), duration=DURATION, fps=60, progress=progress, **NUMERICS)
     camera = Orbit(azimuth=-62.0, elevation=30.0, target=(1.0, 1.0, 0.15), extent=2.4)
     style = pc.styles.Fluid(surface=True, top=2.5)
-    pc.film(recording, path, size=(640, 420), style=style, camera=camera, speed=0.4, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 460),
+        style=style,
+        camera=camera,
+        speed=0.4,
+        title="Two dams break",
+        subtitle="Their waves meet along the diagonal; white is fast",
+        progress=progress,
+    )
     return {"water": recording}
 
 

@@ -71,7 +71,7 @@ def main(
         duration=DURATION,
         fps=30,
         speed=0.6,
-        size=(496, 196),
+        size=(496, 254),
         style=[
             pc.styles.Density(colormap="ember", on=above),
             pc.styles.Density(colormap="water", on=below),
@@ -81,6 +81,8 @@ def main(
         dt=0.0025,
         precision="f32",
         max_bytes=3_000_000,
+        title="A vortex street",
+        subtitle="Two rows of vortices wind up dye of two colors",
         progress=progress,
     )
     return {"street": pc.simulate(scene(100), DURATION, fps=20, dt=0.0025, progress=progress)}

@@ -62,11 +62,13 @@ def main(path: str | os.PathLike[str] = "water_wheel.gif", progress: bool | None
     pc.film(
         recording,
         path,
-        size=(640, 440),
+        size=(640, 512),
         style=style,
         camera=camera,
         quality="high",
         max_bytes=3_000_000,
+        title="A water wheel",
+        subtitle="A brake takes up its power",
         progress=progress,
     )
     return {"wheel": recording}

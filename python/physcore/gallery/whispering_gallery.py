@@ -46,16 +46,18 @@ def main(
     path: str | os.PathLike[str] = "whispering_gallery.gif", progress: bool | None = None
 ) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=8, progress=progress)
     style = pc.styles.Field(range=0.6)
     pc.film(
         recording,
         path,
-        size=(328, 346),
+        size=(360, 426),
         style=style,
-        speed=1.25,
+        speed=1.5,
         quality="high",
         max_bytes=3_000_000,
+        title="A whispering gallery",
+        subtitle="Sound creeps along the wall",
         progress=progress,
     )
     return {"hall": recording}

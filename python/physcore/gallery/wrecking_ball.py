@@ -71,7 +71,17 @@ def main(path: str | os.PathLike[str] = "wrecking_ball.gif", progress: bool | No
     recording = pc.simulate(scene(), DURATION, fps=30, dt=1 / 480, progress=progress)
     style = pc.styles.Solids({"bricks": "#c65d3b", "ball": "#8fa3bd"}, marks=False)
     camera = Orbit(-60.0, 14.0, target=(0.55, 0.0, 0.95), extent=2.6)
-    pc.film(recording, path, size=(600, 400), style=style, camera=camera, quality="high", progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(600, 440),
+        style=style,
+        camera=camera,
+        quality="high",
+        title="A wrecking ball",
+        subtitle="It swings into a tower of bricks",
+        progress=progress,
+    )
     return {"tower": recording}
 
 

@@ -297,6 +297,24 @@ impl PyCanvas {
         Ok(())
     }
 
+    /// Add the light of points (N, 2) of these colors (N, 3) at once, which spreads over `spread` pixels; a shadow of them on a
+    /// light background.
+    fn starlight(
+        &mut self,
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f32>,
+        colors: PyReadonlyArray2<'_, u8>,
+        strength: f32,
+        spread: f32,
+        shadow: bool,
+    ) -> PyResult<()> {
+        let count = points.shape()[0];
+        let (points, colors) = (rows::<f32, 2>(&points, count, "points")?, rows::<u8, 3>(&colors, count, "colors")?);
+        let picture = &mut self.picture;
+        py.detach(|| picture.starlight(points, colors, strength, spread, shadow));
+        Ok(())
+    }
+
     /// Write one line of text at once; `align` is -1, 0 or 1 for left, center and right.
     fn text(&mut self, text: &str, x: i32, y: i32, height: usize, color: Ink, align: i32) {
         let align = match align {

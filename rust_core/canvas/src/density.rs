@@ -37,8 +37,8 @@ struct Film {
 }
 
 impl Film {
-    /// Adds a point, distributed over the four nearest pixels.
-    fn add(&mut self, [x, y]: [f32; 2]) {
+    /// Adds a point with some light, distributed over the four nearest pixels.
+    fn add(&mut self, [x, y]: [f32; 2], light: f32) {
         let (x, y) = (x - 0.5, y - 0.5);
         // Negated, so NaN is outside.
         if !(x > -1.0 && y > -1.0 && x < self.width as f32 && y < self.height as f32) {
@@ -50,7 +50,7 @@ impl Film {
             for (columns, horizontal) in [(0, 1.0 - right), (1, right)] {
                 let (column, row) = (column as i64 + columns, row as i64 + rows);
                 if column >= 0 && row >= 0 && (column as usize) < self.width && (row as usize) < self.height {
-                    self.light[row as usize * self.width + column as usize] += vertical * horizontal;
+                    self.light[row as usize * self.width + column as usize] += vertical * horizontal * light;
                 }
             }
         }
@@ -103,7 +103,7 @@ impl Canvas {
         let (width, height) = (right - left, bottom - top);
         let mut film = Film { width, height, light: vec![0.0; width * height] };
         let times = self.samples() as f32;
-        points.iter().for_each(|&[x, y]| film.add([times * x - left as f32, times * y - top as f32]));
+        points.iter().for_each(|&[x, y]| film.add([times * x - left as f32, times * y - top as f32], 1.0));
         film.smooth((times * exposure.spread).max(0.1));
         let scale = TYPICAL * exposure.strength / film.typical();
         for (row, light) in film.light.chunks_exact(width).enumerate() {
@@ -120,6 +120,41 @@ impl Canvas {
     }
 }
 
+impl Canvas {
+    /// Adds the light of points [pixels] of these colors to the present picture, within the clip. On a light background
+    /// (`shadow`) they absorb it instead. Each channel has its own tone, so that bright light is white.
+    pub fn starlight(&mut self, points: &[[f32; 2]], colors: &[Rgb], strength: f32, spread: f32, shadow: bool) {
+        let [left, top, right, bottom] = self.clipped();
+        if left >= right || top >= bottom {
+            return;
+        }
+        let (width, height, times) = (right - left, bottom - top, self.samples() as f32);
+        let films = [0, 1, 2].map(|channel| {
+            let mut film = Film { width, height, light: vec![0.0; width * height] };
+            for (&[x, y], color) in points.iter().zip(colors) {
+                let value = if shadow { 255 - color[channel] } else { color[channel] };
+                film.add([times * x - left as f32, times * y - top as f32], (f32::from(value) / 255.0).powf(DISPLAY));
+            }
+            film.smooth((times * spread).max(0.1));
+            film
+        });
+        let mut sum = Film { width, height, light: vec![0.0; width * height] };
+        for (index, light) in sum.light.iter_mut().enumerate() {
+            *light = films.iter().map(|film| film.light[index]).sum::<f32>() / 3.0;
+        }
+        let scale = TYPICAL * strength / sum.typical();
+        for row in 0..height {
+            for (column, pixel) in self.row_mut(top + row)[left..right].iter_mut().enumerate() {
+                for (channel, film) in films.iter().enumerate() {
+                    let tone = tone(scale * film.light[row * width + column]);
+                    let (behind, full) = (f32::from(pixel[channel]), if shadow { 0.0 } else { 255.0 });
+                    pixel[channel] = (behind + (full - behind) * tone + 0.5) as u8;
+                }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,15 +164,37 @@ mod tests {
     #[test]
     fn all_light_of_a_point_inside_is_kept_and_points_outside_or_nowhere_add_none() {
         let mut film = Film { width: 20, height: 16, light: vec![0.0; 320] };
-        film.add([8.3, 7.9]);
+        film.add([8.3, 7.9], 1.0);
         film.smooth(1.0);
         assert!((film.light.iter().sum::<f32>() - 1.0).abs() < 1e-5);
         let brightest = (0..320).max_by(|&one, &other| film.light[one].total_cmp(&film.light[other])).unwrap();
         assert_eq!((brightest % 20, brightest / 20), (8, 7));
         for outside in [[-5.0, 3.0], [f32::NAN, 3.0], [f32::INFINITY, 3.0], [3.0, 99.0]] {
-            film.add(outside);
+            film.add(outside, 1.0);
         }
         assert!((film.light.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn starlight_has_its_color_where_it_is_faint_and_is_white_where_it_is_bright() {
+        let warm = [[255, 128, 64]; 5000];
+        let draw = |points: &[[f32; 2]], ground: u8| {
+            let mut canvas = Canvas::new(64, 64, [ground; 3]).unwrap();
+            canvas.starlight(points, &warm, 1.0, 2.0, ground > 128);
+            canvas
+        };
+        // 4000 points in the middle, and a thousandth of them alone: the typical point is in the middle.
+        let mut points = vec![[32.5, 32.5]; 4000];
+        points.extend([[10.5, 10.5]; 200]);
+        let canvas = draw(&points, 0);
+        let [middle, alone, nothing] = [(32, 32), (10, 10), (54, 10)].map(|(x, y)| canvas.pixels()[y * 64 + x]);
+        assert!(alone[0] > alone[1] && alone[1] > alone[2] && alone[0] > 2 * alone[2]);
+        assert!(middle[0] >= alone[0] && f32::from(middle[2]) / f32::from(middle[0]) > f32::from(alone[2]) / f32::from(alone[0]));
+        assert_eq!(nothing[..3], [0; 3]);
+        // On white the same light is a shadow of this color.
+        let canvas = draw(&points, 255);
+        let [alone, nothing] = [(10, 10), (54, 10)].map(|(x, y)| canvas.pixels()[y * 64 + x]);
+        assert!(alone[0] > alone[1] && alone[1] > alone[2] && nothing[..3] == [255; 3]);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Liquid surfaces in screen space, reconstructed from particles.
 //!
 //! In 2D the drops add up to a field, whose isoline bounds the liquid (metaballs: J. Blinn, "A generalization of algebraic
-//! surface drawing", 1982).
+//! surface drawing", 1982). The field is wide, so that single drops make no steps in the outline. Where it is thin, drops of
+//! their own size are added: spray is seen.
 //!
 //! In 3D the drops are spheres. Their front is smoothed in screen space by a filter that does not reach across depth steps (N.
 //! Truong and C. Yuksel, "A narrow-range filter for screen-space fluid rendering", 2018). The slope of the front gives the
@@ -40,12 +41,20 @@ impl Drop {
 
 /// Depth of an empty pixel: beyond any drop.
 const NOTHING: f32 = 1e30;
-/// Isovalue of the edge of a liquid in 2D, as a fraction of the field inside. An isolated drop then has a radius of a third of
-/// its support.
-const EDGE: f32 = 0.3;
+/// Reach of the wide field of a liquid in 2D, over the support of a drop.
+const WIDE: f32 = 1.5;
+/// Isovalue of the edge of a liquid in 2D, as a fraction of the field inside. It is one half at a straight edge; a little less,
+/// so that two liquids leave no gap between them.
+const EDGE: f32 = 0.42;
+/// Isovalue of the edge of a single drop in 2D, which then has a radius of a quarter of its support.
+const SPRAY_EDGE: f32 = 0.36;
+/// Weight of the field of single drops beside the wide field.
+const SPRAY: f32 = 3.0;
+/// Wide field up to which single drops are seen in full; at [`EDGE`] they are not.
+const THIN: f32 = 0.2;
 /// Isovalue at which the lighter rim of a liquid in 2D ends.
-const RIM: f32 = 0.75;
-const RIM_LIGHT: f32 = 0.5;
+const RIM: f32 = 0.7;
+const RIM_LIGHT: f32 = 0.3;
 /// Depth over which a liquid in 2D darkens inward from its edge, over the support of a drop, and the maximum darkening.
 const DEEP: f32 = 4.0;
 const DARKER: f32 = 0.2;
@@ -214,16 +223,27 @@ impl Liquid {
         self.drops.clear();
     }
 
-    /// Computes the field Σ (1 − d²/r²)³ of all drops, over its mean π/4 (r/s)² inside a liquid with drop spacing s.
+    /// Computes the fields Σ (1 − d²/r²)³ of all drops, over their mean π/4 (r/s)² inside a liquid with drop spacing s. There is a
+    /// wide one, and where that is thin also that of single drops.
     fn splat_field(&mut self) {
         const INSIDE: f32 = 0.25 * std::f32::consts::PI * Drop::REACH * Drop::REACH;
-        let Self { drops, amount, colors, width, .. } = self;
+        let Self { drops, amount, colors, width, scratch: [single, ..], .. } = self;
+        single.clear();
+        single.resize(amount.len(), 0.0);
         for drop in drops.iter() {
             for_each_pixel(drop, *width, amount.len(), |pixel, square| {
-                let share = (1.0 - square) * (1.0 - square) * (1.0 - square) / INSIDE;
+                single[pixel] += (1.0 - square) * (1.0 - square) * (1.0 - square) / INSIDE;
+            });
+            let wide = Drop { radius: WIDE * drop.radius, ..*drop };
+            for_each_pixel(&wide, *width, amount.len(), |pixel, square| {
+                let share = (1.0 - square) * (1.0 - square) * (1.0 - square) / (INSIDE * WIDE * WIDE);
                 amount[pixel] += share;
                 tint(&mut colors[pixel], drop.color, share);
             });
+        }
+        for (amount, single) in amount.iter_mut().zip(single.iter()).filter(|(amount, _)| **amount < EDGE) {
+            let alone = EDGE + SPRAY * (single - SPRAY_EDGE);
+            *amount += ((EDGE - *amount) / (EDGE - THIN)).min(1.0) * (alone - *amount).max(0.0);
         }
     }
 

@@ -20,6 +20,9 @@ LEAST = 2.0
 SHORTEST = 0.1
 """Seconds are chosen for films of at least this duration [s]."""
 
+MOST = 1000.0
+"""Largest number of times that a film is said to be slower or faster."""
+
 
 def check_unit(unit: object, units: UnitSystem = SI) -> str | None:
     """The requested unit of time.
@@ -76,15 +79,19 @@ class Clock:
 
     @property
     def pace(self) -> str:
-        """The simulated time per second of the film, such as "1 s = 90 d"; empty in real time."""
-        pace = self._pace
-        if not self._paced or abs(pace * (self._units.time.value or 1.0) - 1.0) < 0.01:
+        """The simulated time per second of the film: "2.5 × slower", or "1 s = 90 d" where that is a larger number.
+        Empty in real time and without units.
+        """
+        seconds = self._units.time.value
+        if not self._paced or self._units.is_dimensionless or abs(self._pace * (seconds or 1.0) - 1.0) < 0.01:
             return ""
-        if self._units.is_dimensionless:
-            return f"{float(f'{pace:.3g}'):g} per second"
-        in_own = not self._chosen or 0.01 <= pace / self._length < 1e4
-        unit = self.unit if in_own else _suitable(2.0 * pace)
-        return f"1 s = {float(f'{pace / _known(self._units)[unit]:.3g}'):g} {unit}"
+        factor = self._pace * (seconds or math.inf)
+        if 1.0 / MOST <= factor <= MOST:
+            slower = factor < 1.0
+            return f"{float(f'{1.0 / factor if slower else factor:.3g}'):g} × {'slower' if slower else 'faster'}"
+        in_own = not self._chosen or 0.01 <= self._pace / self._length < 1e4
+        unit = self.unit if in_own else _suitable(2.0 * self._pace)
+        return f"1 s = {float(f'{self._pace / _known(self._units)[unit]:.3g}'):g} {unit}"
 
     def _number(self, time: float) -> str:
         return f"{time / self._length:.{self._decimals}f}"

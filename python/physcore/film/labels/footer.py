@@ -1,4 +1,4 @@
-"""The footer of a film: legend, time, numerics, color bars and credit."""
+"""The footer of a film: legend, time, numerics, color bars, figure and credit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from physcore.film.colors.colormaps import look_up
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.drawing import write
-from physcore.film.labels.text import GAP, ends, fitting, wrapped
+from physcore.film.labels.text import GAP, broken, ends, fitting, wrapped
 from physcore.film.styles.base import Scale
 from physcore.simulation.energy import Drift, Energy
 from physcore.simulation.sources import Source
@@ -32,7 +32,7 @@ LINE = 1.3
 WIDEST, NARROWEST = 4.0, 2.0
 """Largest and least length of a color bar, in heights of the text."""
 SMALL = 0.8
-"""Height of the credit, in heights of the text."""
+"""Height of figure and credit, in heights of the text."""
 THICK = 0.5
 """Thickness of a color bar, in heights of the text."""
 WIDE = 1_000_000
@@ -99,7 +99,7 @@ class Footer:
         clock: the time labels.
         facts: the integrator's name and the time step [s] of each panel, as far as they are labels.
         scales: the color bars.
-        credit: a separate line at the bottom; empty: none.
+        figure, credit: small text at the bottom, at the left and at the right; empty: none.
         legend: names with their colors, in separate lines above all others.
         units: the units of the scene.
     """
@@ -110,13 +110,14 @@ class Footer:
         clock: Clock,
         facts: Sequence[tuple[str | None, float | None]],
         scales: Sequence[Bar],
+        figure: str = "",
         credit: str = "",
         legend: Sequence[tuple[str, Color]] = (),
         units: UnitSystem = SI,
     ) -> None:
         self._dt = units.suffix("s")
-        self._labels, self._clock, self._facts, self._bars, self._credit = labels, clock, facts, scales, credit
-        self._legend = legend
+        self._labels, self._clock, self._facts, self._bars = labels, clock, facts, scales
+        self._figure, self._credit, self._legend = figure, credit, legend
         self._drifts = [Drift() for _ in facts]
 
     def begin(self) -> None:
@@ -131,7 +132,7 @@ class Footer:
         """The height of the footer in a picture of this width, with a text of this height [pixels]."""
         own, common = self._lines(text, width, [0.0] * len(self._facts), self._clock.times[0])
         count = len(self._names(text, width)) + max(map(len, own)) + bool(common or self._bars)
-        return round(LINE * text * count) + self._credit_height(text)
+        return round(LINE * text * count) + len(self._notes(text, width)) * round(LINE * SMALL * text)
 
     def line(self, time: float, energies: Sequence[Energy | None]) -> str:
         """All labels of a frame at a time [s] in one line. Every frame must be asked for once, in order."""
@@ -140,9 +141,9 @@ class Footer:
         return GAP.join(filter(None, [common, *(piece for lines in own for piece in lines)]))
 
     @property
-    def parts(self) -> tuple[Sequence[Bar], Sequence[tuple[str, Color]], str]:
-        """The color bars, the names of the legend with their colors, and the credit."""
-        return self._bars, self._legend, self._credit
+    def parts(self) -> tuple[Sequence[Bar], Sequence[tuple[str, Color]], tuple[str, str]]:
+        """The color bars, the names of the legend with their colors, and figure and credit."""
+        return self._bars, self._legend, (self._figure, self._credit)
 
     def draw(
         self,
@@ -160,10 +161,11 @@ class Footer:
         """
         width, height = size
         pen = partial(write, canvas, outline=theme.background if over else None)
-        if self._credit:
-            small = fitting(self._credit, round(SMALL * text), width - text)
-            pen(self._credit, width - text // 2, height - round(1.2 * small), small, theme.label, 1)
-            height -= self._credit_height(text)
+        for notes in reversed(self._notes(text, width)):
+            for line, end, align in notes:
+                small = fitting(line, round(SMALL * text), width - text)
+                pen(line, end, height - round(1.2 * small), small, theme.label, align)
+            height -= round(LINE * SMALL * text)
         errors = [0.0 if now is None else drift.add(now) for drift, now in zip(self._drifts, energies, strict=True)]
         own, common = self._lines(text, width, errors, time)
         pen(common, text // 2, height - round(1.2 * text), text, theme.label)
@@ -177,8 +179,13 @@ class Footer:
         taken = text_width(common + GAP, text) if common else 0
         self._draw_bars(canvas, pen, (width, height), text, theme.label, taken)
 
-    def _credit_height(self, text: int) -> int:
-        return round(LINE * SMALL * text) if self._credit else 0
+    def _notes(self, text: int, width: int) -> list[list[tuple[str, int, int]]]:
+        """The rows of small text at the bottom: lines with the place of their end and their alignment."""
+        small, edge = round(SMALL * text), text // 2
+        lines = [(line, edge, -1) for line in broken(self._figure, small, width - text)]
+        credit = [(self._credit, width - edge, 1)] if self._credit else []
+        together = text_width(f"{self._figure}{GAP}{self._credit}", small) <= width - text
+        return [each for each in ([[*lines, *credit]] if together else [*([line] for line in lines), credit]) if each]
 
     def _lines(self, text: int, width: int, errors: Sequence[float], time: float) -> tuple[list[list[str]], str]:
         """The lines of each panel, and the common line."""

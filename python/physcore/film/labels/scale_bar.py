@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -101,7 +101,7 @@ class ScaleBar:
         self._unit: LengthUnit | None = None if unit is True else unit
         self._area, self._gap, self._height, self._theme = area, text // 2, round(HEIGHT * text), theme
 
-    def placed(self, view: View, taken: Area | None = None) -> tuple[Area, float, str]:
+    def placed(self, view: View, taken: Sequence[Area] = ()) -> tuple[Area, float, str]:
         """The rectangle and the length of the line [pixels], and the text."""
         left, _, right, bottom = self._area
         length, words = rounded(LONGEST * (right - left) / view.scale, self._unit, self._units)
@@ -109,12 +109,12 @@ class ScaleBar:
         width, height = max(line, float(text_width(words, self._height))), 1.5 * self._height
         top = bottom - self._gap - height
         start = left + self._gap
-        if taken is not None and taken[3] > top and taken[0] < start + width:
+        if any(each[3] > top and each[0] < start + width for each in taken):
             start = right - self._gap - width
         return (start, top, start + width, top + height), line, words
 
-    def draw(self, canvas: Canvas, view: View, taken: Area | None = None) -> Area:
-        """Draw the bar immediately over a panel, beside a rectangle that is taken, and return its own rectangle
+    def draw(self, canvas: Canvas, view: View, taken: Sequence[Area] = ()) -> Area:
+        """Draw the bar immediately over a panel, beside rectangles that are taken, and return its own rectangle
         [pixels].
         """
         box, line, words = self.placed(view, taken)

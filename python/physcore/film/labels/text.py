@@ -35,6 +35,32 @@ def fitting(line: str, height: int, width: int) -> int:
     return height if needed <= width else max(height * width // needed, height // 2)
 
 
+def broken(line: str, height: int, width: int) -> list[str]:
+    """A text in as few lines as fit the width, each about as long as the others; empty without text. A word is never
+    split.
+    """
+    words = line.split()
+    if not words or text_width(line, height) <= width:
+        return [line] if words else []
+    least = _lines(words, height, width)
+    narrow, wide = 0, width
+    while wide - narrow > height // 2:  # the least width that takes as few lines
+        middle = (narrow + wide) // 2
+        narrow, wide = (narrow, middle) if len(_lines(words, height, middle)) <= len(least) else (middle, wide)
+    return _lines(words, height, wide)
+
+
+def _lines(words: Sequence[str], height: int, width: int) -> list[str]:
+    """Words in lines of at most this width, where they are not longer."""
+    lines = [words[0]]
+    for word in words[1:]:
+        if text_width(longer := f"{lines[-1]} {word}", height) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
 def wrapped(pieces: Sequence[str], height: int, width: int) -> list[list[str]]:
     """Distribute pieces over lines of at most this width [pixels]; a piece is never split."""
     lines: list[list[str]] = []

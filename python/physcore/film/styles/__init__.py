@@ -25,11 +25,13 @@ from physcore.film.styles.strain import Strain
 from physcore.film.styles.streamlines import Streamlines
 from physcore.film.styles.surface import Surface
 from physcore.film.styles.trails import Trails
+from physcore.film.styles.tube import Tube
 
 STYLES: tuple[type[Style], ...] = (
     Solids,
     Points,
     Strain,
+    Tube,
     Surface,
     Fluid,
     Paths,
@@ -70,6 +72,7 @@ __all__ = [
     "Surface",
     "SystemStyle",
     "Trails",
+    "Tube",
 ]
 
 

@@ -86,8 +86,8 @@ class Style(ABC):
     raises: ClassVar[bool] = False
     """Whether the style shows a 2D scene in 3D."""
 
-    draws_items: ClassVar[type[Body] | type[System]]
-    """The class of items that the style can draw."""
+    draws_items: ClassVar[type[Body] | type[System] | tuple[type, ...]]
+    """The class or classes of items that the style can draw."""
 
     on: Any = field(default=None, kw_only=True)
     """The item or items drawn in this style, or their names; None: all items that the style can draw."""
@@ -313,8 +313,12 @@ class Painter(ABC):
         self.paint(cast("Canvas", tape), frame, view, pixels)
 
 
-def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Body | System | str, ...] | None:
+def _chosen(
+    on: object, kind: type[Body] | type[System] | tuple[type, ...], path: str
+) -> tuple[Body | System | str, ...] | None:
     """The validated value of `on`, as items or names; None: all."""
+    if isinstance(kind, tuple):
+        return chosen(on, path, kind)
     if on is None or kind.section == "bodies":
         return chosen(on, path)
     systems = (on,) if isinstance(on, (System, str)) else on

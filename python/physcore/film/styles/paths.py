@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -24,7 +25,7 @@ FRESH = 0.85
 
 @dataclass(frozen=True)
 class Paths(BodyStyle):
-    """Paths of chosen particles since the start of the film, as lines in the colors of their bodies.
+    """Paths of chosen particles since the start of the film, as lines in the colors in which the particles are drawn.
 
         pc.film(recording, "balls.gif", style=[pc.styles.Paths([0, 5], color="gold", fade=1.0), pc.styles.Points()])
 
@@ -36,7 +37,8 @@ class Paths(BodyStyle):
         particles: indices within each body, shape (K,); negative ones count from the end. None: all.
         width: width of the lines [pixels].
         fade: duration for which a path is shown [s]; it fades and thins with age. None: for the whole film, unchanged.
-        color: color of the lines, such as "tomato" or "#10c0ff"; None: the color of each body.
+        color: color of the lines, such as "tomato" or "#10c0ff"; None: the constant color that another style, such as
+            Points, gives the particle, otherwise that of its body.
         on: as in Style.
 
     Raises:
@@ -90,9 +92,31 @@ class PathsPainter(Painter):
             )
             colors.append(np.tile(own.astype(float), (len(mine), 1)))
         self._where: IntArray = np.concatenate(where)
-        self._colors = FRESH * np.concatenate(colors) + (1.0 - FRESH) * np.array(theme.background)
+        self._shade = theme.background
+        self._colors = self._blended(np.concatenate(colors))
         frames = None if style.fade is None else 1 + round(min(style.fade * source.fps, source.count))
         self._past = Past(1.0 / source.fps, frames, source.scene.periodic)
+
+    def _blended(self, colors: FloatArray) -> FloatArray:
+        """Colors (N, 3) of lines through which the background shines."""
+        return FRESH * colors + (1.0 - FRESH) * np.array(self._shade)
+
+    def match(self, painters: Sequence[Painter]) -> None:
+        """Take the constant colors that other painters give the same particles, unless a color was asked for."""
+        assert isinstance(self.style, Paths)
+        if self.style.color is not None:
+            return
+        for painter in painters:
+            if painter is self or painter.fixed is None:
+                continue
+            drawn = np.concatenate([np.arange(part.where.start, part.where.stop) for part in painter.parts])
+            if len(drawn) == len(painter.fixed):
+                known = dict(zip(drawn.tolist(), painter.fixed, strict=True))
+                rows = [row for row, particle in enumerate(self._where.tolist()) if particle in known]
+                if rows:
+                    self._colors[rows] = self._blended(
+                        np.stack([known[particle] for particle in self._where[rows].tolist()])
+                    )
 
     @property
     def traced(self) -> FloatArray:

@@ -56,12 +56,14 @@ class PageWriter(Writer):
         tape, lines, energies = _recorded(job)
         facts = _facts(job, tape, lines, energies)
         gif = _fallback(job)
-        heading, (_, _, credit) = renderer.heading, renderer.parts
-        title = heading.titles[0] if len(heading.titles) == 1 else ""
+        heading, (_, _, (figure, credit)) = renderer.heading, renderer.parts
+        title = heading.title
         texts = {
             "title": escape(title or "physcore"),
             "heading": escape(title),
             "subtitle": escape(heading.subtitle),
+            "formula": escape(heading.formula),
+            "figure": escape(figure),
             "credit": escape(credit),
             "provenance": _safe(job.provenance),
             "gif": base64.b64encode(gif).decode(),
@@ -128,7 +130,7 @@ def _facts(job: FilmJob, tape: Tape, lines: list[str], energies: list[list[Energ
             for bar in bars
         ],
         "legend": legend,
-        "names": renderer.heading.own.titles,
+        "names": renderer.heading.titles,
         "energy": _curves(energies),
         **renderer.space,
     }
