@@ -11,7 +11,7 @@ const PART_OF_THICKNESS: f64 = 0.1;
 #[derive(Debug, Clone, Copy)]
 pub struct SweepPieces {
     pub count: usize,
-    /// Length of a piece of a whole step [s]: overlaps do not vanish faster in shorter ones.
+    /// Length of a piece of a whole step [s].
     pub usual: f64,
     pub accuracy: Accuracy,
 }

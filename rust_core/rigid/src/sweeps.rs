@@ -119,11 +119,10 @@ impl Island {
 impl<S: RowSpace> RowSweep<S> {
     /// Takes all pieces of a length but the second half of the last.
     fn take(&mut self, island: &mut Island, length: f64, pieces: &SweepPieces) {
-        let softness = Softness::of(length, pieces.usual);
         self.begin(island);
         for piece in 0..pieces.count {
             let last = piece + 1 == pieces.count;
-            self.first_half(island, (length, softness), piece == 0);
+            self.first_half(island, (length, pieces.usual), piece == 0);
             self.drift(island, length, last);
             if !last {
                 self.v.kick(&island.movers, 0.5 * length);
@@ -158,8 +157,9 @@ impl<S: RowSpace> RowSweep<S> {
         self.v.bodies.push(BodyVelocity::default());
     }
 
-    /// Takes the impulses of the first half of a piece.
-    fn first_half(&mut self, island: &Island, (length, softness): (f64, Softness), is_first: bool) {
+    /// Takes the impulses of the first half of a piece, of which the `usual` length is that in a whole step [s]: neither overlaps nor
+    /// errors of joints vanish faster in shorter ones.
+    fn first_half(&mut self, island: &Island, (length, usual): (f64, f64), is_first: bool) {
         let joined = !island.joints.is_empty();
         if joined {
             self.start.clone_from(&self.v);
@@ -167,9 +167,10 @@ impl<S: RowSpace> RowSweep<S> {
         self.v.kick(&island.movers, 0.5 * length);
         self.joints.clear_joints();
         if let Some(v) = S::in_space(&mut self.v) {
-            island.hold_joints((length, length), v, &mut self.joints);
+            island.hold_joints((length, usual), v, &mut self.joints);
         }
         let are_strange = is_first || self.strikes;
+        let softness = Softness::of(length, usual);
         let mut begin = Begin { touching: &mut self.touching, softness, length, strikes: false };
         self.rows.pass(&mut self.v, &mut begin, false);
         self.strikes = begin.strikes;
