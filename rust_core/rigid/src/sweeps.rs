@@ -157,8 +157,8 @@ impl<S: RowSpace> RowSweep<S> {
         self.v.bodies.push(BodyVelocity::default());
     }
 
-    /// Takes the impulses of the first half of a piece, of which the `usual` length is that in a whole step [s]: neither overlaps nor
-    /// errors of joints vanish faster in shorter ones.
+    /// Takes the impulses of the first half of a piece. Its `usual` length is that in a whole step [s]. Neither overlaps nor errors of
+    /// joints vanish faster in shorter ones.
     fn first_half(&mut self, island: &Island, (length, usual): (f64, f64), is_first: bool) {
         let joined = !island.joints.is_empty();
         if joined {

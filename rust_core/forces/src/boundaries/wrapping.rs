@@ -71,7 +71,9 @@ impl Wrapping<'_> {
         let turn = |other: u32| {
             let away = self.way(point, other).reject_from_normalized(along);
             let length = away.length();
-            (length > self.tolerance).then(|| (libm::atan2((-away.dot(normal)).max(0.0), away.dot(ahead)), -length, away))
+            // Zero with a positive sign: the angle of a negative zero may be −π.
+            let below = (-away.dot(normal)).max(0.0) + 0.0;
+            (length > self.tolerance).then(|| (libm::atan2(below, away.dot(ahead)), -length, away))
         };
         let nearest =
             |one: &(f64, f64, DVec3), other: &(f64, f64, DVec3)| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1));
@@ -206,6 +208,14 @@ mod tests {
             prop_assume!(!flat);
             prop_assert_eq!(found, Some(expected));
         }
+    }
+
+    #[test]
+    fn points_may_coincide() {
+        let points = [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.07 * DVec3::Y, 0.63 * DVec3::X];
+        let (found, expected) = wrapped(&points, 2);
+        assert_eq!(expected.len(), 3);
+        assert_eq!(found, Some(expected));
     }
 
     #[test]

@@ -12,6 +12,8 @@ use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, Linear, MOST_ROWS,
 const LONG: f64 = 0.1;
 /// Largest number of linearizations of rows whose solves do not converge.
 const UNSOLVED: usize = 2;
+/// Depth of an overlap that vanishes in a step, over the size of the bodies: deeper ones, as where a joint breaks, take several.
+const SHALLOW: f64 = 1e-3;
 /// Velocity of a contact that lasts, over that which forces give in a piece.
 const STILL: f64 = 1e-6;
 
@@ -73,13 +75,14 @@ impl Island {
         let mut anchors = Vec::new();
         for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.held) {
             let Some(mut row) = self.row(contact, &free) else { continue };
-            row.least = -contact.touch.gap / h;
-            first.remainders.push(contact.touch.gap * (1.0 - length / h));
+            let size = self.pairs[contact.pair].size;
+            row.least = -contact.touch.gap.max(-SHALLOW * size) / h;
+            first.remainders.push(contact.touch.gap + length * row.least);
             row.impulse = contact.load.scaled(0.5 * length);
             row.impulse.tangential = row.impulse.tangential.reject_from_normalized(row.normal);
             first.starts.push(row.slip_of(&start));
             anchors.push(contact.anchors(&poses));
-            first.pushing.push(!contact.bounces && contact.touch.gap < -CLOSED * self.pairs[contact.pair].size);
+            first.pushing.push(!contact.bounces && contact.touch.gap < -CLOSED * size);
             first.rows.contacts.push(row);
             first.contacts.push(index);
         }
