@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import physcore as pc
 
@@ -21,10 +22,32 @@ def example(text: str) -> str:
     return textwrap.dedent(found[1]) if found else ""
 
 
+PACKAGES = {"Atoms": "ase", "read": "trimesh"}
+"""Packages that read the files of an example."""
+
+
+def write_files(folder: Path) -> None:
+    """Write the files that examples read: a solid, a crystal, a table and a picture."""
+    corners = np.array([(0, 0, 0), (20, 0, 0), (0, 20, 0), (0, 0, 20)])
+    solid = ["solid bunny"]
+    for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
+        vertices = [f"vertex {x} {y} {z}" for x, y, z in corners[list(face)]]
+        solid += ["facet normal 0 0 0", "outer loop", *vertices, "endloop", "endfacet"]
+    (folder / "bunny.stl").write_text("\n".join([*solid, "endsolid bunny"]) + "\n")
+    cells = np.stack(np.meshgrid(*[np.arange(4)] * 3, indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    atoms = 5.26 * (cells + np.array([(0, 0, 0), (0, 0.5, 0.5), (0.5, 0, 0.5), (0.5, 0.5, 0)])).reshape(-1, 3)
+    heading = 'Lattice="21.04 0 0 0 21.04 0 0 0 21.04" Properties=species:S:1:pos:R:3 pbc="T T T"'
+    rows = [f"Ar {x} {y} {z}" for x, y, z in atoms]
+    (folder / "argon.xyz").write_text("\n".join([str(len(atoms)), heading, *rows]) + "\n")
+    (folder / "stars.csv").write_text("x [AU],y [AU],mass [M☉],name\n0,0,1,Sun\n1,0,3e-6,Earth\n", encoding="utf-8")
+    Image.fromarray(np.tile(np.arange(64, dtype=np.uint8) * 4, (48, 1))).save(folder / "island.png")
+
+
 @pytest.fixture
 def names(tmp_path, monkeypatch):
     """What examples may use without building it."""
     monkeypatch.chdir(tmp_path)
+    write_files(tmp_path)
     cloth = pc.cloth((5, 4), 0.1, 100.0, damping=0.02, mass=0.01, pinned="top corners", name="cloth")
     scene = pc.Scene(cloth, pc.Gravity())
     recording = pc.simulate(scene, duration=0.2)
@@ -35,6 +58,8 @@ def names(tmp_path, monkeypatch):
 @pytest.mark.filterwarnings("ignore::UserWarning")  # Some show what is warned of.
 @pytest.mark.parametrize("name", pc.__all__)
 def test_the_example_of_a_name_runs(name, names):
+    if name in PACKAGES:
+        pytest.importorskip(PACKAGES[name])
     text = example(getattr(pc, name).__doc__)
     assert f"{name}" in text, text
     exec(compile(text, name, "exec"), names)

@@ -127,8 +127,9 @@ def test_a_page_shows_what_the_renderer_draws(
 ) -> None:
     """Where the picture is smooth, colors agree within the rounding of colors to 128 and of fields to 255 values, which
     is 5 of 255 where a scale is steepest. A liquid is darker inside by up to `shade`, which the page finds from a
-    coarser mean. At edges, the coverage of a pixel comes from 4 samples in place of the distance; but the light of all
-    edges is the same, within 1 % in 2D. In 3D the renderer makes triangles half a pixel larger, 5 % of these.
+    coarser mean, and a part of its rim is wider by a fraction of a drop, up to half of `shade`. At edges, the coverage
+    of a pixel comes from 4 samples in place of the distance; but the light of all edges is the same, within 1 % in 2D.
+    In 3D the renderer makes triangles half a pixel larger, 5 % of these.
     """
     recording = make()
     page, frames = show(recording, size=(320, 240), style=style), (0, 6, 17)
@@ -142,7 +143,7 @@ def test_a_page_shows_what_the_renderer_draws(
         assert (np.abs(other - one)[smooth] > 5 + 255 * shade).mean() < 0.01
         light = [np.abs(each - each[0, 0]).sum() for each in (one, other)]
         least = 0.95 if recording.scene.dimension == 3 else 0.99
-        assert least - shade < light[1] / light[0] < 1.01
+        assert least - shade < light[1] / light[0] < 1.01 + 0.5 * shade
     errors = np.array([[np.abs(one - other).mean() for other in found] for one in exact])
     assert (errors.argmin(axis=1) == np.arange(3)).all()  # each is like this frame, and like no other
 

@@ -33,7 +33,7 @@ def test_pushing_adds_the_energy_by_which_it_lifts(solver):
     """The bodies are lifted by up to three overlaps, and land softly again: the balance drifts by both.
 
     The meter is the force of contacts times the growth of gaps. The overlaps that remain in a large group, and the
-    speeds at which pushing begins and ends, are 2 % of it.
+    speeds at which pushing begins and ends, are 3 % of it.
     """
     overlap = 5e-4
     recording = pc.simulate(stack(overlap), 1.0, dt=1 / 240, contacts=SOLVERS[solver])
@@ -42,7 +42,7 @@ def test_pushing_adds_the_energy_by_which_it_lifts(solver):
     assert lifted == pytest.approx(G * 6.0 * overlap, rel=0.02)
     drift = float(energy.balance[-1] - energy.balance[0])
     assert drift == pytest.approx(lifted + energy.dissipated[-1], rel=1e-9)
-    assert stated(recording.plan) == pytest.approx(drift, rel=0.02)
+    assert stated(recording.plan) == pytest.approx(drift, rel=0.03)
     assert (np.diff(energy.dissipated) >= 0.0).all()
     assert energy.dissipated[-1] < 0.02 * lifted
     assert (energy.work == 0.0).all()

@@ -52,5 +52,6 @@ def tetrahedra(mesh: Closed, spacing: float, path: str) -> tuple[FloatArray, Int
     found = found[mesh.contains(points[found].mean(axis=1))]
     sides = points[found[:, 1:]] - points[found[:, :1]]
     volumes = np.abs(dots(sides[:, 0], np.cross(sides[:, 1], sides[:, 2]))) / 6.0
-    size = np.square(sides).sum(axis=2).mean(axis=1) ** 1.5
+    square = np.square(sides).sum(axis=2).mean(axis=1)
+    size = square * np.sqrt(square)
     return points, found[volumes > SLIVER * size]

@@ -169,7 +169,7 @@ class PictureReader(Reader):
             else:
                 pixels = np.asarray(image.convert("RGBA"), dtype=np.float64) / 255.0
                 transparency = opacity(pixels)
-                values = pixels[..., :3] @ LUMINANCE if transparency is None else transparency
+                values = (pixels[..., :3] * LUMINANCE).sum(axis=2) if transparency is None else transparency
         return Picture(values.T[:, ::-1], str(path))
 
 

@@ -37,7 +37,7 @@ COLUMNS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 class Table(Mapping[str, NDArray[Any]]):
     """Columns of a file of text by their names: numbers as in the file, or texts.
 
-        stars = pc.read("stars.csv")  # with the heading: x [AU], y [AU], mass [M☉], name
+        stars: pc.Table = pc.read("stars.csv")  # with the heading: x [AU], y [AU], mass [M☉], name
         stars["x"], stars.units["x"], list(stars)
         scene = pc.Scene(stars.particles(), pc.Gravitation())
 
@@ -221,7 +221,8 @@ def _si(unit: str, kind: str, path: str) -> float:
         if symbol not in known and symbol not in DERIVED:
             raise SceneError(f"{path}: the unit {unit!r} is not known{did_you_mean(symbol, (*known, *DERIVED))}")
         value, base = known.get(symbol, (1.0, ""))
-        product *= value**power
+        for _ in range(abs(power)):
+            product = product * value if power > 0 else product / value
         for each, exponent in ({base: 1} if base else DERIVED[symbol]).items():
             found[each] = found.get(each, 0) + power * exponent
     if {each: exponent for each, exponent in found.items() if exponent} != dict(dimension_of(kind)):

@@ -13,9 +13,10 @@ from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
 from physcore.film.looks import look_of
-from physcore.film.looks.base import SHADING, Look, Scenery, corners, disc
+from physcore.film.looks.base import SHADING, Look, Scenery, disc
 from physcore.film.looks.box import draw_edges
 from physcore.film.page.tape import Tape
+from physcore.film.shapes.box import corners
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
 

@@ -18,7 +18,7 @@ from physcore.units.systems import SI, UnitSystem
 class Atoms(Particles):
     """Particles that a file of atoms or molecules describes: with species, bonds and a periodic cell.
 
-        argon = pc.read("argon.xyz", unit="metal")
+        argon: pc.Atoms = pc.read("argon.xyz", unit="metal")
         scene = pc.Scene(argon, argon.domain, pc.LennardJones(1.65e-21, 3.4e-10))
         argon.species[:3], argon.units
         argon.of("Ar")  # indices, as in on=(argon, argon.of("Ar"))

@@ -14,13 +14,14 @@ from physcore.boundaries.height_field import HeightField
 from physcore.boundaries.plane import Plane
 from physcore.boundaries.sphere import Sphere
 from physcore.constraints.wire import Wire
-from physcore.film.looks.base import Look, corners
+from physcore.film.looks.base import Look
 from physcore.film.looks.box import BoxLook
 from physcore.film.looks.height_field import HeightFieldLook
 from physcore.film.looks.plane import PlaneLook
 from physcore.film.looks.solid import SolidLook
 from physcore.film.looks.sphere import SphereLook
 from physcore.film.looks.wire import WireLook
+from physcore.film.shapes.box import corners
 from physcore.scene.items import SceneItem
 
 LOOKS: dict[type[SceneItem], Callable[[Any], Look]] = {

@@ -68,12 +68,6 @@ class Look:
         self.draw_among(canvas, view, theme)
 
 
-def corners(lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """The 2^D corners of an axis-aligned box. The bits of a corner's index tell along which axes it is upper."""
-    upper_in = np.array(list(np.ndindex(*(2,) * len(lower))), dtype=bool)
-    return np.where(upper_in, upper, lower)
-
-
 def ground(
     canvas: Canvas, view: View, theme: Theme, normal: FloatArray, center: FloatArray, size: float, pitch: float
 ) -> None:

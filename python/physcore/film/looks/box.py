@@ -11,7 +11,8 @@ from physcore.boundaries.box import Box
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import GRID, Look, Scenery, corners, ground, lines, wall
+from physcore.film.looks.base import GRID, Look, Scenery, ground, lines, wall
+from physcore.film.shapes.box import corners
 
 
 class BoxLook(Look):

@@ -11,9 +11,10 @@ from physcore.boundaries.height_field import HeightField
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import Look, Scenery, corners, lines
+from physcore.film.looks.base import Look, Scenery, lines
 from physcore.film.looks.solid import draw_facets, record_facets
 from physcore.film.page.tape import Tape
+from physcore.film.shapes.box import corners
 
 SKIRT = 0.04
 """Depth of the sides below the lowest node, relative to the width."""

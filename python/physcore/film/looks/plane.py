@@ -9,7 +9,8 @@ from physcore.boundaries.plane import Plane
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import GRID, Look, Scenery, corners, ground, lines
+from physcore.film.looks.base import GRID, Look, Scenery, ground, lines
+from physcore.film.shapes.box import corners
 
 
 class PlaneLook(Look):

@@ -11,7 +11,7 @@ import numpy as np
 
 from physcore._core import convex_hull, norms
 from physcore.checks import FloatArray, IntArray
-from physcore.film.looks.base import corners
+from physcore.film.shapes.box import corners
 from physcore.film.shapes.creases import around, corner_normals, face_normals, units
 from physcore.film.shapes.parts import parts_of
 from physcore.scene.polytopes import Hull, MeshShape

@@ -15,9 +15,10 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, ramp, sequential, spread, two_sided
 from physcore.film.colors.themes import Theme, mixed
-from physcore.film.looks.base import corners, lines
+from physcore.film.looks.base import lines
 from physcore.film.looks.box import draw_edges
 from physcore.film.page.tape import Tape, opaque
+from physcore.film.shapes.box import corners
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.typical import TYPICAL, Range, Typical
 from physcore.scene.grid import GridSystem

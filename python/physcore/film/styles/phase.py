@@ -14,9 +14,9 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import STEPS
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import corners
 from physcore.film.page.tape import Tape, opaque
 from physcore.film.resampling import cubic
+from physcore.film.shapes.box import corners
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import LEVELS, GridPainter, coarser
 from physcore.scene.system import System

@@ -15,9 +15,9 @@ from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import STEPS, WHOLE, ColormapName, look_up, sequential
 from physcore.film.colors.light import LAMP
 from physcore.film.colors.themes import Theme, mixed
-from physcore.film.looks.base import corners
 from physcore.film.page.tape import Tape
 from physcore.film.resampling import cubic
+from physcore.film.shapes.box import corners
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
 from physcore.film.styles.grid_field import LOUDEST, NEVER, GridPainter
 from physcore.film.styles.typical import Typical

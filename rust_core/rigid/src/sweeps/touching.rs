@@ -229,7 +229,10 @@ impl<S: RowSpace, const ENDS: bool> Pass<S> for HalfEnergies<'_, S, ENDS> {
             after.1.store(&mut contact.slip.1, first);
             if ENDS {
                 let pushes = zero.less(P::load(&contact.pushes[first..]));
-                (P::load(&self.pushed[first..]) + pushed(&row, before.0).masked(pushes)).store(&mut self.pushed[first..]);
+                // The impulse that ends an approach is that of an impact.
+                let ends = approaches * row.impulse.normal * row.normal.dot(before.0);
+                let gained = (pushed(&row, before.0) - ends).masked(pushes);
+                (P::load(&self.pushed[first..]) + gained).store(&mut self.pushed[first..]);
                 let load = row.before.plus(&row.impulse).scaled(P::constant(1.0) / length);
                 contact.load.store::<P>(&load, first);
             } else {
