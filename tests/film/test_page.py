@@ -61,10 +61,12 @@ def pixels(page: Page, frame: float) -> np.ndarray:
     return np.asarray(Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))).convert("RGB")).astype(int)
 
 
-def drawn(recording: pc.Recording, frames: tuple[int, ...], style: object = None) -> list[np.ndarray]:
+def drawn(
+    recording: pc.Recording, frames: tuple[int, ...], style: object = None, **options: Any
+) -> list[np.ndarray]:  # fmt: skip
     """The same frames by the renderer."""
-    found = sources(recording, None, None, {})
-    with FilmRenderer(found, (320, 240), style, None, resolve("dark"), None, False, captioned=False) as renderer:  # type: ignore[arg-type]
+    found, dark = sources(recording, None, None, {}), resolve("dark")
+    with FilmRenderer(found, (320, 240), style, None, dark, None, False, captioned=False, **options) as renderer:  # type: ignore[arg-type]
         kept = {index: canvas.pixels().astype(int) for index, canvas in enumerate(renderer.frames()) if index in frames}
     return [kept[index] for index in frames]
 
@@ -146,6 +148,18 @@ def test_a_page_shows_what_the_renderer_draws(
         assert least - shade < light[1] / light[0] < 1.01 + 0.5 * shade
     errors = np.array([[np.abs(one - other).mean() for other in found] for one in exact])
     assert (errors.argmin(axis=1) == np.arange(3)).all()  # each is like this frame, and like no other
+
+
+def test_diagrams_beside_the_picture_are_on_a_page(show: Callable[..., Page]) -> None:
+    """The curve of the kinetic energy has as many pixels of its color, but for those of its name, which is a text."""
+    recording, options = gas(), {"style": pc.styles.Points("white"), "inset": "energy"}
+    page = show(recording, size=(320, 240), **options)
+    color = np.array(resolve("dark").bodies[0])
+    exact, found = (
+        (np.abs(each - color).max(axis=2) < 60).sum()
+        for each in (*drawn(recording, (17,), **options), pixels(page, 17))
+    )  # type: ignore[arg-type]
+    assert 20 < 0.6 * exact < found < 1.2 * exact
 
 
 def test_places_reach_the_page(show: Callable[..., Page]) -> None:

@@ -258,7 +258,7 @@ class Composition:
                 painter.domain = scenery.domain
                 tape.begin(owner, type(painter.style).__name__)
                 painter.record(tape, drawn, view, panel.pixels)
-            tape.begin(len(panel.painters) + 1, "a label")
+            tape.begin(len(panel.painters) + 1, "a label", whole=True)
             for diagram in panel.diagrams:
                 diagram.draw(canvas, moment)
             taken = [diagram.box for diagram in panel.diagrams]

@@ -181,7 +181,7 @@ class Drawing {
       gl.disable(gl.DEPTH_TEST);
       const turned = !panel.flat && (this.turn !== STRAIGHT || this.zoom[0] !== 1);
       for (const track of tracks) if (!track.shapes && !track.deep && !turned) {
-        clip(panel.flat && !track.still ? panel.free : panel.rectangle);
+        clip(panel.flat && !track.still && !track.whole ? panel.free : panel.rectangle);
         this.track(track, frame, share);
       }
     });

@@ -41,7 +41,7 @@ class Tape:
         self._known: dict[tuple[object, ...], Track] = {}
         self._numbers: dict[tuple[object, ...], int] = {}
         self._view: View | None = None
-        self._panel, self._owner, self._name, self._still, self._size = 0, 0, "", False, 0
+        self._panel, self._owner, self._name, self._still, self._whole, self._size = 0, 0, "", False, False, 0
 
     def next(self) -> None:
         """Begin the next frame."""
@@ -56,9 +56,11 @@ class Tape:
             near = 1.0 / view.distance if math.isfinite(view.distance) else 0.0
             self.eyes.setdefault(panel, []).append([view.scale, *view.middle, near])
 
-    def begin(self, owner: int, name: str, *, still: bool = False) -> None:
-        """Draw the shapes of one owner from now on, which has a name in messages; `still` ones are in all frames."""
-        self._owner, self._name, self._still = owner, name, still
+    def begin(self, owner: int, name: str, *, still: bool = False, whole: bool = False) -> None:
+        """Draw the shapes of one owner from now on, which has a name in messages. `still` ones are in all frames.
+        `whole` ones may lie anywhere in the panel, also beside its free part.
+        """
+        self._owner, self._name, self._still, self._whole = owner, name, still, whole
 
     # The methods of Canvas.
 
@@ -273,6 +275,7 @@ class Tape:
         number = self._numbers[key] = self._numbers.get(key, -1) + 1
         track = self._known.get((*key, number))
         if track is None:
+            fixed |= {"whole": True} if self._whole else {}
             track = self._known[*key, number] = Track(kind, self._panel, deep, self._still, fixed)
             self.tracks.append(track)
         return track
