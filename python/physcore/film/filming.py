@@ -132,7 +132,7 @@ def film(
         scale_bar: whether to draw a scale bar at the lower left of each panel; or its unit: "nm", "cm", "m", "km",
             "AU", "ly", "kpc" or another. In 3D it is valid at the target of the camera.
         inset: diagrams beside the picture, or below it in a tall panel, up to four: "energy" (kinetic, potential,
-            internal and total energy), or `physcore.Curve`s, which are computed from the recording.
+            internal and total energy), or curves, each a `physcore.Curve`, computed from the recording.
         time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: the unit of the scene, or in the SI one that suits
             the duration. If the film does not play in real time, the label "time" gives the pace:
             "2.5 × slower" or "1 s = 90 d".
