@@ -109,7 +109,9 @@ def test_code_compiles_and_pictures_have_a_description(path):
         (code,) = blocks(match[0])
         compile(code, path.name, "exec")
         assert all(len(line) <= WIDE for line in code.splitlines())
-        draws = re.search(r"pc\.film\(|savefig\(|\.plot\(\"|\.save\(\"\w+\.png|^portrait\(|^ *draw\(", code, re.MULTILINE)
+        draws = re.search(
+            r"pc\.film\(|savefig\(|\.plot\(\"|\.save\(\"\w+\.png|^portrait\(|^ *draw\(", code, re.MULTILINE
+        )
         assert bool(draws and "def draw" not in code) == (":alt: " in match[0]), code
 
 
