@@ -45,12 +45,9 @@ impl Island {
             if count == 1 {
                 return;
             }
-            let open = 0.5 * self.open;
-            self.movers.iter_mut().for_each(|mover| mover.kick(open));
-            self.end_piece();
+            self.kick_and_end_piece();
             left -= length;
         }
-        self.meters.waits += 1;
         self.wait(h);
     }
 }

@@ -77,9 +77,7 @@ impl Island {
             let reach = |island: &Self, pair: &BodyPair| {
                 let of = |&body: &usize| {
                     let mover = &island.movers[body];
-                    h * (mover.velocity.length()
-                        + mover.angular_velocity().length() * mover.arm
-                        + h * mover.acceleration.length())
+                    h * (mover.speed() + h * mover.acceleration.length())
                 };
                 pair.bodies.iter().map(of).sum::<f64>() + CLOSED * pair.size
             };
@@ -109,15 +107,13 @@ impl Island {
             // An impact at the very start takes a piece of no length.
             if after > SHORTEST * h {
                 self.begin_piece(after, h);
-                self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * after));
-                self.end_piece();
+                self.kick_and_end_piece();
                 time += after;
             }
         }
         if self.may_be_swept(h - time) {
             self.take_sweeps(shapes, (h - time, h), pieces);
         } else {
-            self.meters.waits += 1;
             self.wait(h);
         }
     }

@@ -127,8 +127,9 @@ impl Island {
         rows.filter(|(row, index)| lands(row, **index)).map(|(_, index)| *index).collect()
     }
 
-    /// Ends a step of `h` seconds in the present state.
+    /// Ends a step of `h` seconds in the present state: the bodies wait.
     pub fn wait(&mut self, h: f64) {
+        self.meters.waits += 1;
         (self.first, self.open, self.step) = (FirstHalf::default(), 0.0, h);
     }
 
@@ -184,6 +185,13 @@ impl Island {
         let changes = self.movers.iter().zip(&kicked);
         self.ahead = changes.map(|(after, before)| [after.velocity - before.velocity, after.spin - before.spin]).collect();
         self.movers = open;
+    }
+
+    /// Takes the second half of the open piece, under the forces at the start of the step.
+    pub fn kick_and_end_piece(&mut self) {
+        let half = 0.5 * self.open;
+        self.movers.iter_mut().for_each(|mover| mover.kick(half));
+        self.end_piece();
     }
 
     /// Takes the second half of a piece, at the velocities after the kick.
