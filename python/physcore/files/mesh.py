@@ -231,7 +231,7 @@ class Mesh:
             strain_limit=strain_limit,
         )
 
-    @property
+    @cached_property
     def shape(self) -> MeshShape:
         """The solid within the faces, as the shape of rigid bodies.
 

@@ -24,8 +24,6 @@ from physcore.film.styles import (
     Trails,
 )
 from physcore.film.styles.base import BodyStyle
-from physcore.film.styles.line import LinePainter
-from physcore.film.styles.paths import PathsPainter
 from physcore.scene.bodies import Body
 from physcore.scene.system import System
 from physcore.simulation.sources import Source
@@ -80,12 +78,8 @@ def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]
             found.append((_layer(each), each.painters(source, mine, theme)))
     found.sort(key=lambda entry: entry[0])
     result = [painter for _, some in found for painter in some]
-    curves = [painter for painter in result if isinstance(painter, LinePainter)]
-    for curve in curves:
-        curve.together = curves
     for painter in result:
-        if isinstance(painter, PathsPainter):
-            painter.match(result)
+        painter.meet(result)
     return result
 
 

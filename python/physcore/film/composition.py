@@ -54,6 +54,15 @@ class Panel:
     bar: ScaleBar | None
     diagrams: list[Diagram] = field(default_factory=list)
 
+    def draw_labels(self, canvas: Canvas, frame: SourceFrame, view: View, moment: int) -> None:
+        """Draw the diagrams up to a moment, the scale bar and the names beside them."""
+        for diagram in self.diagrams:
+            diagram.draw(canvas, moment)
+        taken = [diagram.box for diagram in self.diagrams]
+        if self.bar is not None:
+            taken.append(self.bar.draw(canvas, view, taken))
+        self.tags.draw(canvas, frame, view, self.pixels, taken)
+
 
 class Composition:
     """The panels of a picture with all their contents. A subclass gives the extent of the view, and the frames.
@@ -173,11 +182,11 @@ class Composition:
 
     def _layout_of(self, size: tuple[int, int]) -> Layout:
         layout = Layout(size, len(self._found), self._heading, self._columns, in_turn=self._in_turn)
-        return replace(layout, footer=self._footer_height(layout.text, size[0]))
+        return replace(layout, footer=self._footer_height(layout.text, size[0]) if self._captioned else 0)
 
     def _footer_height(self, text: int, width: int) -> int:
         """The height of the footer, for a height of the text and a width of the picture [pixels]."""
-        return self._footer.height(text, width) if self._captioned else 0
+        return self._footer.height(text, width)
 
     def _inset(self, layout: Layout, index: int) -> float:
         """Distance of the motion from a panel's edge [pixels]."""
@@ -259,12 +268,7 @@ class Composition:
                 tape.begin(owner, type(painter.style).__name__)
                 painter.record(tape, drawn, view, panel.pixels)
             tape.begin(len(panel.painters) + 1, "a label", whole=True)
-            for diagram in panel.diagrams:
-                diagram.draw(canvas, moment)
-            taken = [diagram.box for diagram in panel.diagrams]
-            if panel.bar is not None:
-                taken.append(panel.bar.draw(canvas, view, taken))
-            panel.tags.draw(canvas, drawn, view, panel.pixels, taken)
+            panel.draw_labels(canvas, drawn, view, moment)
         self._write_titles(canvas, numbers)
 
     def _write_titles(self, canvas: Canvas, numbers: Sequence[int]) -> None:
@@ -315,12 +319,7 @@ class Composition:
                 painter.paint(canvas, drawn, view, panel.pixels)
             canvas.paint()
             canvas.clip(*panel.rectangle)
-            for diagram in panel.diagrams:
-                diagram.draw(canvas, moment)
-            taken = [diagram.box for diagram in panel.diagrams]
-            if panel.bar is not None:
-                taken.append(panel.bar.draw(canvas, view, taken))
-            panel.tags.draw(canvas, drawn, view, panel.pixels, taken)
+            panel.draw_labels(canvas, drawn, view, moment)
         canvas.clip(0, 0, *self.size)
         self._write_titles(canvas, chosen)
         energies, text = [each.energy for each in frames], self._layout.text

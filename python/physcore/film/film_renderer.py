@@ -189,8 +189,6 @@ class FilmRenderer(Composition):
                 frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
 
     def _footer_height(self, text: int, width: int) -> int:
-        if not self._captioned:
-            return 0
         return max(footer.height(text, width) for footer in self._footers)
 
     @property

@@ -90,9 +90,9 @@ def export(
     style = None if given is None else style_of(given, "units")
     if style is not None and style.units.is_dimensionless != source.scene.units.is_dimensionless:
         raise SceneError(f"units: must be left out: the scene is in units of {source.scene.units}, got {shown(units)}")
-    if style is not None and writer.holds_fields and ExportJob(source, bar).grids:
-        raise SceneError("units: fields on grids are written in the units of the scene; leave units= out")
     job = ExportJob(source, bar, style, isinstance(units, str) and units in ATOMS)
+    if style is not None and writer.holds_fields and job.grids:
+        raise SceneError("units: fields on grids are written in the units of the scene; leave units= out")
     if not writer.holds_particles and not job.surfaces:
         raise SceneError(
             f"path: {target.suffix} holds surfaces, and no body has faces: cloths, soft bodies and rigid bodies in 3D "

@@ -209,9 +209,7 @@ def _graph_of(curve: Curve, found: Sequence[Source], path: str) -> Graph:
     if any(other != names for other, _ in computed):
         raise SceneError(f"{path}.function: must return the same names for all recordings")
     if curve.logarithmic:
-        values = [
-            np.where(kept > 0.0, log(np.where(kept > 0.0, kept, 1.0)) / math.log(10.0), np.nan) for kept in values
-        ]
+        values = [_logarithms(each) for each in values]
         if not any(np.isfinite(each).any() for each in values):
             raise SceneError(f"{path}.function: must return a positive value for a logarithmic axis")
     if curve.against is not None:

@@ -287,6 +287,10 @@ class Painter(ABC):
         """The centers (N, D) and radii (N,) [m] of a body that the painter draws."""
         return frame.positions[part.where], part.body.radius
 
+    def meet(self, painters: Sequence[Painter]) -> None:
+        """Take from all painters of the same picture what the own drawing depends on; called once, before the film."""
+        del painters
+
     def raised(self, frame: SourceFrame) -> SourceFrame:
         """The frame with particles raised to the height that this painter shows."""
         return frame

@@ -126,6 +126,16 @@ class _Light:
         least, most = SPREADS
         return float(np.clip(SPACING * math.sqrt(pixels / max(self._count, 1)), least, most))
 
+    def paint(self, canvas: Canvas, points: FloatArray, view: View, pixels: float) -> None:
+        """Draw the density of points immediately."""
+        centers = np.ascontiguousarray(view.project(points)[0])
+        canvas.density(centers, self.table, self.exposure, self.spread(pixels))
+
+    def record(self, tape: Tape, points: FloatArray, view: View, pixels: float) -> None:
+        """Put the density of points on a tape, in 3D with their places."""
+        centers = np.ascontiguousarray(view.project(points)[0])
+        tape.density(centers, self.table, self.exposure, self.spread(pixels), None if view.flat else points)
+
 
 class PointsPainter(Painter):
     """Base class of painters of points."""
@@ -165,16 +175,11 @@ class DensityPainter(PointsPainter):
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Draw the density immediately."""
-        centers, _, _ = view.project(frame.fields[self._field])
-        light = self._light
-        canvas.density(np.ascontiguousarray(centers), light.table, light.exposure, light.spread(pixels))
+        self._light.paint(canvas, frame.fields[self._field], view, pixels)
 
     def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Put the tracers on a tape, in 3D with their places."""
-        points = frame.fields[self._field]
-        centers = np.ascontiguousarray(view.project(points)[0])
-        light = self._light
-        tape.density(centers, light.table, light.exposure, light.spread(pixels), None if view.flat else points)
+        """Put the tracers on a tape."""
+        self._light.record(tape, frame.fields[self._field], view, pixels)
 
 
 class StarsPainter(Painter):
@@ -211,22 +216,27 @@ class StarsPainter(Painter):
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Draw the light immediately."""
-        centers, _, _ = view.project(frame.positions[self._where])
-        centers, light = np.ascontiguousarray(centers), self._light
+        points, light = frame.positions[self._where], self._light
         if self._coloring is None:
-            canvas.density(centers, light.table, light.exposure, light.spread(pixels))
+            light.paint(canvas, points, view, pixels)
             return
-        colors = np.round(self._coloring.colors(frame, self.low, self.top)).astype(np.uint8)
-        canvas.starlight(centers, np.ascontiguousarray(colors), light.exposure, light.spread(pixels), light.shadow)
+        centers, colors = view.project(points)[0], np.round(self._coloring.colors(frame, self.low, self.top))
+        canvas.starlight(
+            np.ascontiguousarray(centers),
+            np.ascontiguousarray(colors.astype(np.uint8)),
+            light.exposure,
+            light.spread(pixels),
+            light.shadow,
+        )
 
     def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
         """Put the particles on a tape, in 3D with their places: as a density, or as halos of their own colors."""
         points, light = frame.positions[self._where], self._light
+        if self._coloring is None:
+            light.record(tape, points, view, pixels)
+            return
         centers, depths, _ = view.project(points)
         centers = np.ascontiguousarray(centers)
-        if self._coloring is None:
-            tape.density(centers, light.table, light.exposure, light.spread(pixels), None if view.flat else points)
-            return
         colors = np.round(self._coloring.colors(frame, self.low, self.top)).astype(np.uint8)
         inks = np.column_stack([colors, np.full(len(colors), HALO, np.uint8)])
         radii = np.full(len(points), 2.0 * light.spread(pixels), np.float32)

@@ -90,6 +90,10 @@ class LinePainter(GridPainter):
         """All painters of curves in the same picture, in order."""
         self._potential = self._system.landscape
 
+    def meet(self, painters: Sequence[Painter]) -> None:
+        """Know the other curves."""
+        self.together = [painter for painter in painters if isinstance(painter, LinePainter)]
+
     @property
     def legend(self) -> list[tuple[Body | System, Color]]:
         """The system and its color."""

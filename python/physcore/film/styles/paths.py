@@ -101,7 +101,7 @@ class PathsPainter(Painter):
         """Colors (N, 3) of lines through which the background shines."""
         return FRESH * colors + (1.0 - FRESH) * np.array(self._shade)
 
-    def match(self, painters: Sequence[Painter]) -> None:
+    def meet(self, painters: Sequence[Painter]) -> None:
         """Take the constant colors that other painters give the same particles, unless a color was asked for."""
         assert isinstance(self.style, Paths)
         if self.style.color is not None:
