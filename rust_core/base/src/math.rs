@@ -176,6 +176,7 @@ macro_rules! vector {
                 self[axis]
             }
 
+            #[inline(always)]
             fn widen(self) -> DVec3 {
                 let mut wide = [0.0; 3];
                 for (axis, component) in self.to_array().into_iter().enumerate() {

@@ -191,7 +191,7 @@ impl<V: Vector> Matter<V> {
     }
 
     /// Exact position of a particle relative to the origin [m].
-    #[inline]
+    #[inline(always)]
     pub fn exact_position(&self, index: usize) -> DVec3 {
         exact(self.position.get(index), (self.residual.count() > 0).then(|| self.residual.get(index)))
     }

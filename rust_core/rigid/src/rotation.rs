@@ -83,15 +83,15 @@ pub struct Inertia {
     inverse: DVec3,
     /// Rotation from the principal axes to the body's frame.
     axes: DQuat,
-    /// Axis of reference r, and the other two.
-    order: [usize; 3],
+    /// Axis of reference r.
+    reference: usize,
     planar: bool,
 }
 
 impl Inertia {
     /// Body that does not turn of itself: a particle, or a fixed body.
     pub const NONE: Self =
-        Self { moments: DVec3::INFINITY, inverse: DVec3::ZERO, axes: DQuat::IDENTITY, order: [0, 1, 2], planar: false };
+        Self { moments: DVec3::INFINITY, inverse: DVec3::ZERO, axes: DQuat::IDENTITY, reference: 0, planar: false };
 
     /// Moment of inertia of a body in the plane [kg·m² per meter of depth].
     pub fn planar(moment: f64) -> Self {
@@ -108,8 +108,7 @@ impl Inertia {
             ((inverse[a] - inverse[reference]) * (inverse[b] - inverse[reference])).abs()
         };
         let reference = (0..3).fold(0, |best, axis| if spread(axis) < spread(best) { axis } else { best });
-        let order = [reference, (reference + 1) % 3, (reference + 2) % 3];
-        Self { moments, inverse, axes, order, planar: false }
+        Self { moments, inverse, axes, reference, planar: false }
     }
 
     /// Moments with point masses [kg] at places about the same center [m], in the frame of the body.
@@ -175,26 +174,38 @@ impl Inertia {
     pub(crate) fn free_turn(&self, start: &Orientation, spin: DVec3, h: f64) -> FreeTurn {
         let inverse = self.renamed(self.inverse);
         let rates = [h * inverse[0], h * (inverse[1] - inverse[0]), h * (inverse[2] - inverse[0])];
-        let quaternion = |q: DQuat| {
-            let [x, y, z] = self.renamed(q.xyz());
-            [q.w, x, y, z]
-        };
-        let (orientation, axes) = (quaternion(start.quaternion), quaternion(self.axes));
-        FreeTurn { orientation, axes, spin: self.renamed(spin), rates }
+        let (orientation, spin) = self.free_state(start, spin);
+        let [x, y, z] = self.renamed(self.axes.xyz());
+        FreeTurn { orientation, axes: [self.axes.w, x, y, z], spin, rates }
+    }
+
+    /// Orientation and angular momentum with the axes renamed.
+    #[inline(always)]
+    pub(crate) fn free_state(&self, start: &Orientation, spin: DVec3) -> (Quaternion, [f64; 3]) {
+        let [x, y, z] = self.renamed(start.quaternion.xyz());
+        ([start.quaternion.w, x, y, z], self.renamed(spin))
     }
 
     /// Components in the order of the axes with the axis of reference first.
     #[inline(always)]
     fn renamed(&self, vector: DVec3) -> [f64; 3] {
-        self.order.map(|axis| vector[axis])
+        let [x, y, z] = vector.to_array();
+        match self.reference {
+            0 => [x, y, z],
+            1 => [y, z, x],
+            _ => [z, x, y],
+        }
     }
 
     /// Orientation from a quaternion with renamed axes.
     #[inline(always)]
     pub(crate) fn orientation_of(&self, [w, x, y, z]: Quaternion) -> Orientation {
-        let mut vector = DVec3::ZERO;
-        self.order.into_iter().zip([x, y, z]).for_each(|(axis, component)| vector[axis] = component);
-        Orientation { quaternion: DQuat::from_xyzw(vector.x, vector.y, vector.z, w), angle: 0.0 }
+        let [x, y, z] = match self.reference {
+            0 => [x, y, z],
+            1 => [z, x, y],
+            _ => [y, z, x],
+        };
+        Orientation { quaternion: DQuat::from_xyzw(x, y, z, w), angle: 0.0 }
     }
 }
 

@@ -84,11 +84,9 @@ impl FreeTurn {
 #[derive(Debug)]
 pub(crate) struct FreeTurns {
     orientation: [[f64; LANES]; 4],
-    axes: [[f64; LANES]; 4],
     spin: [[f64; LANES]; 3],
+    axes: [[f64; LANES]; 4],
     rates: [[f64; LANES]; 3],
-    /// Largest square of half an angle in each turn.
-    largest: [f64; LANES],
 }
 
 impl FreeTurns {
@@ -96,23 +94,29 @@ impl FreeTurns {
     #[inline(always)]
     pub fn new() -> Self {
         let zeros = [0.0; LANES];
-        Self { orientation: [zeros; 4], axes: [zeros; 4], spin: [zeros; 3], rates: [zeros; 3], largest: zeros }
+        Self { orientation: [zeros; 4], spin: [zeros; 3], axes: [zeros; 4], rates: [zeros; 3] }
     }
 
     /// Sets the body of a lane.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, body: &FreeTurn) {
-        (0..4).for_each(|k| self.orientation[k][lane] = body.orientation[k]);
         (0..4).for_each(|k| self.axes[k][lane] = body.axes[k]);
-        (0..3).for_each(|k| self.spin[k][lane] = body.spin[k]);
         (0..3).for_each(|k| self.rates[k][lane] = body.rates[k]);
+        self.set_state(lane, body.orientation, body.spin);
     }
 
-    /// Body of a lane.
+    /// Sets the orientation and the angular momentum [kg·m²/s] of a lane.
     #[inline(always)]
-    fn body(&self, lane: usize) -> FreeTurn {
+    pub fn set_state(&mut self, lane: usize, orientation: Quaternion, spin: Components) {
+        (0..4).for_each(|k| self.orientation[k][lane] = orientation[k]);
+        (0..3).for_each(|k| self.spin[k][lane] = spin[k]);
+    }
+
+    /// Body of a lane, at an orientation.
+    #[inline(always)]
+    fn body(&self, lane: usize, orientation: &[[f64; LANES]; 4]) -> FreeTurn {
         FreeTurn {
-            orientation: std::array::from_fn(|k| self.orientation[k][lane]),
+            orientation: std::array::from_fn(|k| orientation[k][lane]),
             axes: std::array::from_fn(|k| self.axes[k][lane]),
             spin: std::array::from_fn(|k| self.spin[k][lane]),
             rates: std::array::from_fn(|k| self.rates[k][lane]),
@@ -122,17 +126,16 @@ impl FreeTurns {
     /// Turns the bodies; their orientations have the bits of [`FreeTurn::turned`].
     #[inline(always)]
     pub fn turn(&mut self) {
-        let start = Self { ..*self };
+        let start = self.orientation;
+        let mut largest = [0.0; LANES];
         for lane in 0..LANES {
-            let (orientation, largest) = start.body(lane).turned_by(series);
+            let (orientation, angle) = self.body(lane, &start).turned_by(series);
             (0..4).for_each(|k| self.orientation[k][lane] = orientation[k]);
-            self.largest[lane] = largest;
+            largest[lane] = angle;
         }
-        for lane in 0..LANES {
-            if self.largest[lane] > SMALL {
-                let orientation = start.body(lane).turned();
-                (0..4).for_each(|k| self.orientation[k][lane] = orientation[k]);
-            }
+        for lane in (0..LANES).filter(|&lane| largest[lane] > SMALL) {
+            let orientation = self.body(lane, &start).turned();
+            (0..4).for_each(|k| self.orientation[k][lane] = orientation[k]);
         }
     }
 

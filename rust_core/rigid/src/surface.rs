@@ -25,7 +25,7 @@ impl Friction {
 }
 
 /// Surface of a mover.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
     /// Index of the shape.
     pub shape: usize,

@@ -68,6 +68,12 @@ impl BoundingBox {
         self.lower.cmple(other.lower).all() && other.upper.cmple(self.upper).all()
     }
 
+    /// Least distance of the faces of another box from those of this one, which contains it [m]; negative if not.
+    #[inline(always)]
+    pub fn margin(&self, other: &Self) -> f64 {
+        (other.lower - self.lower).min(self.upper - other.upper).min_element()
+    }
+
     /// Whether all coordinates are finite.
     #[inline]
     pub fn is_finite(&self) -> bool {

@@ -26,6 +26,26 @@ fn heap(side: usize) -> Laboratory {
     laboratory
 }
 
+/// Steps in which no body may touch anything have the bits of all others. Cuboids fall, and spread from where they land.
+#[test]
+fn steps_apart_have_the_same_bits() {
+    let states = [true, false].map(|is_split| {
+        let mut laboratory = heap(3);
+        laboratory.is_split = is_split;
+        laboratory.motions.iter_mut().for_each(|motion| motion.position *= 2.0);
+        let mut states = Vec::new();
+        for _ in 0..60 {
+            laboratory.step(1.0 / 60.0, 1);
+            let turns = laboratory.world.state.turns.iter().map(|turn| (turn.orientation.components(), turn.spin));
+            states
+                .push(laboratory.motions.iter().map(|motion| (motion.position, motion.velocity)).zip(turns).collect::<Vec<_>>());
+        }
+        assert_eq!((10..50).contains(&laboratory.apart), is_split, "{}", laboratory.apart);
+        states
+    });
+    assert!(states[0] == states[1]);
+}
+
 /// A body moves by a tenth of its half thickness in a sweep at most: overlaps are not deeper than that. The drift is at most the
 /// work that lifts all bodies out of such an overlap. A small group and a large one; neither waits for its impacts.
 #[test]

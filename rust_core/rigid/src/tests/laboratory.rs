@@ -20,13 +20,17 @@ pub struct Laboratory {
     pub gravity: DVec3,
     pub meters: Meters,
     masses: Vec<f64>,
+    /// Number of steps in which no body may touch anything, which are found apart from others if so asked.
+    pub apart: usize,
+    pub is_split: bool,
 }
 
 impl Laboratory {
     /// Empty space of a dimension.
     pub fn new(dimension: usize, gravity: DVec3) -> Self {
         let world = RigidWorld::new(dimension == 2);
-        Self { world, motions: Vec::new(), gravity, meters: Meters::default(), masses: Vec::new() }
+        let (motions, masses, meters) = (Vec::new(), Vec::new(), Meters::default());
+        Self { world, motions, gravity, meters, masses, apart: 0, is_split: true }
     }
 
     /// Adds a half-space at rest, below a plane through the origin.
@@ -88,6 +92,15 @@ impl Laboratory {
         for _ in 0..steps {
             for motion in &mut self.motions {
                 motion.drift = motion.velocity + 0.5 * h * self.gravity;
+            }
+            let motions = &self.motions;
+            if self.is_split && self.world.turn_apart(h, &|body| motions[body], &SERIAL) {
+                for motion in &mut self.motions {
+                    motion.position += h * motion.drift;
+                    motion.velocity = motion.drift + 0.5 * h * self.gravity;
+                }
+                self.apart += 1;
+                continue;
             }
             let moved = self.world.drift((h, false), &mut self.motions, &[], &mut [], &SERIAL);
             for (motion, moved) in self.motions.iter_mut().zip(moved) {

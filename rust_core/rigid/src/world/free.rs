@@ -4,28 +4,41 @@ use glam::DVec3;
 use physcore_base::parallel::{BlockedSlice, Executor};
 use physcore_base::simd::{Isa, Kernel, LANES, dispatch_wide};
 
-use super::{CenterMotion, RigidWorld, SolidBody, Turn};
+use super::{CenterMotion, RigidWorld, SolidBodies, Turn};
 use crate::splitting::FreeTurns;
 
 /// Bodies that one thread turns at a time.
 const BLOCK: usize = 64 * LANES;
 
 impl RigidWorld {
-    /// Turns the bodies that have not been moved through a step of `h` seconds.
+    /// Turns all bodies through a step of `h` seconds, if there is no torque and none of them may touch anything or is joined;
+    /// returns whether. `motion` gives the motions at the start of the step.
+    pub fn turn_apart(&mut self, h: f64, motion: &(impl Fn(usize) -> CenterMotion + Sync), executor: &Executor) -> bool {
+        let mut near = std::mem::take(&mut self.near);
+        let apart = self.state.joints.is_empty() && near.keep_apart(self, h, motion, executor);
+        self.near = near;
+        if apart {
+            self.state.loads.clear();
+            self.turn_free(h, &[], &[], executor);
+        }
+        apart
+    }
+
+    /// Turns the bodies that have not been moved through a step of `h` seconds. Without `moved` these are all, without motions
+    /// there are no torques.
     pub(super) fn turn_free(&mut self, h: f64, motions: &[CenterMotion], moved: &[bool], executor: &Executor) {
         let bodies = &self.bodies;
         executor.for_each_block(BlockedSlice::new(&mut self.state.turns, BLOCK), &|block: BlockedSlice<'_, Turn>| {
-            let range = block.start..block.start + block.items.len();
-            let (bodies, motions, moved) = (&bodies[range.clone()], &motions[range.clone()], &moved[range]);
-            dispatch_wide(FreeTurning { turns: block.items, bodies, motions, moved, h });
+            dispatch_wide(FreeTurning { first: block.start, turns: block.items, bodies, motions, moved, h });
         });
     }
 }
 
 /// Free rotation of a block of bodies.
 struct FreeTurning<'a> {
+    first: usize,
     turns: &'a mut [Turn],
-    bodies: &'a [SolidBody],
+    bodies: &'a SolidBodies,
     motions: &'a [CenterMotion],
     moved: &'a [bool],
     h: f64,
@@ -37,39 +50,51 @@ impl Kernel for FreeTurning<'_> {
     #[inline(always)]
     fn run<I: Isa>(mut self, _isa: I) {
         let mut lanes = FreeTurns::new();
-        let (mut members, mut count) = ([0; LANES], 0);
-        for index in (0..self.turns.len()).filter(|&index| !self.moved[index]) {
-            let (body, turn, torque) = (&self.bodies[index], &mut self.turns[index], self.motions[index].torque);
+        // The bodies in the lanes, and those of which each lane has the moments of inertia.
+        let (mut members, mut count, mut alike) = ([0; LANES], 0, [usize::MAX; LANES]);
+        for place in 0..self.turns.len() {
+            let (index, turn) = (self.first + place, &mut self.turns[place]);
+            if self.moved.get(index) == Some(&true) {
+                continue;
+            }
+            let body = &self.bodies[index];
             if body.inverse_mass == 0.0 {
                 turn.orientation = turn.orientation.turned(self.h * turn.spin);
                 continue;
             }
-            if torque != DVec3::ZERO {
+            if let Some(torque) = self.motions.get(index).map(|motion| motion.torque).filter(|&torque| torque != DVec3::ZERO) {
                 turn.spin += 0.5 * self.h * torque;
             }
             if body.inertia.is_planar() {
                 turn.orientation = body.inertia.turned(&turn.orientation, turn.spin, self.h);
                 continue;
             }
-            lanes.set(count, &body.inertia.free_turn(&turn.orientation, turn.spin, self.h));
-            members[count] = index;
+            if alike[count] != usize::MAX && self.bodies.are_one(alike[count], index) {
+                let (orientation, spin) = body.inertia.free_state(&turn.orientation, turn.spin);
+                lanes.set_state(count, orientation, spin);
+            } else {
+                lanes.set(count, &body.inertia.free_turn(&turn.orientation, turn.spin, self.h));
+                alike[count] = index;
+            }
+            members[count] = place;
             count += 1;
             if count == LANES {
-                self.turn(&mut lanes, &members);
+                lanes.turn();
                 count = 0;
+                self.take(&lanes, &members);
             }
         }
-        self.turn(&mut lanes, &members[..count]);
+        lanes.turn();
+        self.take(&lanes, &members[..count]);
     }
 }
 
 impl FreeTurning<'_> {
-    /// Turns the bodies in the lanes.
+    /// Takes the orientations of the bodies in the lanes.
     #[inline(always)]
-    fn turn(&mut self, lanes: &mut FreeTurns, members: &[usize]) {
-        lanes.turn();
+    fn take(&mut self, lanes: &FreeTurns, members: &[usize]) {
         for (lane, &member) in members.iter().enumerate() {
-            self.turns[member].orientation = self.bodies[member].inertia.orientation_of(lanes.orientation(lane));
+            self.turns[member].orientation = self.bodies[self.first + member].inertia.orientation_of(lanes.orientation(lane));
         }
     }
 }

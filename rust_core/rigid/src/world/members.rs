@@ -9,6 +9,40 @@ use crate::rotation::{Inertia, Orientation};
 use crate::shapes::BoundingBox;
 use crate::surface::Surface;
 
+/// Upper bound on the speed of surface points of equal bodies, without their orientations.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SpeedBound {
+    /// One of the bodies.
+    pub body: usize,
+    /// Largest distance of a surface point from the center [m].
+    pub reach: f64,
+    /// Whether impulses leave the bodies as they are.
+    pub is_fixed: bool,
+    /// Largest distance of a surface point that turning moves [m].
+    arm: f64,
+    /// Largest angular velocity over the angular momentum [1/(kg·m²)]; 1 of fixed bodies, which have the former.
+    inverse: f64,
+}
+
+impl SpeedBound {
+    /// Bound for the bodies that are stored as this one.
+    pub fn new(world: &RigidWorld, body: usize) -> Self {
+        let solid = &world.bodies[body];
+        let shape = &world.shapes[solid.surface.shape];
+        let (reach, is_fixed) = (shape.reach(), solid.inverse_mass == 0.0);
+        let arm = if shape.is_round() { 0.0 } else { reach };
+        let inverse = if is_fixed { 1.0 } else { solid.inertia.largest_inverse() };
+        Self { body, reach, is_fixed, arm, inverse }
+    }
+
+    /// Speed within a step of `h` seconds, without springs [m/s].
+    #[inline(always)]
+    pub fn speed(&self, motion: &CenterMotion, spin: DVec3, h: f64) -> f64 {
+        let forced = if self.is_fixed { 0.0 } else { h * motion.acceleration(h).length() };
+        motion.velocity.length() + self.arm * (self.inverse * spin.length()) + forced
+    }
+}
+
 /// Bodies, particles and walls of a step of `h` seconds.
 #[derive(Clone, Copy)]
 pub(super) struct StepMembers<'a> {
@@ -163,15 +197,9 @@ impl StepMembers<'_> {
         if index >= self.bodies.len() {
             return [self.motions[index - self.bodies.len()].velocity.length() + forced, 0.0];
         }
-        let (body, turn) = (&self.world.bodies[index], &self.world.state.turns[index]);
-        let shape = &self.world.shapes[body.surface.shape];
-        let turning = if shape.is_round() {
-            0.0
-        } else if body.inverse_mass == 0.0 {
-            shape.reach() * turn.spin.length()
-        } else {
-            shape.reach() * rate(&body.inertia, &turn.orientation, turn.spin)
-        };
+        let (bound, turn) = (SpeedBound::new(self.world, index), &self.world.state.turns[index]);
+        let rate = || rate(&self.world.bodies[index].inertia, &turn.orientation, turn.spin);
+        let turning = bound.arm * if bound.is_fixed { turn.spin.length() } else { rate() };
         [self.bodies[index].velocity.length() + turning + forced, turning]
     }
 

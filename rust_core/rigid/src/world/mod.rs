@@ -4,6 +4,7 @@
 //! of bodies that may touch or are joined, and moves these. After the second kick, [`RigidWorld::finish`] ends the last piece
 //! of each. Groups are independent of each other, so that the bits are the same for any number of threads.
 
+mod bodies;
 mod free;
 mod groups;
 mod members;
@@ -18,26 +19,16 @@ use glam::{DMat3, DVec3};
 
 use crate::island::{ContactKey, Island, Meters};
 use crate::mover::Mover;
-use crate::rotation::{Inertia, Orientation};
+use crate::rotation::Orientation;
 use crate::rows::ContactImpulse;
 use crate::shapes::SolidShape;
 use crate::surface::Surface;
 
+pub use bodies::{SolidBodies, SolidBody};
 use near::NearPairs;
 pub use overlaps::Overlap;
 use springs::SpringStep;
 pub use state::{RigidState, Turn, WorldJoint};
-
-/// Constant properties of a rigid body.
-#[derive(Debug, Clone, Copy)]
-pub struct SolidBody {
-    /// Surface with its shape.
-    pub surface: Surface,
-    /// Inverse mass [1/kg]; 0 for a fixed body.
-    pub inverse_mass: f64,
-    /// Moments of inertia.
-    pub inertia: Inertia,
-}
 
 /// Fixed shape that bounds the bodies.
 #[derive(Debug, Clone, Copy)]
@@ -86,6 +77,7 @@ impl CenterMotion {
     }
 
     /// Mean acceleration in a step of `h` seconds [m/s²].
+    #[inline]
     pub(crate) fn acceleration(&self, h: f64) -> DVec3 {
         let change = self.drift - self.velocity;
         if change == DVec3::ZERO { change } else { change * (2.0 / h) }
@@ -120,7 +112,7 @@ pub struct RigidWorld {
     /// Shapes of all surfaces.
     pub shapes: Vec<SolidShape>,
     /// Constant properties of the bodies.
-    pub bodies: Vec<SolidBody>,
+    pub bodies: SolidBodies,
     /// Fixed shapes that bound the bodies.
     pub walls: Vec<FixedSolid>,
     /// Paths of the bodies in the scene.
@@ -214,7 +206,8 @@ impl RigidWorld {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let joints = self.state.joints.len() * size_of::<WorldJoint>();
-        self.bodies.len() * (size_of::<SolidBody>() + 2 * size_of::<Turn>() + size_of::<Mover>())
+        self.bodies.bytes()
+            + self.bodies.len() * (2 * size_of::<Turn>() + size_of::<Mover>())
             + size_of_val(self.walls.as_slice())
             + 2 * (joints + self.state.loads.len() * size_of::<(ContactKey, ContactImpulse)>())
             + self.shapes.len() * size_of::<SolidShape>()

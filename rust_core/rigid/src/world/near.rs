@@ -3,8 +3,12 @@
 //! Pairs are those whose boxes overlap, which hold all of a member during a step. They are sought among pairs of fat boxes, found
 //! anew as soon as a member leaves its own. The pairs of a step therefore do not depend on the steps before.
 
-use super::members::StepMembers;
+use physcore_base::parallel::{BlockedSlice, Executor};
+
+use super::members::{SpeedBound, StepMembers};
+use super::{CenterMotion, RigidWorld};
 use crate::broad;
+use crate::pose::Pose;
 use crate::shapes::BoundingBox;
 
 /// Margin of a fat box: part of the size, and number of steps at the present speed.
@@ -12,6 +16,20 @@ const PART: f64 = 0.1;
 const STEPS: f64 = 4.0;
 /// Number of steps in which a body may turn beyond the margin, from which on its box holds it in all orientations.
 const TURNING: f64 = 32.0;
+
+/// Bodies that one thread looks at at a time.
+const BLOCK: usize = 512;
+
+/// Bodies of a block in a step.
+#[derive(Debug, Clone, Copy, Default)]
+struct BlockReach {
+    /// Largest speed of a surface point [m/s].
+    fastest: f64,
+    /// Least way that a body may take without leaving its fat box [m].
+    least: f64,
+    /// Whether no body leaves its fat box at its own speed.
+    holds: bool,
+}
 
 /// Pairs of fat boxes.
 #[derive(Debug, Default)]
@@ -28,6 +46,10 @@ pub(super) struct NearPairs {
     bounds: Vec<BoundingBox>,
     /// Upper bounds on the speeds of surface points in the present step [m/s].
     speeds: Vec<f64>,
+    /// Largest of them when all were last compared.
+    fastest: f64,
+    /// Blocks of bodies in the present step.
+    blocks: Vec<BlockReach>,
 }
 
 impl NearPairs {
@@ -49,6 +71,50 @@ impl NearPairs {
         }
         let overlap = |[one, other]: &&[u32; 2]| self.bounds[*one as usize].overlaps(&self.bounds[*other as usize]);
         (self.pairs.iter().filter(overlap).copied().collect(), members.h * most > self.least)
+    }
+
+    /// Whether no two boxes of a step overlap, in a world without particles: no fat boxes overlap, and hold what they held. If not
+    /// so, [`NearPairs::of_step`] finds the pairs, if there are any.
+    pub fn keep_apart(
+        &mut self,
+        world: &RigidWorld,
+        h: f64,
+        motion: &(impl Fn(usize) -> CenterMotion + Sync),
+        executor: &Executor,
+    ) -> bool {
+        let (count, boxes, before) = (world.bodies.len(), &self.boxes, self.fastest);
+        if !self.pairs.is_empty() || !self.points.is_empty() || boxes.len() != count + world.walls.len() {
+            return false;
+        }
+        self.blocks.clear();
+        self.blocks.resize(count.div_ceil(BLOCK), BlockReach::default());
+        executor.for_each_block(BlockedSlice::new(&mut self.blocks, 1), &|blocks: BlockedSlice<'_, BlockReach>| {
+            for (place, block) in blocks.items.iter_mut().enumerate() {
+                let first = BLOCK * (blocks.start + place);
+                *block = BlockReach { fastest: 0.0, least: f64::INFINITY, holds: true };
+                let mut bounds = SpeedBound::new(world, first);
+                for index in first..count.min(first + BLOCK) {
+                    if !world.bodies.are_one(index, bounds.body) {
+                        bounds = SpeedBound::new(world, index);
+                    }
+                    let motion = motion(index);
+                    let speed = bounds.speed(&motion, world.state.turns[index].spin, h);
+                    let mut margin = boxes[index].margin(&BoundingBox::around(motion.position, bounds.reach));
+                    if margin < h * speed.max(before) {
+                        let pose = Pose { position: motion.position, rotation: world.rotation(index) };
+                        margin = boxes[index].margin(&world.shapes[world.bodies[index].surface.shape].bounds(&pose));
+                    }
+                    block.fastest = if speed > block.fastest { speed } else { block.fastest };
+                    block.holds &= h * speed <= margin;
+                    let least = if bounds.is_fixed { f64::INFINITY } else { margin };
+                    block.least = if least < block.least { least } else { block.least };
+                }
+            }
+        });
+        let walls = world.walls.iter().map(|wall| wall.mover.speed()).fold(0.0, f64::max);
+        self.fastest = self.blocks.iter().map(|block| block.fastest).fold(0.0, f64::max);
+        let holds = |block: &BlockReach| block.holds && h * self.fastest <= block.least;
+        walls == 0.0 && self.blocks.iter().all(holds)
     }
 
     /// Bounds the members of pairs; returns whether all members are within their fat boxes.

@@ -96,7 +96,7 @@ impl RigidWorld {
     /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick. Changes their velocities;
     /// returns the energies of contacts and joints.
     pub fn finish(&mut self, h: f64, bodies: &mut [CenterMotion], others: &mut [CenterMotion], executor: &Executor) -> Meters {
-        for ((motion, turn), solid) in bodies.iter().zip(&mut self.state.turns).zip(&self.bodies) {
+        for ((motion, turn), solid) in bodies.iter().zip(&mut self.state.turns).zip(self.bodies.iter()) {
             if motion.torque != DVec3::ZERO && solid.inverse_mass > 0.0 {
                 turn.spin += 0.5 * h * motion.torque;
             }

@@ -75,6 +75,7 @@ impl<'a, V: Space> ConstrainedStep<'a, V> {
     }
 
     /// Velocity of the drift of a particle [m/s].
+    #[inline]
     pub fn drift_velocity(&self, index: usize) -> DVec3 {
         match self.drift {
             DriftVelocity::Register(register) => self.matter.registers[register].get(index).widen(),

@@ -99,7 +99,7 @@ fn unite(tied: &mut TiedBody, world: &mut RigidWorld) {
     let shape = world.shapes[surface.shape].moved(tied.parts[0].place);
     surface.shape = world.shapes.len();
     world.shapes.push(shape);
-    world.bodies[tied.body] = SolidBody { surface, inverse_mass: 1.0 / mass, inertia: inertia.with(&masses) };
+    world.bodies.set(tied.body, SolidBody { surface, inverse_mass: 1.0 / mass, inertia: inertia.with(&masses) });
     world.turn(tied.body, world.state.turns[tied.body].orientation, turning);
 }
 

@@ -67,6 +67,8 @@ impl RigidBodies {
             joined,
             tied: ties.bodies,
             starts: Vec::new(),
+            places: Vec::new(),
+            apart: false,
             motions: Vec::new(),
             others: Vec::new(),
             moved: Vec::new(),

@@ -48,8 +48,12 @@ pub struct RigidBodies {
     joined: Vec<bool>,
     /// Bodies with the particles that are tied to them. Their motions are those of the common centers of mass.
     tied: Vec<TiedBody>,
-    /// Positions of the bodies at the start of the present step, relative to the origin [m].
-    starts: Vec<DVec3>,
+    /// Positions [m] and velocities [m/s] of the bodies at the start of the present step.
+    starts: Vec<[DVec3; 2]>,
+    /// Positions of their particles then, relative to the origin [m].
+    places: Vec<DVec3>,
+    /// Whether no body may touch anything in the present step, or is joined.
+    apart: bool,
     /// Motions of the bodies in the present step.
     motions: Vec<CenterMotion>,
     /// Motions of all points in the present step.
@@ -81,12 +85,13 @@ impl RigidBodies {
         }
     }
 
-    /// Fills the motions of the bodies in the present state.
-    fn begin_motions<V: Space>(&mut self, step: &ConstrainedStep<'_, V>) {
-        self.motions.clear();
-        self.motions.extend(self.particles.iter().map(|&particle| motion(step, particle as usize)));
+    /// Records positions and velocities of the bodies in the present state.
+    fn record_starts<V: Space>(&mut self, step: &ConstrainedStep<'_, V>) {
+        let start = |motion: CenterMotion| [motion.position, motion.velocity];
+        self.starts.clear();
+        self.starts.extend(self.particles.iter().map(|&particle| start(motion(step, particle as usize))));
         for tied in &mut self.tied {
-            self.motions[tied.body] = tied.begin(step, &self.world.rotation(tied.body));
+            self.starts[tied.body] = start(tied.begin(step, &self.world.rotation(tied.body)));
         }
     }
 
@@ -159,7 +164,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
     fn bytes(&self) -> usize {
         let count = self.particles.len();
         self.world.bytes()
-            + count * (size_of::<CenterMotion>() + 2 * size_of::<Turn>())
+            + count * (size_of::<(CenterMotion, [DVec3; 2])>() + 2 * size_of::<Turn>())
             + self.points.len() * size_of::<(FreePoint, CenterMotion)>()
     }
 
@@ -197,9 +202,11 @@ impl<V: Space> Constraint<V> for RigidBodies {
         if self.overlap.is_some() {
             return Ok(());
         }
-        self.begin_motions(step);
+        self.record_starts(step);
+        let motions: Vec<CenterMotion> =
+            self.starts.iter().map(|&[position, velocity]| CenterMotion::free(position, velocity)).collect();
         let (mut most, mut worst): (f64, Option<(f64, [String; 2])>) = (0.0, None);
-        for overlap in self.world.overlaps(&self.motions) {
+        for overlap in self.world.overlaps(&motions) {
             if overlap.depth > REFUSED * overlap.size && worst.as_ref().is_none_or(|(depth, _)| overlap.depth > *depth) {
                 worst = Some((overlap.depth, overlap.names));
             }
@@ -222,19 +229,32 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn begin(&mut self, step: &ConstrainedStep<'_, V>) {
-        self.begin_motions(step);
-        self.starts.clear();
+        self.record_starts(step);
+        self.places.clear();
         if step.meets_solids() {
-            self.starts.extend(self.particles.iter().map(|&particle| step.matter.exact_position(particle as usize)));
+            self.places.extend(self.particles.iter().map(|&particle| step.matter.exact_position(particle as usize)));
         }
         self.others.clear();
         self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize)));
     }
 
     fn positions(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<bool> {
-        for ((motion, &particle), &torque) in self.motions.iter_mut().zip(&self.particles).zip(&self.world.state.torques) {
-            (motion.drift, motion.torque) = (step.drift_velocity(particle as usize), torque);
+        let is_seen = step.meets_solids();
+        let (starts, particles) = (&self.starts, &self.particles);
+        let motion = |body: usize| {
+            let [position, velocity] = starts[body];
+            let drift = step.drift_velocity(particles[body] as usize);
+            CenterMotion { drift, ..CenterMotion::free(position, velocity) }
+        };
+        let alone = !is_seen && self.tied.is_empty() && self.points.is_empty();
+        self.apart = alone && self.world.turn_apart(step.h, &motion, step.executor);
+        if self.apart {
+            step.executor.check()?;
+            return Ok(false);
         }
+        self.motions.clear();
+        let torques = self.world.state.torques.iter().enumerate();
+        self.motions.extend(torques.map(|(body, &torque)| CenterMotion { torque, ..motion(body) }));
         for tied in &mut self.tied {
             tied.kick(step, &self.world.rotation(tied.body), &mut self.motions[tied.body]);
         }
@@ -242,7 +262,6 @@ impl<V: Space> Constraint<V> for RigidBodies {
             motion.drift = step.drift_velocity(*particle as usize);
         }
         self.choose(step.h);
-        let is_seen = step.meets_solids();
         let before: Vec<Turn> = if is_seen { self.world.state.turns.clone() } else { Vec::new() };
         let points: Vec<FreePoint> = self.near.iter().map(|&index| self.points[index].1).collect();
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
@@ -274,7 +293,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         }
         if is_seen {
             let mut solids = self.solid_motions(|body| self.motions[body].turning);
-            for ((solid, start), turn) in solids.iter_mut().zip(&self.starts).zip(before) {
+            for ((solid, start), turn) in solids.iter_mut().zip(&self.places).zip(before) {
                 solid.before = turn.orientation.quaternion;
                 solid.moved = step.matter.exact_position(solid.particle as usize) - *start;
             }
@@ -284,6 +303,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn velocities(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
+        if self.apart {
+            return Ok(());
+        }
         let at = |particle: u32| motion(step, particle as usize);
         let is_seen = step.meets_solids();
         let mut turned = 0.0;
@@ -379,6 +401,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
 }
 
 /// Motion of a particle in the present state.
+#[inline(always)]
 fn motion<V: Space>(step: &ConstrainedStep<'_, V>, particle: usize) -> CenterMotion {
     let position = step.properties.origin + step.matter.exact_position(particle);
     CenterMotion::free(position, step.matter.velocity.get(particle).widen())
