@@ -9,6 +9,7 @@ mod groups;
 mod members;
 mod near;
 mod overlaps;
+mod sleep;
 mod springs;
 mod state;
 mod step;
@@ -25,6 +26,7 @@ use crate::surface::Surface;
 
 use near::NearPairs;
 pub use overlaps::Overlap;
+pub use sleep::{BodyRest, SleepRule};
 use springs::SpringStep;
 pub use state::{RigidState, Turn, WorldJoint};
 
@@ -129,6 +131,8 @@ pub struct RigidWorld {
     pub wall_names: Vec<String>,
     /// Numerics of contacts.
     pub solver: ContactSolver,
+    /// When each body may fall asleep; empty if none does.
+    sleep: Vec<SleepRule>,
     /// State that persists from step to step.
     pub state: RigidState,
     /// Pairs that are near each other.
