@@ -39,7 +39,7 @@ Peers = dict[Any, dict[str, dict[str, Any]]]
 class Ours:
     """physcore, with its audit and its monitor."""
 
-    def __init__(self, pile: Pile, dt: float = STEP, threads: int = 1) -> None:
+    def __init__(self, pile: Pile, dt: float = STEP, threads: int = 1, sleep: float | None = None) -> None:
         sizes, of = np.unique(pile.sizes, axis=0, return_inverse=True)
         self.rows = [np.flatnonzero(of.ravel() == k) for k in range(len(sizes))]
         turned = "angles" if pile.dimension == 2 else "orientations"
@@ -50,6 +50,7 @@ class Ours:
                 **{turned: pile.turns[rows]},  # type: ignore[arg-type]
                 density=pile.density,
                 friction=FRICTION,
+                sleep=sleep,
             )
             for size, rows in zip(sizes, self.rows, strict=True)
         ]

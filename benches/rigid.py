@@ -1,7 +1,8 @@
 """Rigid bodies beside Box2D, pymunk, Rapier, MuJoCo, PyBullet, NumPy and Numba: `python benches/rigid.py`.
 
 Rows say which engines are not installed: pip install "physcore[bench-rigid]", and libbox2d-dev from the system for
-Box2D 2.4. A step is a sixtieth of a second, which an engine may take in parts. No engine may let bodies sleep.
+Box2D 2.4. A step is a sixtieth of a second, which an engine may take in parts. No engine may let bodies sleep,
+but for the row that compares physcore with itself.
 
 `piles.py` says how they are compared.
 """
@@ -158,6 +159,20 @@ def piles(layers: int = 5, seconds: float = 3.0) -> dict[str, float]:
     return figures
 
 
+def asleep(count: int = 1000, seconds: float = 10.0) -> dict[str, float]:
+    """A settled pile with and without sleep, by physcore alone."""
+    engines = {sleep: Ours(discs_in_a_box(count), sleep=sleep) for sleep in (0.05, None)}
+    if reason := settle(engines.values(), round(seconds / STEP)):
+        print(f"Sleep is left out: {reason}")
+        return {"asleep": nan}
+    sleeping = sum(int(engines[0.05].simulation[body].asleep.sum()) for body in engines[0.05].bodies)
+    print(f"{sleeping} of {count} discs sleep after {seconds:g} s")
+    contenders = race([Contender(f"sleep={sleep}", engine.step) for sleep, engine in engines.items()])
+    rows = [(one.name, 1e3 * median(one.cpu), 1e3 * min(one.cpu)) for one in contenders]
+    table(f"{count} settled discs, a sixtieth of a second [CPU time]", ("", "median [ms]", "best [ms]"), rows)
+    return {"asleep": median(contenders[1].cpu) / median(contenders[0].cpu)}
+
+
 def settle(engines: Iterable[Ours], steps: int) -> str:
     """Take steps; give the reason if that fails."""
     start = process_time()
@@ -184,6 +199,7 @@ ROWS: dict[str, tuple[Callable[..., dict[str, float]], dict[str, Any]]] = {
     "heap": (cuboids, {"side": 3, "seconds": 2.0}),
     "tumbling": (tumbling, {"count": 2000}),
     "piles": (piles, {"layers": 2, "seconds": 1.0}),
+    "asleep": (asleep, {"count": 50, "seconds": 4.0}),
 }
 """Rows of the table, and what makes each short."""
 

@@ -8,7 +8,7 @@ import numpy as np
 
 import physcore as pc
 from contracts import rigid
-from contracts.scenes import SCENES, STEPS
+from contracts.scenes import SCENES, STEPS, Case
 from contracts.transforms import Array
 from physcore.scene.points import PointSystem
 
@@ -76,8 +76,12 @@ def difference(scene: pc.Scene, one: tuple[Array, Array], other: tuple[Array, Ar
 
 @cache
 def growth(name: str) -> float:
+    """By how much a small random difference grows during the run of a registered case, in double precision."""
+    return grown(SCENES[name])
+
+
+def grown(case: Case) -> float:
     """By how much a small random difference grows during the run of a case, in double precision."""
-    case = SCENES[name]
     steady, shaken = (case.simulation(precision="f64") for _ in range(2))
     x, v = state(shaken)
     rng = np.random.default_rng(1)

@@ -212,6 +212,8 @@ def bodies(body: pc.RigidBodies, t: Transform, order: NDArray[np.int64]) -> pc.R
         rolling_friction=body.rolling_friction[order] * t.m,
         torsional_friction=body.torsional_friction[order] * t.m,
         charge=body.charge[order],
+        sleep=None if body.sleep is None else body.sleep[order] * t.unit(1, -1),
+        sleep_after=body.sleep_after[order] * t.s,
         name=body.name,
         **turns,
     )

@@ -152,6 +152,18 @@ def heap(count: int = 12) -> pc.Scene:
     return pc.Scene(body, pc.Floor(restitution=0.2, friction=0.4), DOWN)
 
 
+def naps() -> pc.Scene:
+    """Two stacks that fall asleep, of which a ball wakes one, and a bar that hangs from a spring and sleeps too."""
+    options = {"mass": 1.0, "friction": 0.4, "sleep": 0.05, "sleep_after": 0.25}
+    crates = pc.RigidBodies(
+        pc.Rectangle(0.5, 0.25), [(0.0, 0.125), (0.0, 0.375), (2.0, 0.125), (2.0, 0.375)], **options
+    )
+    ball = pc.RigidBody(pc.Disc(0.1), (-3.0, 0.1), velocity=(2.75, 0.0), angular_velocity=-27.5, **options)
+    bar = pc.RigidBody(pc.Rectangle(0.1, 0.3), (4.0, 0.5), **options)
+    spring = pc.SpringJoint(bar, None, [(4.0, 0.65), (4.0, 1.65)], G / 0.5, rest_length=0.5)
+    return pc.Scene(crates, ball, bar, spring, pc.Floor(restitution=0.0, friction=0.4), DOWN)
+
+
 def sails() -> pc.Scene:
     """A box, a ball and a shard that tumble in the wind."""
     box = pc.RigidBody(

@@ -649,6 +649,7 @@ RIGID: dict[str, Case] = {
     "machine": Case(rigid_scenes.machine, 0.005),
     "struck": Case(rigid_scenes.struck, 0.005),
     "paddle": Case(rigid_scenes.paddle, 0.005),
+    "naps": Case(rigid_scenes.naps, 0.02),
     "sails": Case(rigid_scenes.sails, 0.01),
     "weathervane": Case(rigid_scenes.weathervane, 0.01),
     "hammock": Case(rigid_scenes.hammock, 0.004, large=lambda: rigid_scenes.hammock(70)),

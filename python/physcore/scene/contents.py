@@ -139,7 +139,7 @@ class Contents:
         match field.element:
             case "particles":
                 return True
-            case "rigid bodies":
+            case "rigid bodies" if field.settable:
                 return self.has_rigid_bodies
             case "fluid particles":
                 return bool(self.fluids)

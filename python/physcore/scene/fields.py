@@ -100,6 +100,7 @@ MATTER = (
         dimensions=(3,),
     ),
     Field("angular_velocities", "rad/s", "rigid bodies", value="rotation", settable=True, owner="rigid bodies have"),
+    Field("asleep", "1", "rigid bodies", owner="rigid bodies with sleep= have"),
     Field("joint_forces", "N", "joints", part="force", value="vector"),
     Field("joint_torques", "N·m", "joints", part="torque", value="rotation"),
     Field("tie_forces", "N", "ties", part="force", value="vector"),
@@ -120,7 +121,7 @@ GAUGES = {field.name: field.integral for field in MATTER if field.integral is no
 """Fields of boundaries and bodies that fluids press on, and of probes, with the names of their time integrals."""
 MOTION = tuple(field.name for field in MATTER if field.element == "particles")
 """Names of the fields of all particles."""
-RIGID = tuple(field.name for field in MATTER if field.element == "rigid bodies")
-"""Names of the fields of rigid bodies."""
+RIGID = tuple(field.name for field in MATTER if field.element == "rigid bodies" and field.settable)
+"""Names of the fields of the state of rigid bodies."""
 FLOW = tuple(field.name for field in MATTER if field.element == "fluid particles")
 """Names of the additional fields of fluids."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,8 @@ NONE = (1.0, 0.0, 0.0, 0.0)
 """Quaternion of no rotation."""
 WATER = Default(1000.0, "kg/m³")
 """Density of water."""
+HALF_A_SECOND = Default(0.5, "s")
+"""Time for which bodies are at rest before they fall asleep."""
 ONE = {"angles": "angle", "orientations": "orientation", "angular_velocities": "angular_velocity"}
 """Names of arguments of one body that differ from those of several."""
 
@@ -67,6 +69,14 @@ class RigidBodies(Body):
             (B,), at least zero; in 3D only.
         charge: charges, at the centers of mass [C], broadcast to (B,).
         name: name of the bodies, also a key into results.
+        sleep: speed below which a body is at rest [m/s], broadcast to (B,), above zero, such as 0.05: that of its
+            fastest point. Bodies that touch or are joined fall asleep together when all of them have been at rest for
+            `sleep_after`. They are then held still, and their kinetic energy counts as dissipated_by["sleep"].
+            They wake when something that moves comes near, when the forces on them change by sleep / sleep_after as an
+            acceleration, and when the user changes the state or the scene. `recording[boxes].asleep` is a mask of
+            those who sleep. None: they never sleep.
+        sleep_after: time for which bodies are at rest before they fall asleep [s], broadcast to (B,), above zero; by
+            default half a second.
 
     Raises:
         SceneError: the shape is one of another dimension, a quaternion is zero, a shape does not fit, or a value is not
@@ -94,6 +104,10 @@ class RigidBodies(Body):
     """Largest torque against rolling over the normal force [m], shape (B,)."""
     torsional_friction: FloatArray
     """Largest torque against spinning over the normal force [m], shape (B,)."""
+    sleep: FloatArray | None
+    """Speed of the fastest point below which each body is at rest [m/s], shape (B,); None: they never sleep."""
+    sleep_after: FloatArray
+    """Time for which each body is at rest before it falls asleep [s], shape (B,)."""
 
     def __init__(
         self,
@@ -112,12 +126,20 @@ class RigidBodies(Body):
         torsional_friction: ArrayLike = 0.0,
         charge: ArrayLike = 0.0,
         name: str | None = None,
+        sleep: ArrayLike | None = None,
+        sleep_after: ArrayLike = HALF_A_SECOND,
     ) -> None:
         self._set_particles(positions, velocities, 1.0, charge, 0.0, fixed, name)
         self._set_shape(shape)
         self._set_mass(density, mass)
         self._set_turns(angles, orientations, angular_velocities)
         self._set_contact(friction, restitution, rolling_friction, torsional_friction)
+        self._set_sleep(sleep, sleep_after)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Which bodies sleep, if they may."""
+        return ("asleep",) * (self.sleep is not None)
 
     @property
     def motion(self) -> FloatArray:
@@ -126,7 +148,7 @@ class RigidBodies(Body):
 
     @property
     def defaults(self) -> dict[str, Default]:
-        """The default density, if neither density nor mass was given."""
+        """The default density, if neither density nor mass was given, and the default time before sleep."""
         given: dict[str, Default] = vars(self)["_defaults"]
         return given
 
@@ -233,6 +255,18 @@ class RigidBodies(Body):
         if self.dimension == 2 and self.torsional_friction.any():
             raise SceneError(f"{self._path('torsional_friction')}: must be 0 in 2D, where nothing spins about a normal")
 
+    def _set_sleep(self, sleep: ArrayLike | None, sleep_after: ArrayLike) -> None:
+        """Check and set when the bodies fall asleep."""
+        speeds = None
+        if sleep is not None:
+            speeds = broadcast(sleep, (len(self),), self._path("sleep"))
+            require(speeds > 0.0, speeds, self._path("sleep"), "> 0 (bodies with sleep=None never sleep)")
+        times = broadcast(sleep_after, (len(self),), self._path("sleep_after"))
+        require(times > 0.0, times, self._path("sleep_after"), "> 0")
+        by_default = isinstance(sleep_after, Default) and sleep is not None
+        given: dict[str, Any] = {"sleep_after": sleep_after} if by_default else {}
+        self._set(sleep=speeds, sleep_after=times, _defaults={**vars(self)["_defaults"], **given})
+
 
 class RigidBody(RigidBodies):
     """Rigid body.
@@ -252,7 +286,7 @@ class RigidBody(RigidBodies):
         angular_velocity: angular velocity [rad/s]: a number in 2D, shape (3,) in 3D.
         density, mass, friction, restitution: as in RigidBodies.
         fixed: whether the body feels no force and no torque, and keeps its velocity and its angular velocity.
-        rolling_friction, torsional_friction, charge, name: as in RigidBodies.
+        rolling_friction, torsional_friction, charge, name, sleep, sleep_after: as in RigidBodies.
 
     Raises:
         SceneError: as for RigidBodies.
@@ -275,6 +309,8 @@ class RigidBody(RigidBodies):
         torsional_friction: float = 0.0,
         charge: float = 0.0,
         name: str | None = None,
+        sleep: float | None = None,
+        sleep_after: float = HALF_A_SECOND,
     ) -> None:
         place = vector(position, "RigidBody.position")
         spin = array(angular_velocity, "RigidBody.angular_velocity")
@@ -299,6 +335,8 @@ class RigidBody(RigidBodies):
             torsional_friction=number(torsional_friction, "RigidBody.torsional_friction", least=0.0),
             charge=number(charge, "RigidBody.charge"),
             name=name,
+            sleep=None if sleep is None else number(sleep, "RigidBody.sleep", above=0.0),
+            sleep_after=number(sleep_after, "RigidBody.sleep_after", above=0.0),
         )
 
     def _path(self, name: str) -> str:

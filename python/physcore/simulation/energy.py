@@ -56,7 +56,8 @@ class Budget(Generic[T]):
     """Dissipated energy by cause.
 
     The causes are `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]` (of fluids,
-    with the diffusion of their density) and `["contacts"]`. Contacts include restitution, friction, and the limits of
+    with the diffusion of their density), `["sleep"]` (of rigid bodies, what they had when they fell asleep) and
+    `["contacts"]`. Contacts include restitution, friction, and the limits of
     joints. They also include the energy that the pressure of walls and obstacles takes from a fluid, an error of the
     image particles that vanishes with the spacing.
     """

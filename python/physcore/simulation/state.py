@@ -93,6 +93,11 @@ class Snapshot:
         return self._field("angular_velocities")
 
     @property
+    def asleep(self) -> BoolArray:
+        """Mask of the rigid bodies that sleep, shape (B,); only with `sleep=`."""
+        return np.not_equal(self._field("asleep"), 0.0)
+
+    @property
     def densities(self) -> FloatArray:
         """Mass densities [kg/m³], shape (N,); NaN for particles that do not belong to a fluid."""
         return self._field("densities")

@@ -78,6 +78,11 @@ class Trajectory:
         return self._channel("angular_velocities")
 
     @property
+    def asleep(self) -> BoolArray:
+        """Mask of the rigid bodies that sleep, shape (F, B); only with `sleep=`."""
+        return np.not_equal(self._channel("asleep"), 0.0)
+
+    @property
     def densities(self) -> FloatArray:
         """Mass densities [kg/m³], shape (F, N); NaN for particles that do not belong to a fluid."""
         return self._channel("densities")

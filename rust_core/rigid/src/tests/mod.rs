@@ -6,5 +6,6 @@ mod heap;
 mod joints;
 pub(crate) mod laboratory;
 mod plane;
+mod sleep;
 mod springs;
 mod surfaces;

@@ -11,11 +11,12 @@ use crate::splitting::FreeTurns;
 const BLOCK: usize = 64 * LANES;
 
 impl RigidWorld {
-    /// Turns all bodies through a step of `h` seconds, if there is no torque and none of them may touch anything or is joined;
+    /// Turns all bodies through a step of `h` seconds, if there is no torque and none of them may touch anything, is joined or
+    /// may sleep;
     /// returns whether. `motion` gives the motions at the start of the step.
     pub fn turn_apart(&mut self, h: f64, motion: &(impl Fn(usize) -> CenterMotion + Sync), executor: &Executor) -> bool {
         let mut near = std::mem::take(&mut self.near);
-        let apart = self.state.joints.is_empty() && near.keep_apart(self, h, motion, executor);
+        let apart = self.state.joints.is_empty() && !self.may_sleep() && near.keep_apart(self, h, motion, executor);
         self.near = near;
         if apart {
             self.state.loads.clear();

@@ -104,11 +104,12 @@ impl StepMembers<'_> {
         roots
     }
 
-    /// Joints with the indices of their ends among the members.
+    /// Joints with the indices of their ends among the members, but for those of bodies that sleep.
     fn joints(&self) -> Vec<(usize, [usize; 2])> {
         let joints = self.world.state.joints.iter().enumerate();
         let whole = joints.filter(|(_, joint)| !joint.broken && joint.joint.spring().is_none());
-        whole.filter_map(|(index, joint)| Some((index, [self.place(joint.ends[0])?, self.place(joint.ends[1])?]))).collect()
+        let ends = whole.filter_map(|(index, joint)| Some((index, [self.place(joint.ends[0])?, self.place(joint.ends[1])?])));
+        ends.filter(|(_, ends)| !ends.iter().any(|&end| self.world.is_asleep(end))).collect()
     }
 }
 
@@ -119,7 +120,7 @@ pub(super) struct Roots {
 
 impl Roots {
     /// Sets of one member each.
-    fn new(count: usize) -> Self {
+    pub fn new(count: usize) -> Self {
         Self { above: (0..count as u32).collect() }
     }
 
@@ -133,7 +134,7 @@ impl Roots {
     }
 
     /// Joins two sets.
-    fn join(&mut self, one: usize, other: usize) {
+    pub fn join(&mut self, one: usize, other: usize) {
         let (a, b) = (self.find(one), self.find(other));
         self.above[a.max(b)] = a.min(b) as u32;
     }

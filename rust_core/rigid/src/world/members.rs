@@ -86,18 +86,24 @@ impl StepMembers<'_> {
         }
     }
 
-    /// Whether impulses leave a member as it is.
+    /// Whether impulses leave a member as it is. Nothing touches a body that sleeps.
     pub fn is_fixed(&self, index: usize) -> bool {
         if index < self.bodies.len() {
-            self.world.bodies[index].inverse_mass == 0.0
+            self.world.bodies[index].inverse_mass == 0.0 || self.world.is_asleep(index)
         } else {
             index >= self.free() || self.points[index - self.bodies.len()].inverse_mass == 0.0
         }
     }
 
+    /// Whether a member moves in the step, or may disturb bodies that sleep.
+    pub fn moves(&self, index: usize) -> bool {
+        !self.is_fixed(index) || (self.world.may_sleep() && !self.world.is_asleep(index) && self.speed(index)[0] > 0.0)
+    }
+
     /// Whether two members may touch: contacts resolve particles at walls.
     pub fn can_meet(&self, one: usize, other: usize) -> bool {
-        one.min(other) < self.bodies.len()
+        let is_free = |&index: &usize| !self.is_fixed(index) || self.world.is_asleep(index);
+        one.min(other) < self.bodies.len() && [one, other].iter().any(is_free)
     }
 
     /// Surface of a member.

@@ -10,6 +10,7 @@ mod groups;
 mod members;
 mod near;
 mod overlaps;
+mod sleep;
 mod springs;
 mod state;
 mod step;
@@ -27,6 +28,7 @@ use crate::surface::Surface;
 pub use bodies::{SolidBodies, SolidBody};
 use near::NearPairs;
 pub use overlaps::Overlap;
+pub use sleep::{BodyRest, SleepRule};
 use springs::SpringStep;
 pub use state::{RigidState, Turn, WorldJoint};
 
@@ -121,6 +123,8 @@ pub struct RigidWorld {
     pub wall_names: Vec<String>,
     /// Numerics of contacts.
     pub solver: ContactSolver,
+    /// When each body may fall asleep; empty if none does.
+    sleep: Vec<SleepRule>,
     /// State that persists from step to step.
     pub state: RigidState,
     /// Pairs that are near each other.

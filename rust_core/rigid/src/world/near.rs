@@ -40,6 +40,8 @@ pub(super) struct NearPairs {
     pairs: Vec<[u32; 2]>,
     /// Size of the least body [m].
     least: f64,
+    /// Whether each member moved or could disturb others when the boxes were made.
+    moves: Vec<bool>,
     /// Whether a member is in a pair.
     is_paired: Vec<bool>,
     /// Bounds of the members in the present step: only of those in a pair.
@@ -120,7 +122,7 @@ impl NearPairs {
     /// Bounds the members of pairs; returns whether all members are within their fat boxes.
     fn holds(&mut self, members: &StepMembers, fastest: f64) -> bool {
         let same = members.points.iter().map(|point| point.index).eq(self.points.iter().copied());
-        if !same || self.boxes.len() != members.count() {
+        if !same || self.boxes.len() != members.count() || !self.knows_sleepers(members) {
             return false;
         }
         for index in 0..members.count() {
@@ -134,6 +136,11 @@ impl NearPairs {
             }
         }
         true
+    }
+
+    /// Whether the same bodies sleep as when the boxes were made.
+    fn knows_sleepers(&self, members: &StepMembers) -> bool {
+        !members.world.may_sleep() || (0..members.count()).all(|index| members.moves(index) == self.moves[index])
     }
 
     /// Makes all boxes anew.
@@ -154,8 +161,9 @@ impl NearPairs {
             let whole = if turns { BoundingBox::around(members.position(index), reach) } else { bounds };
             self.boxes.push(whole.grown(slack + (1.0 + STEPS) * way));
         }
-        let moves: Vec<bool> = (0..members.count()).map(|index| !members.is_fixed(index)).collect();
-        broad::pairs(&self.boxes, &moves, &mut self.pairs);
+        self.moves.clear();
+        self.moves.extend((0..members.count()).map(|index| members.moves(index)));
+        broad::pairs(&self.boxes, &self.moves, &mut self.pairs);
         self.pairs.retain(|[one, other]| members.can_meet(*one as usize, *other as usize));
         self.is_paired.clear();
         self.is_paired.resize(members.count(), false);

@@ -38,9 +38,9 @@ impl SpringStep {
         self.acting.is_empty()
     }
 
-    /// Bodies and particles on which springs act.
-    pub fn ends(&self) -> impl Iterator<Item = usize> {
-        self.acting.iter().flat_map(|spring| spring.ends).flatten()
+    /// Bodies and particles at the ends of each spring; None at the world.
+    pub fn pairs(&self) -> impl Iterator<Item = [Option<usize>; 2]> {
+        self.acting.iter().map(|spring| spring.ends)
     }
 
     /// Acceleration and torque of a body or particle by the springs; None if no spring acts on any.
@@ -67,6 +67,9 @@ impl RigidWorld {
         let mut step = SpringStep::default();
         for (index, ends, joint, spring) in self.whole_springs() {
             let [Some(one), Some(other)] = ends.map(|end| members.place(end)) else { continue };
+            if self.is_asleep(one) || self.is_asleep(other) {
+                continue;
+            }
             let [first, second] = [one, other].map(|end| members.unsprung(end));
             let start = joint.spring_force(spring, [&first, &second]);
             let ends = [one, other].map(|end| (end < members.free()).then_some(end));

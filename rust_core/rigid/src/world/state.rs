@@ -7,6 +7,8 @@ use crate::joints::Joint;
 use crate::rotation::Orientation;
 use crate::rows::{ContactImpulse, MOST_ROWS};
 
+use super::sleep::BodyRest;
+
 /// Rotation of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn {
@@ -53,6 +55,10 @@ pub struct RigidState {
     pub torques: Vec<DVec3>,
     /// Mean forces of tied particles on the bodies in the last step [N].
     pub ties: Vec<DVec3>,
+    /// Rests of the bodies; empty if none may sleep.
+    pub rests: Vec<BodyRest>,
+    /// Kinetic energy of the groups that fell asleep [J].
+    pub slept: f64,
     /// Number of steps of groups that were taken again because impulses would have added energy, since the start or since a
     /// checkpoint was read.
     pub retaken: u64,

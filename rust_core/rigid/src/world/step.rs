@@ -21,10 +21,19 @@ impl RigidWorld {
         motions: &mut [CenterMotion],
         executor: &Executor,
     ) -> Vec<bool> {
-        self.begin_springs(h, bodies, points, motions);
+        self.wake_loaded(h, bodies);
         let (mut near, mut spare) = (std::mem::take(&mut self.near), std::mem::take(&mut self.spare));
+        let pairs = loop {
+            self.begin_springs(h, bodies, points, motions);
+            let members = StepMembers { world: self, bodies, points, motions, h };
+            let pairs = members.pairs(&mut near);
+            let disturbed = members.disturbed(&pairs);
+            if !self.wake(&disturbed) {
+                break pairs;
+            }
+        };
+        self.hold_sleepers(bodies);
         let members = StepMembers { world: self, bodies, points, motions, h };
-        let pairs = members.pairs(&mut near);
         let islands = members.groups(&pairs, &mut spare);
         (self.near, self.spare, self.islands) = (near, spare, islands);
         let (shapes, solver, obeys) = (&self.shapes, self.solver, predicts || self.has_damped_springs());
@@ -46,7 +55,7 @@ impl RigidWorld {
             }
         });
         let members = StepMembers { world: self, bodies, points, motions, h };
-        let mut moved = vec![false; members.free()];
+        let mut moved: Vec<bool> = (0..members.free()).map(|member| self.is_asleep(member)).collect();
         let mut results = Vec::new();
         for island in &self.islands {
             let own = island.members.iter().zip(&island.movers).zip(&island.ahead);
@@ -58,7 +67,7 @@ impl RigidWorld {
                 results.push((member, mover));
             }
         }
-        for end in self.springs.ends() {
+        for end in self.springs.pairs().flatten().flatten() {
             if !std::mem::replace(&mut moved[end], true) {
                 let mut mover = members.mover(end);
                 mover.kick(0.5 * h);
@@ -96,6 +105,7 @@ impl RigidWorld {
     /// Ends a step of `h` seconds, given the motions of bodies and particles after the second kick. Changes their velocities;
     /// returns the energies of contacts and joints.
     pub fn finish(&mut self, h: f64, bodies: &mut [CenterMotion], others: &mut [CenterMotion], executor: &Executor) -> Meters {
+        let loads = self.final_loads(h, bodies);
         for ((motion, turn), solid) in bodies.iter().zip(&mut self.state.turns).zip(self.bodies.iter()) {
             if motion.torque != DVec3::ZERO && solid.inverse_mass > 0.0 {
                 turn.spin += 0.5 * h * motion.torque;
@@ -119,7 +129,7 @@ impl RigidWorld {
             block.items.iter_mut().for_each(Island::end_piece);
         });
         self.meters = Meters::default();
-        self.state.loads.clear();
+        self.keep_loads_of_sleepers();
         let mut islands = std::mem::take(&mut self.islands);
         for island in &islands {
             for (mover, &member) in island.movers.iter().zip(&island.members).filter(|(mover, _)| !mover.is_fixed()) {
@@ -153,6 +163,7 @@ impl RigidWorld {
         let pairs = self.state.loads.chunk_by_mut(|(one, _), (other, _)| (one.0, one.1) == (other.0, other.1));
         pairs.for_each(|pair| pair.sort_unstable_by_key(|(key, _)| *key));
         self.state.loads.sort_by_key(|(key, _)| *key);
+        self.end_rests(h, (&islands, &loads), bodies);
         islands.iter_mut().for_each(Island::clear);
         self.spare.append(&mut islands);
         self.meter_springs(h, bodies, others);

@@ -6,7 +6,9 @@ use physcore_rigid::mover::Mover;
 use physcore_rigid::rotation::{Inertia, Orientation};
 use physcore_rigid::shapes::{self, MassProperties, SolidShape};
 use physcore_rigid::surface::{Friction, Surface};
-use physcore_rigid::world::{CenterMotion, ContactSolver, FixedSolid, FreePoint, RigidWorld, SolidBody, Turn, WORLD, WorldJoint};
+use physcore_rigid::world::{
+    CenterMotion, ContactSolver, FixedSolid, FreePoint, RigidWorld, SleepRule, SolidBody, Turn, WORLD, WorldJoint,
+};
 
 use super::RigidBodies;
 use super::anchors::Ties;
@@ -51,6 +53,7 @@ impl RigidBodies {
         world.state.torques = vec![DVec3::ZERO; world.bodies.len()];
         let ties = Ties::declared(declared, &mut world, &places)?;
         world.state.ties = vec![DVec3::ZERO; ties.count];
+        world.let_sleep(sleep_rules(scene, &ties)?);
         let points = points(&mut world, scene, properties, &engine, &ties);
         let starts = ties.centers(&world, scene, &places);
         let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
@@ -87,14 +90,40 @@ impl RigidBodies {
     /// Refuses contacts, limits and motors, whose motion is not smooth.
     fn refuse_contacts(&self, method: &str) -> Result<()> {
         let (touch, bounded) = (self.world.can_touch() || !self.points.is_empty(), self.world.has_bounded_joints());
-        let what = if touch { "may touch" } else { "have joints with limits or motors" };
-        if touch || bounded {
+        let sleeps = self.world.may_sleep();
+        let what = if touch {
+            "may touch"
+        } else if sleeps {
+            "may sleep"
+        } else {
+            "have joints with limits or motors"
+        };
+        if touch || bounded || sleeps {
             let expected = format!("order=2 for rigid bodies that {what}");
             let error = Error::parameter("integrator", expected, format!("{method}(order=4)"));
             return Err(error.with_hint("steps of order 4 go back in time, and impacts cannot"));
         }
         Ok(())
     }
+}
+
+/// Rules by which the rigid bodies of a scene fall asleep. Particles that are tied to a body keep it awake.
+fn sleep_rules(scene: &Scene, ties: &Ties) -> Result<Vec<SleepRule>> {
+    let mut rules = Vec::new();
+    for body in scene.bodies.iter().filter(|body| body.item.kind == RIGID_BODIES) {
+        let (item, first) = (&body.item, rules.len());
+        rules.resize(first + body.positions.len(), SleepRule::default());
+        if item.values.contains_key("sleep") {
+            let (speeds, times) =
+                (item.numbers("sleep", body.positions.len())?, item.numbers("sleep_after", body.positions.len())?);
+            let free = (first..rules.len()).zip(speeds.iter().zip(times)).filter(|(row, _)| !body.fixed[row - first]);
+            for (row, (&speed, &after)) in free {
+                rules[row] = SleepRule { speed, after };
+            }
+        }
+    }
+    ties.bodies.iter().for_each(|tied| rules[tied.body] = SleepRule::default());
+    Ok(rules)
 }
 
 /// Numerics of contacts, which stand in the record of the first rigid bodies; the default where there is none.

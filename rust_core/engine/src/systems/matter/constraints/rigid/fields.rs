@@ -25,6 +25,9 @@ impl RigidBodies {
             info(turn.0, turn.1, Location::Bodies, shape(count, 4), true),
             info("angular_velocities", "rad/s", Location::Bodies, shape(count, AXES), true),
         ];
+        if self.world.may_sleep() {
+            fields.push(info("asleep", "1", Location::Bodies, vec![count], false));
+        }
         if joints > 0 {
             fields.push(info("joint_forces", "N", Location::Joints, vec![joints, dimension], false));
             fields.push(info("joint_torques", "N·m", Location::Joints, shape(joints, AXES), false));
@@ -50,6 +53,7 @@ impl RigidBodies {
             "angles" => state.turns.iter().map(|turn| turn.orientation.angle).collect(),
             "orientations" => state.turns.iter().flat_map(|turn| turn.orientation.components()).collect(),
             "angular_velocities" => turns(&mut (0..self.particles.len()).map(|body| self.world.angular_velocity(body))),
+            "asleep" => (0..self.particles.len()).map(|body| f64::from(u8::from(self.world.is_asleep(body)))).collect(),
             "joint_forces" => forces(&mut state.joints.iter().map(|joint| joint.reaction[0])),
             "joint_torques" => turns(&mut state.joints.iter().map(|joint| joint.reaction[1])),
             "tie_forces" => forces(&mut state.ties.iter().copied()),

@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 use physcore_rigid::rotation::Orientation;
-use physcore_rigid::world::Turn;
+use physcore_rigid::world::{BodyRest, Turn};
 
 use super::RigidBodies;
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::math::AXES;
 
-/// History: orientations, angular momenta, torques, loads of contacts and joints, forces of ties.
+/// History: orientations, angular momenta, torques, loads of contacts and joints, forces of ties, rests.
 impl History for RigidBodies {
     fn save(&mut self) {
         self.saved.clone_from(&self.world.state);
@@ -31,6 +31,10 @@ impl History for RigidBodies {
         archive.write("ties", self.world.state.ties.iter().flat_map(DVec3::to_array));
         archive.write("torques", self.world.state.torques.iter().flat_map(DVec3::to_array));
         archive.write("pushed", [self.world.state.pushed]);
+        if self.world.may_sleep() {
+            archive.write("rests", self.world.state.rests.iter().flat_map(BodyRest::packed));
+            archive.write("slept", [self.world.state.slept]);
+        }
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
@@ -48,6 +52,11 @@ impl History for RigidBodies {
         let torques = archive.read_exactly("torques", AXES * self.particles.len())?;
         self.world.state.torques = torques.chunks_exact(AXES).map(DVec3::from_slice).collect();
         self.world.state.pushed = archive.read_number("pushed")?;
+        if self.world.may_sleep() {
+            let rests = archive.read_exactly("rests", BodyRest::NUMBERS * self.particles.len())?;
+            self.world.state.rests = rests.chunks_exact(BodyRest::NUMBERS).map(BodyRest::unpacked).collect();
+            self.world.state.slept = archive.read_number("slept")?;
+        }
         if self.world.state.unpack(&loads, &joints) {
             Ok(())
         } else {

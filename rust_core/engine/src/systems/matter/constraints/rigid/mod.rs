@@ -144,6 +144,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
         if !self.points.is_empty() {
             notes.push(format!("{} may meet them", counted(self.points.len(), "particle", "particles")));
         }
+        if self.world.may_sleep() {
+            notes.push(format!("{} of them may sleep", self.world.sleepers()));
+        }
         let ContactSolver { substeps, iterations, sequential } = self.world.solver;
         if self.particles.len() > sequential {
             let pieces = counted(substeps, "substep", "substeps");
@@ -199,6 +202,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
     /// Places tied particles, and refuses bodies that overlap at the start.
     fn initialize(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
         self.tied.iter().for_each(|tied| tied.initialize(step, &self.world));
+        self.world.wake_all();
         if self.overlap.is_some() {
             return Ok(());
         }
@@ -315,12 +319,12 @@ impl<V: Space> Constraint<V> for RigidBodies {
             turned += self.world.work_of_turning(step.h);
         }
         // Nothing else changes the velocities of the other bodies.
-        let all = is_seen || !self.tied.is_empty() || self.world.has_springs();
+        let all = is_seen || !self.tied.is_empty() || self.world.has_springs() || self.world.may_sleep();
         self.moved.iter_mut().for_each(|moved| *moved |= all);
         let torques = self.world.state.torques.iter();
         let motions = self.motions.iter_mut().zip(&self.particles).zip(torques).zip(&self.moved);
         for (((motion, &particle), &torque), _) in motions.filter(|(_, moved)| **moved) {
-            *motion = CenterMotion { torque, ..at(particle) };
+            *motion = CenterMotion { torque, drift: motion.drift, ..at(particle) };
         }
         for tied in &mut self.tied {
             let torque = self.world.state.torques[tied.body];
@@ -376,6 +380,9 @@ impl<V: Space> Constraint<V> for RigidBodies {
     fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) {
         let shared: f64 = self.tied.iter().map(|tied| tied.rotation(&self.world).0).sum();
         ledger.add(Class::Kinetic, "rotation", self.world.rotational_energy() - shared);
+        if self.world.may_sleep() {
+            ledger.add(Class::Dissipated, "sleep", self.world.state.slept);
+        }
         if self.world.has_springs() {
             ledger.add(Class::Potential, JOINT_TERM, self.world.spring_energy(|end| self.end(at, end)));
             ledger.add(Class::Dissipated, "tearing", self.world.state.torn);
