@@ -103,13 +103,17 @@ impl<'a> Couple<'a> {
             let (vertex, along) = incident.support(-into.local_vector(normal));
             FaceGap { gap: normal.dot(into.position - reference.corner(face)) - along, owner, face, vertex }
         };
-        let mut widest: Option<FaceGap> = None;
-        for face in 0..reference.normals.len() {
-            if widest.is_some_and(|widest| most(face) <= widest.gap) {
+        // The face that may have the widest gap comes first: it excludes most of the others.
+        let faces = 0..reference.normals.len();
+        let promising = faces.clone().reduce(|one, other| if most(other) > most(one) { other } else { one })?;
+        let mut widest = Some(gap(promising)).filter(&accepts);
+        for face in faces.filter(|&face| face != promising) {
+            let is_beaten = |widest: FaceGap, gap: f64| gap < widest.gap || (gap == widest.gap && face > widest.face);
+            if widest.is_some_and(|widest| is_beaten(widest, most(face))) {
                 continue;
             }
             let found = gap(face);
-            if widest.is_none_or(|widest| found.gap > widest.gap) && accepts(&found) {
+            if widest.is_none_or(|widest| !is_beaten(widest, found.gap)) && accepts(&found) {
                 widest = Some(found);
             }
         }

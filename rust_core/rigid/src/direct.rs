@@ -38,6 +38,9 @@ struct HeldEquation {
     bodies: [usize; 2],
     row: Row,
     column: Row,
+    /// Inverse masses of the bodies, and changes of their angular velocities by a unit of the impulse.
+    inverse_masses: [f64; 2],
+    turns: [DVec3; 2],
     yields: f64,
 }
 
@@ -136,7 +139,7 @@ impl Rows {
         let mut matrix = vec![0.0; count * count];
         for (i, equation) in equations.iter().enumerate() {
             for (j, other) in equations.iter().enumerate() {
-                matrix[i * count + j] = coupling(equation, other, v);
+                matrix[i * count + j] = coupling(equation, other);
             }
         }
         let largest = (0..count).map(|i| matrix[i * count + i]).fold(0.0, f64::max);
@@ -160,8 +163,11 @@ impl Rows {
     /// Equations of the rows that hold.
     fn held(&self, v: &BodyVelocities) -> Vec<HeldEquation> {
         let mut equations = Vec::new();
-        let mut add = |unknown, bodies, row, column, yields| {
-            equations.push(HeldEquation { unknown, bodies, row, column, yields });
+        let mut add = |unknown, bodies: [usize; 2], row, column: Row, yields| {
+            let moved = bodies.map(|body| &v.bodies[body]);
+            let turns = [0, 1].map(|side| moved[side].inverse_inertia * column.angular[side]);
+            let inverse_masses = moved.map(|body| body.inverse_mass);
+            equations.push(HeldEquation { unknown, bodies, row, column, inverse_masses, turns, yields });
         };
         for (index, joint) in self.joints.iter().enumerate() {
             for (place, row) in joint.rows.iter().enumerate() {
@@ -220,13 +226,14 @@ impl Rows {
 }
 
 /// Entry of J M⁻¹ C.
-fn coupling(equation: &HeldEquation, other: &HeldEquation, v: &BodyVelocities) -> f64 {
+fn coupling(equation: &HeldEquation, other: &HeldEquation) -> f64 {
     let mut sum = 0.0;
     for (side, body) in equation.bodies.into_iter().enumerate() {
         for (across, same) in other.bodies.into_iter().enumerate() {
-            if body == same {
+            if body == same && equation.inverse_masses[side] > 0.0 {
                 let sign = if side == across { 1.0 } else { -1.0 };
-                sum += sign * v.coupling(body, (&equation.row, side), (&other.column, across));
+                let linear = equation.inverse_masses[side] * equation.row.linear.dot(other.column.linear);
+                sum += sign * (linear + equation.row.angular[side].dot(other.turns[across]));
             }
         }
     }

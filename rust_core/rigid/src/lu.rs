@@ -3,6 +3,7 @@
 /// LU factorization with row pivoting, in place; returns the order of the rows, or None for a matrix that is not finite.
 pub fn factorize(matrix: &mut [f64], count: usize) -> Option<Vec<usize>> {
     let mut order: Vec<usize> = (0..count).collect();
+    let mut behind = vec![0.0; count];
     for pivot in 0..count {
         let size = |row: &usize| matrix[row * count + pivot].abs();
         let best = (pivot..count).max_by(|&one, &other| size(&order[one]).total_cmp(&size(&order[other])))?;
@@ -12,13 +13,14 @@ pub fn factorize(matrix: &mut [f64], count: usize) -> Option<Vec<usize>> {
         if value == 0.0 || !value.is_finite() {
             return None;
         }
+        let behind = &mut behind[pivot + 1..];
+        behind.copy_from_slice(&matrix[row * count + pivot + 1..][..count - pivot - 1]);
         for &other in &order[pivot + 1..] {
-            let factor = matrix[other * count + pivot] / value;
+            let [first, others @ ..] = &mut matrix[other * count + pivot..][..count - pivot] else { continue };
+            let factor = *first / value;
             if factor != 0.0 {
-                matrix[other * count + pivot] = factor;
-                for column in pivot + 1..count {
-                    matrix[other * count + column] -= factor * matrix[row * count + column];
-                }
+                *first = factor;
+                others.iter_mut().zip(&*behind).for_each(|(entry, behind)| *entry -= factor * behind);
             }
         }
     }

@@ -33,6 +33,13 @@ impl Pose {
         DVec3::new(self.rotation.x_axis.dot(vector), self.rotation.y_axis.dot(vector), self.rotation.z_axis.dot(vector))
     }
 
+    /// Bound on the way of a point at a distance of 1 from the origin, by turning from an earlier pose.
+    pub fn turn_from(&self, before: &Self) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.rotation.col(axis) - before.rotation.col(axis));
+        // The squares of a rotation by an angle φ sum to 8 sin²(φ/2).
+        (0.5 * (x.length_squared() + y.length_squared() + z.length_squared())).sqrt()
+    }
+
     /// Pose of a frame given in this one.
     #[must_use]
     pub fn compose(&self, inner: &Self) -> Self {

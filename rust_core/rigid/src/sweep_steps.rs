@@ -6,14 +6,24 @@ use crate::shapes::SolidShape;
 /// Largest number of sweeps in a step, and largest way of a body in one of them, over the thickness of the thinnest.
 const MOST_SWEEPS: usize = 32;
 const PART_OF_THICKNESS: f64 = 0.1;
+/// Excess over a whole number of pieces that is rounding.
+const ROUNDING: f64 = 1e-6;
 
-/// Equal pieces of a sweep.
+/// Equal pieces of sweeps.
 #[derive(Debug, Clone, Copy)]
 pub struct SweepPieces {
+    /// Number of pieces of a single sweep; several sweeps share them.
     pub count: usize,
     /// Length of a piece of a whole step [s].
     pub usual: f64,
     pub accuracy: Accuracy,
+}
+
+impl SweepPieces {
+    /// Number of pieces of a sweep that takes a part of the time of all.
+    fn share(&self, part: f64) -> usize {
+        (self.count as f64 * part - ROUNDING).ceil().max(1.0) as usize
+    }
 }
 
 impl Island {
@@ -36,12 +46,14 @@ impl Island {
     /// too many, sizes bound them in place of thicknesses: thin bodies may be passed through. If these are too many as well, the
     /// bodies stay where they are for the rest of the step.
     pub fn take_sweeps(&mut self, shapes: &[SolidShape], (mut left, h): (f64, f64), pieces: &SweepPieces) {
+        let all = left;
+        self.forget_contacts();
         for done in 0..MOST_SWEEPS {
             let by_thickness = self.sweeps_of(left, |pair| pair.thickness);
             let fits = by_thickness <= MOST_SWEEPS - done;
             let count = if fits { by_thickness } else { self.sweeps_of(left, |pair| pair.size) };
             let length = left / count as f64;
-            self.sweep(shapes, length, pieces);
+            self.sweep(shapes, (length, pieces.share(length / all)), pieces, count == 1);
             if count == 1 {
                 return;
             }

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use crate::island::{FirstHalf, Island};
+use crate::island::{FirstHalf, GroupContact, Island};
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::{BodyVelocities, BodyVelocity, Bundles, InPlane, InSpace, RowSpace, SIDE, adds_energy};
 use crate::shapes::SolidShape;
@@ -44,6 +44,9 @@ pub struct RowSweep<S: RowSpace> {
     touching: Vec<Touching<S>>,
     /// Whether a contact strikes.
     strikes: bool,
+    /// Iterations of the first half of a piece where a contact strikes, over those of others: as many as all pieces of a single
+    /// sweep would take. What is left of an impact makes bodies overlap, and pushing them apart adds energy.
+    repeats: usize,
     /// Velocities, and those at the start of a half if there are joints.
     v: BodyVelocities<S>,
     start: BodyVelocities<S>,
@@ -55,13 +58,16 @@ pub struct RowSweep<S: RowSpace> {
 }
 
 impl Island {
-    /// Advances the group by `h` seconds in equal pieces. The last one is left open.
-    pub fn sweep(&mut self, shapes: &[SolidShape], h: f64, pieces: &SweepPieces) {
+    /// Advances the group by `h` seconds in `count` equal pieces. The last one is left open.
+    pub fn sweep(&mut self, shapes: &[SolidShape], (h, count): (f64, usize), pieces: &SweepPieces, is_last: bool) {
         self.accuracy = pieces.accuracy;
-        let length = h / pieces.count as f64;
+        let length = h / count as f64;
         self.joints.iter_mut().for_each(|held| held.held = [true; 2]);
         let ways = self.ways(h);
-        self.find_contacts(shapes, |_, pair| (ways[pair.bodies[0]] + ways[pair.bodies[1]]).min(pair.size));
+        for pair in &mut self.pairs {
+            pair.reach = (ways[pair.bodies[0]] + ways[pair.bodies[1]]).min(pair.size);
+        }
+        self.renew_contacts(shapes, is_last);
         let is_flat = self.planar && self.joints.is_empty();
         let mut sweep = match self.take_sweep() {
             GroupSweep::InSpace(_) if is_flat => GroupSweep::InPlane(RowSweep::default()),
@@ -69,8 +75,8 @@ impl Island {
             sweep => sweep,
         };
         match &mut sweep {
-            GroupSweep::InPlane(sweep) => sweep.take(self, length, pieces),
-            GroupSweep::InSpace(sweep) => sweep.take(self, length, pieces),
+            GroupSweep::InPlane(sweep) => sweep.take(self, (count, length), pieces),
+            GroupSweep::InSpace(sweep) => sweep.take(self, (count, length), pieces),
         }
         self.open_sweep(sweep, length, h);
     }
@@ -117,11 +123,12 @@ impl Island {
 }
 
 impl<S: RowSpace> RowSweep<S> {
-    /// Takes all pieces of a length but the second half of the last.
-    fn take(&mut self, island: &mut Island, length: f64, pieces: &SweepPieces) {
+    /// Takes pieces of a length, but for the second half of the last.
+    fn take(&mut self, island: &mut Island, (count, length): (usize, f64), pieces: &SweepPieces) {
         self.begin(island);
-        for piece in 0..pieces.count {
-            let last = piece + 1 == pieces.count;
+        self.repeats = (pieces.count / count).max(1);
+        for piece in 0..count {
+            let last = piece + 1 == count;
             self.first_half(island, (length, pieces.usual), piece == 0);
             self.drift(island, length, last);
             if !last {
@@ -139,7 +146,8 @@ impl<S: RowSpace> RowSweep<S> {
         self.rows.clear(self.v.bodies.len());
         self.touching.clear();
         self.strikes = false;
-        for (index, contact) in island.contacts.iter().enumerate() {
+        let is_near = |contact: &GroupContact| contact.touch.gap <= island.pairs[contact.pair].reach;
+        for (index, contact) in island.contacts.iter().enumerate().filter(|(_, contact)| is_near(contact)) {
             let Some(row) = island.row(contact, &self.v) else { continue };
             let [bundle, lane] = self.rows.add(&row, &self.v);
             if bundle == self.touching.len() {
@@ -175,7 +183,7 @@ impl<S: RowSpace> RowSweep<S> {
         self.rows.pass(&mut self.v, &mut begin, false);
         self.strikes = begin.strikes;
         self.start_impulses(are_strange);
-        self.relax(island.accuracy.iterations);
+        self.relax(island.accuracy.iterations * if self.strikes { self.repeats } else { 1 });
         self.lost = 0.0;
         self.meter::<false>(length);
         self.work = self.supplied();

@@ -9,7 +9,7 @@ mod strikes;
 mod times;
 
 use crate::direct;
-use crate::island::{BodyPair, CLOSED, GroupContact, Island};
+use crate::island::{CLOSED, GroupContact, Island};
 use crate::mover::Mover;
 use crate::rows::BodyVelocities;
 use crate::shapes::SolidShape;
@@ -74,14 +74,12 @@ impl Island {
         let mut rows = 0;
         let mut time = 0.0;
         for _ in 0..most {
-            let reach = |island: &Self, pair: &BodyPair| {
-                let of = |&body: &usize| {
-                    let mover = &island.movers[body];
-                    h * (mover.speed() + h * mover.acceleration.length())
-                };
-                pair.bodies.iter().map(of).sum::<f64>() + CLOSED * pair.size
-            };
-            self.find_contacts(shapes, reach);
+            let movers = &self.movers;
+            let way = |&body: &usize| h * (movers[body].speed() + h * movers[body].acceleration.length());
+            for pair in &mut self.pairs {
+                pair.reach = pair.bodies.iter().map(way).sum::<f64>() + CLOSED * pair.size;
+            }
+            self.find_contacts(shapes);
             self.strike(h);
             self.hold_resting(h);
             rows += self.rows_of_contacts();

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{BodyPair, Island};
+use super::Island;
 use crate::collision;
 use crate::contact::{ContactPoint, Touch};
 use crate::mover::Mover;
@@ -10,6 +10,10 @@ use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
 use crate::shapes::SolidShape;
 use crate::surface::Friction;
+
+/// Way of two bodies against each other in which their contacts last, over the thickness of the thinner one: what it may add to
+/// overlaps is less than these are.
+const LASTING: f64 = 0.01;
 
 /// Identity of a contact: the two bodies, and the features that touch.
 pub type ContactKey = (u32, u32, u32);
@@ -33,6 +37,25 @@ pub struct GroupContact {
     pub bounces: bool,
 }
 
+/// Search for the contacts of a pair.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactSearch {
+    /// Largest gap of the contacts that were found [m].
+    reach: f64,
+    /// Vector from the first body to the second [m], and ways of their surface points by turning before [m].
+    between: DVec3,
+    turned: f64,
+}
+
+impl ContactSearch {
+    /// Whether the contacts are those within a reach [m] of bodies that have moved against each other since, unless by more than
+    /// a length [m].
+    fn lasts(&self, between: DVec3, turned: f64, (reach, most): (f64, f64)) -> bool {
+        let moved = between.distance(self.between) + (turned - self.turned);
+        moved <= most && reach + moved <= self.reach
+    }
+}
+
 impl Island {
     /// Poses of all bodies.
     pub fn poses(&self) -> Vec<Pose> {
@@ -50,25 +73,52 @@ impl Island {
         }
     }
 
-    /// Finds the contacts within `reach` of each pair [m]. Contacts that were there before keep their loads.
-    pub fn find_contacts(&mut self, shapes: &[SolidShape], reach: impl Fn(&Self, &BodyPair) -> f64) {
+    /// Finds the contacts of all pairs within their reach. Contacts that were there before keep their loads.
+    pub fn find_contacts(&mut self, shapes: &[SolidShape]) {
+        self.forget_contacts();
+        self.renew_contacts(shapes, true);
+    }
+
+    /// Lets all contacts be found anew.
+    pub fn forget_contacts(&mut self) {
+        self.pairs.iter_mut().for_each(|pair| pair.found = None);
+        self.poses.clear();
+        self.turned.clear();
+        self.turned.resize(self.movers.len(), 0.0);
+    }
+
+    /// Finds the contacts within the reach of those pairs that have moved against each other since the last search. Others keep
+    /// their points. Unless this is the last sweep of a step, contacts are found a little farther, so that they last.
+    pub fn renew_contacts(&mut self, shapes: &[SolidShape], is_last: bool) {
         let poses = self.poses();
+        for (((turned, mover), pose), last) in self.turned.iter_mut().zip(&self.movers).zip(&poses).zip(&self.poses) {
+            *turned += mover.arm * pose.turn_from(last);
+        }
         let before = std::mem::replace(&mut self.contacts, std::mem::take(&mut self.known));
         let mut points = Vec::new();
         let (mut known, mut place) = (0, 0);
-        for (index, pair) in self.pairs.iter().enumerate() {
+        for (index, pair) in self.pairs.iter_mut().enumerate() {
             let [one, other] = pair.bodies;
             let [first, second] = pair.bodies.map(|body| &self.surfaces[body]);
-            points.clear();
-            let dimension = if self.planar { 2 } else { 3 };
-            let sides = ((&shapes[first.shape], &poses[one]), (&shapes[second.shape], &poses[other]));
-            collision::contacts(sides.0, sides.1, reach(self, pair), dimension, &mut points);
             while known < before.len() && before[known].pair < index {
                 known += 1;
             }
+            let between = poses[other].position - poses[one].position;
+            let turned = self.turned[one] + self.turned[other];
+            let slack = LASTING * pair.thickness;
+            if pair.found.is_some_and(|found| found.lasts(between, turned, (pair.reach, slack))) {
+                let past = before[known..].iter().take_while(|contact| contact.pair == index);
+                self.contacts.extend(past.map(|contact| GroupContact { touch: contact.at(&poses), ..*contact }));
+                continue;
+            }
+            let reach = if is_last { pair.reach } else { pair.reach + slack };
+            pair.found = Some(ContactSearch { reach, between, turned });
+            points.clear();
+            let dimension = if self.planar { 2 } else { 3 };
+            let sides = ((&shapes[first.shape], &poses[one]), (&shapes[second.shape], &poses[other]));
+            collision::contacts(sides.0, sides.1, reach, dimension, &mut points);
             place = seek(&self.past, place, pair.key);
             let past = before[known..].iter().take_while(|contact| contact.pair == index);
-            let between = poses[other].position - poses[one].position;
             for &point in &points {
                 let last = past.clone().find(|contact| contact.key.2 == point.feature);
                 let places = [&poses[one], &poses[other]];
@@ -98,6 +148,7 @@ impl Island {
         }
         self.known = before;
         self.known.clear();
+        self.poses = poses;
     }
 
     /// Row of a contact at the present poses.

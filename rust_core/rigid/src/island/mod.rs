@@ -16,11 +16,12 @@ mod pieces;
 use glam::DVec3;
 
 use crate::mover::Mover;
+use crate::pose::Pose;
 use crate::rows::ContactImpulse;
 use crate::surface::Surface;
 use crate::sweeps::GroupSweep;
 
-pub use contacts::{ContactKey, GroupContact};
+pub use contacts::{ContactKey, ContactSearch, GroupContact};
 pub(crate) use joints::{HeldJoint, LIMIT_BOUNDS, LIMITS};
 pub use pieces::{FirstHalf, lost, pushed};
 
@@ -57,6 +58,10 @@ pub struct BodyPair {
     pub size: f64,
     /// Least thickness of the two bodies [m].
     pub thickness: f64,
+    /// Largest gap of its contacts in the present sweep or piece [m].
+    pub reach: f64,
+    /// Last search for its contacts; None before the first.
+    pub found: Option<ContactSearch>,
 }
 
 /// Energies of a group in a step [J].
@@ -99,6 +104,9 @@ pub struct Island {
     pub ahead: Vec<[DVec3; 2]>,
     /// Buffer of contacts.
     known: Vec<GroupContact>,
+    /// Poses of the bodies when contacts were last renewed, and ways of their surface points by turning until then [m].
+    poses: Vec<Pose>,
+    turned: Vec<f64>,
     /// Loads of the contacts of the last step.
     past: Vec<(ContactKey, ContactImpulse)>,
     first: FirstHalf,
@@ -123,6 +131,8 @@ impl Island {
             is_swept: false,
             ahead: Vec::new(),
             known: Vec::new(),
+            poses: Vec::new(),
+            turned: Vec::new(),
             past: Vec::new(),
             first: FirstHalf::default(),
         }

@@ -52,28 +52,33 @@ struct Reference<'a> {
 }
 
 impl Reference<'_> {
-    fn corner(&self, place: usize) -> DVec3 {
+    /// Start of each side, and the direction across it into the face.
+    fn sides(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
         let corners = self.part.net.face(self.face);
-        self.part.vertices[corners[place % corners.len()] as usize]
+        let corner = |place: usize| self.part.vertices[corners[place] as usize];
+        (0..corners.len()).map(move |place| {
+            let start = corner(place);
+            (start, self.normal.cross(corner(following(place, corners.len())) - start))
+        })
     }
 
     /// Distance of a point from the face along the normal [m].
     fn gap(&self, point: DVec3) -> f64 {
         let normal = self.part.normals[self.face];
-        normal.dot(point - self.corner(0)) / normal.dot(self.normal)
+        normal.dot(point - self.part.corner(self.face)) / normal.dot(self.normal)
     }
 
     /// Clips a face to the sides of this one.
     fn clip(&self, mut polygon: Vec<ClipCorner>, whole: u32) -> Vec<ClipCorner> {
         let corners = self.part.net.face(self.face);
-        let mut kept = Vec::with_capacity(polygon.len() + corners.len());
-        for place in 0..corners.len() {
-            let start = self.corner(place);
-            let inward = self.normal.cross(self.corner(place + 1) - start);
+        let mut kept = Vec::with_capacity(polygon.capacity());
+        for (place, (start, inward)) in self.sides().enumerate() {
             let depth = |corner: &ClipCorner| inward.dot(corner.point - start);
+            let Some(first) = polygon.first().map(depth) else { break };
+            let mut here = first;
             for (index, corner) in polygon.iter().enumerate() {
-                let next = &polygon[(index + 1) % polygon.len()];
-                let [here, there] = [depth(corner), depth(next)];
+                let next = &polygon[following(index, polygon.len())];
+                let there = if index + 1 < polygon.len() { depth(next) } else { first };
                 if here >= 0.0 {
                     kept.push(*corner);
                 }
@@ -82,11 +87,14 @@ impl Reference<'_> {
                     let point = corner.point + (next.point - corner.point) * (here / (here - there));
                     let features = match corner.side {
                         ClipSide::Own(vertex) => [corners[place], vertex],
-                        ClipSide::Other(side) => [corners[if (place + 1) % corners.len() == side { side } else { place }], whole],
+                        ClipSide::Other(side) => {
+                            [corners[if following(place, corners.len()) == side { side } else { place }], whole]
+                        }
                     };
                     let side = if there >= 0.0 { corner.side } else { ClipSide::Other(place) };
                     kept.push(ClipCorner { point, features, side });
                 }
+                here = there;
             }
             std::mem::swap(&mut polygon, &mut kept);
             kept.clear();
@@ -98,10 +106,12 @@ impl Reference<'_> {
 /// Whether a point is above or below a face along its normal.
 pub(super) fn is_over(part: &Part, face: usize, point: DVec3) -> bool {
     let reference = Reference { owner: 0, part, face, normal: part.normals[face] };
-    (0..part.net.face(face).len()).all(|place| {
-        let start = reference.corner(place);
-        reference.normal.cross(reference.corner(place + 1) - start).dot(point - start) >= 0.0
-    })
+    reference.sides().all(|(start, inward)| inward.dot(point - start) >= 0.0)
+}
+
+/// Place of the next corner of a polygon.
+fn following(place: usize, count: usize) -> usize {
+    if place + 1 < count { place + 1 } else { 0 }
 }
 
 /// Contacts of a face with the face of the other body that looks at it most.
@@ -177,10 +187,11 @@ impl<'a> Manifold<'a> {
             features: [reference.part.face_feature(reference.face), vertex],
             side: ClipSide::Own(vertex),
         };
-        let polygon: Vec<ClipCorner> = match facing {
-            Some(face) => incident.net.face(face).iter().map(|&vertex| corner(vertex)).collect(),
-            None => (0..incident.vertices.len() as u32).map(corner).collect(),
-        };
+        let own = facing.map(|face| incident.net.face(face));
+        let count = own.map_or(incident.vertices.len(), <[u32]>::len);
+        // Each side of a convex face adds at most one corner.
+        let mut polygon = Vec::with_capacity(count + reference.part.net.face(reference.face).len());
+        polygon.extend((0..count).map(|place| corner(own.map_or(place as u32, |own| own[place]))));
         let whole = facing.map_or(0, |face| incident.face_feature(face));
         let corners = reference.clip(polygon, whole);
         Self { reference, corners }

@@ -94,14 +94,14 @@ pub(super) fn widest(couple: &Couple, least: f64) -> Option<EdgeGap> {
         return None;
     }
     let into = &couple.other_in[0];
-    let others: Vec<Ridge> = ridges(other, (couple.other_in[1].point(one.ball.0), one.inner), least)
-        .map(|(edge, start, way, normals)| Ridge {
-            edge,
-            start: into.point(start),
-            way: into.rotation * way,
-            normals: normals.map(|normal| into.rotation * normal),
-        })
-        .collect();
+    let mut others = Vec::with_capacity(other.net.edges.len());
+    let near = ridges(other, (couple.other_in[1].point(one.ball.0), one.inner), least);
+    others.extend(near.map(|(edge, start, way, normals)| Ridge {
+        edge,
+        start: into.point(start),
+        way: into.rotation * way,
+        normals: normals.map(|normal| into.rotation * normal),
+    }));
     if others.is_empty() {
         return None;
     }

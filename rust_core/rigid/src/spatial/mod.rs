@@ -62,7 +62,11 @@ const EDGE: f64 = 1e-9;
 
 /// Axis of two cores. None if neither has a face.
 fn axis(couple: &Couple) -> Option<SeparatingAxis> {
-    let face = match [0, 1].map(|owner| couple.widest(owner)) {
+    let first = couple.widest(0);
+    if let Some(face) = first.filter(|face| face.gap > couple.limit()) {
+        return Some(SeparatingAxis::Face(face));
+    }
+    let face = match [first, couple.widest(1)] {
         [Some(one), Some(other)] => {
             if other.gap > one.gap + couple.closed() {
                 other

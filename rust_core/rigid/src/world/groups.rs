@@ -88,7 +88,7 @@ impl StepMembers<'_> {
                 let size = size[0].min(size[1]);
                 let key = (self.name(ends[0]), self.name(ends[1]));
                 let [one, other] = ends.map(|end| self.thickness(end));
-                island.pairs.push(BodyPair { bodies: local, key, size, thickness: one.min(other) });
+                island.pairs.push(BodyPair { bodies: local, key, size, thickness: one.min(other), reach: 0.0, found: None });
             }
         }
         islands.iter_mut().for_each(|island| island.remember(&self.world.state.loads));
