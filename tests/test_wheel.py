@@ -78,7 +78,8 @@ def test_the_command_line_is_installed(environment, tmp_path):
 
 def test_the_wheel_has_licenses_types_and_nothing_of_the_tests(wheel):
     names = zipfile.ZipFile(wheel).namelist()
-    for ending in ("LICENSE-MIT", "LICENSE-APACHE", "OFL.txt", "physcore/py.typed", "physcore/_core.pyi"):
+    licenses = ("LICENSE-MIT", "LICENSE-APACHE", "OFL.txt")
+    for ending in (*licenses, "physcore/py.typed", "physcore/_core.pyi", "fonts/droid-sans-fallback.ttf"):
         assert any(name.endswith(ending) for name in names), ending
     assert all(name.startswith(("physcore/", "physcore-")) for name in names)
 
