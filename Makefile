@@ -8,7 +8,7 @@ DEMO ?=
 CALLS ?= 1000000
 
 RUST_SOURCES := $(shell find rust_core -name '*.rs' -o -name 'Cargo.toml') Cargo.toml $(wildcard Cargo.lock)
-PYTHON_SOURCES := $(shell find python -name '*.py' -o -name '*.pyi' -o -name 'py.typed')
+PYTHON_SOURCES := $(shell find python -type f ! -name '*.so' ! -path '*/__pycache__/*')
 WHEEL_SOURCES := $(RUST_SOURCES) $(PYTHON_SOURCES) pyproject.toml README.md
 WHEEL := $$(echo dist/physcore-*.whl)
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import traceback
 import weakref
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -97,6 +98,15 @@ def test_a_state_out_of_range_is_never_taken_for_good():
     assert np.isfinite(run.velocities).all()
 
 
+@pytest.fixture
+def few_objects() -> Iterator[None]:
+    """Leave what there is to no collection: the tests and their modules are a million objects."""
+    gc.freeze()
+    yield
+    gc.unfreeze()
+
+
+@pytest.mark.usefixtures("few_objects")
 @pytest.mark.parametrize("potential", [False, True], ids=["force", "potential"])
 def test_a_simulation_whose_function_refers_back_to_it_is_collected(potential):
     """The cycle simulation → world → function → closure → simulation is the garbage collector's to find."""
@@ -117,6 +127,7 @@ def test_a_simulation_whose_function_refers_back_to_it_is_collected(potential):
     assert alive() is None
 
 
+@pytest.mark.usefixtures("few_objects")
 def test_a_collection_in_the_middle_of_a_step_takes_nothing_away():
     """The function runs while its world is in use, and collects, in this thread and around a running simulation."""
     calls = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
@@ -127,6 +128,10 @@ class Contents:
     @property
     def fields(self) -> dict[str, Field]:
         """The fields by name: those of matter, without particles too, then those of systems."""
+        return dict(self._fields)
+
+    @cached_property
+    def _fields(self) -> dict[str, Field]:
         own = {each.name: each.sized(self.count(each.element), self.dimension) for each in MATTER if self._has(each)}
         return own | {
             field.name: field for path, system in self.systems_by_path.items() for field in system.fields(path)
@@ -286,10 +291,10 @@ class Contents:
         path = self.system(key)
         if path is not None:
             rows: dict[Element, Rows] = dict.fromkeys(("cells", "points"), slice(None))
-            own = (field for name, field in self.fields.items() if name.startswith(f"{path}."))
+            own = (field for name, field in self._fields.items() if name.startswith(f"{path}."))
         else:
             rows = self._gauge(key) or self._beads(key) or self._rows(self.index(cast("BodyKey", key)))
-            own = (field for field in self.fields.values())
+            own = (field for field in self._fields.values())
         return {field.part: (field.name, rows[field.element]) for field in own if field.element in rows}
 
     def _gauge(self, key: object) -> dict[Element, Rows] | None:

@@ -16,7 +16,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays::{column, depth, plane, rows};
-use crate::errors::exception;
+use crate::errors::{FileError, exception};
 use crate::world::interrupted;
 
 /// Picture of sRGB pixels to draw on.
@@ -386,8 +386,8 @@ pub fn text_width(text: &str, height: usize) -> usize {
 
 /// Characters of a text that no font has, each once.
 #[pyfunction]
-pub fn missing_signs(text: &str) -> String {
-    physcore_canvas::missing_signs(text)
+pub fn missing_signs(text: &str) -> PyResult<String> {
+    physcore_canvas::missing_signs(text).map_err(python_error)
 }
 
 /// Coverage of each pixel (H, W) by cells (nx, ny) that are 1, not 0. The other arguments are those of `heatmap`.
@@ -456,6 +456,7 @@ fn thirds<T: Copy, const N: usize, const W: usize>(row: &[T; W]) -> [[T; N]; 3] 
 pub(crate) fn python_error(error: CanvasError) -> PyErr {
     match error {
         CanvasError::Write(cause) => cause.into(),
+        CanvasError::Font(_) => FileError::new_err(format!("{error}; install physcore anew")),
         other => PyValueError::new_err(other.to_string()),
     }
 }

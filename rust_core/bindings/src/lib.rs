@@ -20,11 +20,14 @@ mod world;
 /// Extension module `physcore._core`.
 #[pymodule(gil_used = false)]
 mod _core {
+    use std::path::Path;
+
     use physcore_engine::simd::Level;
     use pyo3::exceptions::PyImportError;
     use pyo3::prelude::*;
 
-    /// Refuses unsupported processors, and imports `NumPy` early: an interrupt during its first use would panic.
+    /// Refuses unsupported processors, says where a font is, and imports `NumPy` early: an interrupt during its first use would
+    /// panic.
     #[pymodule_init]
     fn look_around(module: &Bound<'_, PyModule>) -> PyResult<()> {
         if !Level::is_supported() {
@@ -32,6 +35,8 @@ mod _core {
                 "physcore needs a processor with AVX2 and FMA (x86-64 since 2013), which this one lacks",
             ));
         }
+        let package = Path::new(module.filename()?.to_str()?).with_file_name("film");
+        physcore_canvas::set_fallback_font(package.join("fonts/droid-sans-fallback.ttf"));
         module.py().import("numpy")?;
         numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())

@@ -21,6 +21,9 @@ pub enum CanvasError {
         /// Width and height of the frame [pixels].
         got: (usize, usize),
     },
+    /// Font that cannot be read.
+    #[error("font: {0}")]
+    Font(String),
     /// Write error of the operating system.
     #[error(transparent)]
     Write(#[from] io::Error),

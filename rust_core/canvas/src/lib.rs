@@ -96,7 +96,7 @@ pub use liquid::Drop;
 pub use painting::{Lens, Painting};
 pub use palette::Palette;
 pub use shapes::{Disc, Halo, Line, Triangle};
-pub use text::{Align, missing_signs, text_width};
+pub use text::{Align, missing_signs, set_fallback_font, text_width};
 pub use texture::Texture;
 pub use trails::Trails;
 pub use view::{Fog, Projection, look_up, opaque};

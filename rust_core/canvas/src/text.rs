@@ -1,27 +1,45 @@
 //! Text: anti-aliased outlines of Noto Sans, of its fonts with mathematical and other symbols, and of Droid Sans Fallback. The
-//! latter has Chinese, Japanese and Korean. The fonts are made by `scripts/subset-fonts`. Characters are placed one after the
-//! other, without ligatures.
+//! latter has Chinese, Japanese and Korean, and is read from a file by the first text that needs it. The fonts are made by
+//! `scripts/subset-fonts`. Characters are placed one after the other, without ligatures.
 
 #![expect(clippy::cast_possible_wrap, reason = "no label is longer than a picture is wide by far")]
 
-use std::sync::LazyLock;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, OnceLock};
 
 use ab_glyph::{Font, FontRef, Glyph, GlyphId, PxScale, point};
 
 use crate::canvas::Canvas;
 use crate::color::Ink;
+use crate::error::CanvasError;
 
 /// Fonts. The first font that has a character draws it.
 static FACES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
-    let files: [&'static [u8]; 5] = [
+    let files: [&'static [u8]; 4] = [
         include_bytes!("../fonts/noto-sans.ttf"),
         include_bytes!("../fonts/noto-sans-math.ttf"),
-        include_bytes!("../fonts/droid-sans-fallback.ttf"),
         include_bytes!("../fonts/noto-sans-symbols.ttf"),
         include_bytes!("../fonts/noto-sans-symbols-2.ttf"),
     ];
     files.into_iter().filter_map(|bytes| FontRef::try_from_slice(bytes).ok()).collect()
 });
+
+/// Path of the font for characters that no font of `FACES` has.
+static FALLBACK_PATH: OnceLock<PathBuf> = OnceLock::new();
+
+/// Font for characters that no font of `FACES` has, or why it cannot be read.
+static FALLBACK: LazyLock<Result<FontRef<'static>, String>> =
+    LazyLock::new(|| read(FALLBACK_PATH.get().ok_or("no font for Chinese, Japanese and Korean is set")?));
+
+/// Reads a font, which stays in memory.
+fn read(path: &Path) -> Result<FontRef<'static>, String> {
+    let bytes = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let face = FontRef::try_from_slice(bytes.leak()).ok();
+    // Outlines come last in the file: they are missing where its end is.
+    let whole = face.filter(|face| face.outline(face.glyph_id('\u{4E00}')).is_some());
+    whole.ok_or_else(|| format!("{}: the file is damaged", path.display()))
+}
 
 /// Replacement of a character that no font has: U+FFFD, a question mark in a black diamond.
 const MISSING: char = '\u{FFFD}';
@@ -51,15 +69,26 @@ pub fn text_width(text: &str, height: usize) -> usize {
     advances(text, height).sum::<f32>().ceil() as usize
 }
 
-/// Characters of a text that no font has, each once.
-pub fn missing_signs(text: &str) -> String {
+/// Sets the file of the font for Chinese, Japanese and Korean. Has no effect after the first call.
+pub fn set_fallback_font(path: PathBuf) {
+    FALLBACK_PATH.get_or_init(|| path);
+}
+
+/// Characters of a text that no font has, each once; an error if the font that may have them cannot be read. Without it they
+/// are drawn as U+FFFD.
+pub fn missing_signs(text: &str) -> Result<String, CanvasError> {
     let mut missing = String::new();
     for sign in text.chars() {
         if !is_empty(sign) && find(sign).is_none() && !missing.contains(sign) {
             missing.push(sign);
         }
     }
-    missing
+    if !missing.is_empty()
+        && let Err(cause) = &*FALLBACK
+    {
+        return Err(CanvasError::Font(cause.clone()));
+    }
+    Ok(missing)
 }
 
 impl Canvas {
@@ -114,10 +143,31 @@ fn glyph_of(sign: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
 
 /// First font that has a character, with the glyph.
 fn find(sign: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
-    FACES.iter().map(|face| (face, face.glyph_id(sign))).find(|(_, id)| id.0 != 0)
+    let glyph = |face: &'static FontRef<'static>| Some((face, face.glyph_id(sign))).filter(|(_, id)| id.0 != 0);
+    FACES.iter().find_map(glyph).or_else(|| FALLBACK.as_ref().ok().and_then(glyph))
 }
 
 /// Whether a character has no width: a control character, or a selector of variants of the previous character.
 fn is_empty(sign: char) -> bool {
     sign.is_control() || matches!(sign, '\u{200B}'..='\u{200F}' | '\u{2060}'..='\u{2064}' | '\u{FE00}'..='\u{FE0F}' | '\u{FEFF}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{fs, read};
+    use std::path::Path;
+
+    #[test]
+    fn a_font_that_is_missing_or_damaged_is_named() {
+        let whole = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../python/physcore/film/fonts/droid-sans-fallback.ttf");
+        let bytes = fs::read(&whole).expect("the font");
+        let path = std::env::temp_dir().join(format!("physcore-font-{}.ttf", std::process::id()));
+        assert!(read(&path).is_err_and(|cause| cause.contains("physcore-font-")));
+        for length in [0, 100, bytes.len() / 2, bytes.len() * 9 / 10] {
+            fs::write(&path, &bytes[..length]).expect("a disk");
+            assert!(read(&path).is_err_and(|cause| cause.ends_with("the file is damaged")), "{length} bytes");
+        }
+        fs::remove_file(&path).expect("a file");
+        assert!(read(&whole).is_ok());
+    }
 }
