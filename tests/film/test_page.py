@@ -109,6 +109,12 @@ def water() -> pc.Recording:
     return pc.simulate(pc.Scene(block, pc.Gravity(), pc.Box((0.0, 0.0), (1.0, 0.8))), 0.6)
 
 
+def sea() -> pc.Recording:
+    block = pc.Fluid(pc.block((0.0, 0.0, 0.0), (0.5, 0.4, 0.4), 0.08), 0.08)
+    ball = pc.RigidBody(pc.Ball(0.1), (0.8, 0.2, 0.1), density=3000.0)
+    return pc.simulate(pc.Scene(block, ball, pc.Gravity(), pc.Box((0.0, 0.0, 0.0), (1.2, 0.4, 0.8))), 0.6)
+
+
 @pytest.mark.parametrize(
     ("make", "style", "shade"),
     [
@@ -121,17 +127,19 @@ def water() -> pc.Recording:
         (waves, None, 0.0),
         (waves, pc.styles.Field(contours=4, relief=0.3), 0.0),
         (water, None, 0.2),
+        (sea, None, 0.2),
     ],
-    ids=["points", "halos", "surface", "network", "rigid 2D", "rigid 3D", "wave", "contours", "fluid"],
+    ids=["points", "halos", "surface", "network", "rigid 2D", "rigid 3D", "wave", "contours", "fluid", "fluid 3D"],
 )
 def test_a_page_shows_what_the_renderer_draws(
     show: Callable[..., Page], make: Callable[[], pc.Recording], style: object, shade: float
 ) -> None:
     """Where the picture is smooth, colors agree within the rounding of colors to 128 and of fields to 255 values, which
     is 5 of 255 where a scale is steepest. A liquid is darker inside by up to `shade`, which the page finds from a
-    coarser mean, and a part of its rim is wider by a fraction of a drop, up to half of `shade`. At edges, the coverage
-    of a pixel comes from 4 samples in place of the distance; but the light of all edges is the same, within 1 % in 2D.
-    In 3D the renderer makes triangles half a pixel larger, 5 % of these.
+    coarser mean, and a part of its rim is wider by a fraction of a drop, up to half of `shade`. In 3D its colors and
+    its thickness are smoothed otherwise. At edges, the coverage of a pixel comes from 4 samples in place of the
+    distance; but the light of all edges is the same, within 1 % in 2D. In 3D the renderer makes triangles half a pixel
+    larger, 5 % of these.
     """
     recording = make()
     page, frames = show(recording, size=(320, 240), style=style), (0, 6, 17)

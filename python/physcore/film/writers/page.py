@@ -34,7 +34,7 @@ LIGHT = 300_000
 """Size that it should have [bytes]."""
 POINTS = 600
 """Largest number of points of the curve of energy."""
-PARTS = ("page.html", "page.css", "vectors.js", "shaders.js", "packing.js", "drawing.js", "player.js")
+PARTS = ("page.html", "page.css", "vectors.js", "shaders.js", "packing.js", "drawing.js", "liquids.js", "player.js")
 """The template of a page, and what is put into it: nothing else is loaded."""
 MARK = re.compile(r"@\{([a-z.]+)\}")
 """A place of the template."""
