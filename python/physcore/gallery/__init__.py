@@ -9,7 +9,8 @@ Each demo is a module with the following contents:
 - `figure(recordings)`, which measures a quantity whose value is known.
 
 To add a demo: a module here, a line in `DEMOS`, and its name on the page of its law in docs/eighteen.
-`physcore gallery` shows all of them on a page.
+
+`physcore gallery` shows all demos on a page.
 """
 
 from __future__ import annotations
@@ -87,9 +88,7 @@ DEMOS = (
     "harmonic_trap",
     "scattering",
 )
-"""All demos, in the order of the eighteen films of the site: from what falls, swings and turns through cloth, planets,
-charges, grains and water to waves, patterns and wave functions.
-"""
+"""All demos, in the order of the eighteen films of the site, from a ball to a wave function."""
 DEFAULT = "cloth"
 """The demo that is shown if no other is asked for."""
 
