@@ -170,6 +170,21 @@ def test_diagrams_beside_the_picture_are_on_a_page(show: Callable[..., Page]) ->
     assert 20 < 0.6 * exact < found < 1.2 * exact
 
 
+def test_many_points_of_a_density_become_fewer_and_have_no_energy(
+    show: Callable[..., Page], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nine in ten are left out, and the light of the others has ten times the area; tracers have no curve of energy."""
+    monkeypatch.setattr(tape, "GRAINS", 200)
+    flow = pc.Flow(lambda t, x: np.column_stack([-x[:, 1], x[:, 0]]))
+    dust = pc.Tracers(RANDOM.normal(0.0, 0.3, (1800, 2)), flow)
+    page = show(pc.simulate(pc.Scene(dust), 0.2), size=(320, 240), style=pc.styles.Density(spread=2.0))
+    assert page.evaluate("at('.energy').hidden") is True
+    track = "player.drawing.tracks.find(track => track.kind == 'density')"
+    assert page.evaluate(f"{track}.streams.places.rows(0)") == 180
+    assert page.evaluate(f"{track}.spread") == pytest.approx(2.0 * np.sqrt(10.0))
+    assert page.evaluate("player.film.energy.length") == 0
+
+
 def test_places_reach_the_page(show: Callable[..., Page]) -> None:
     """What the page unpacks is what was drawn, within half a step of 16 bits, also between frames with other rows."""
     recording = gas()

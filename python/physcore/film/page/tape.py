@@ -163,18 +163,17 @@ class Tape:
     def density(
         self, points: PixelArray, table: Inks, strength: float, spread: float, places: FloatArray | None = None
     ) -> None:
-        """Add points that are shown as a density, in 3D with their places (N, 3) [m]; of many, an even selection. The
-        light of each is relative to the mean density over all points.
+        """Add points that are shown as a density, in 3D with their places (N, 3) [m]. Of many, there is an even selection,
+        with wider light. The light of each is relative to the mean density over all points.
         """
         assert self._view is not None  # `look` comes first
-        few = slice(None, None, 1 + len(points) // GRAINS)
-        points, places = points[few], None if places is None else places[few]
+        each = 1 + len(points) // GRAINS
+        points, places = points[::each], None if places is None else places[::each]
+        spread = max(float(spread), 0.1) * math.sqrt(each)
         deep, known = places is not None, np.isfinite(points).all(axis=1)
         light = strength * TYPICAL / _mean_density(points[known], spread, self._view.middle)
         size = 1.0 / self._view.scale if deep else 1.0
-        track = self._track(
-            "density", deep, table=opaque(table), colors=len(table), spread=max(float(spread), 0.1), size=size
-        )
+        track = self._track("density", deep, table=opaque(table), colors=len(table), spread=spread, size=size)
         found = points if places is None else self._from_eye(places).astype(np.float32)
         arrays: dict[str, NDArray[Any]] = {"places": found[known], "light": np.array([[light]], dtype=np.float32)}
         self._keep(track, arrays)

@@ -149,7 +149,8 @@ def _curves(energies: list[list[Energy | None]]) -> list[dict[str, Any]]:
         if not np.isfinite(list(rows.values())).all():
             return []
         curves.append({"frames": some, "unit": known[0].units.symbol("J"), **rows})
-    return curves
+    # Tracers and reactions have none.
+    return curves if any(any(curve["total"]) or any(curve["kinetic"]) for curve in curves) else []
 
 
 def _track(pack: Pack, track: Track, count: int) -> dict[str, Any]:
