@@ -32,6 +32,7 @@ class Browser:
 
         flags = ["--headless=new", "--remote-debugging-port=0", f"--user-data-dir={folder}", "--disable-gpu"]
         flags += ["--no-first-run", "--disable-extensions", "--disable-dev-shm-usage", "--hide-scrollbars"]
+        flags += ["--allow-pre-commit-input"]  # else it drops a press that comes before it has shown the first frame
         flags += ["--no-sandbox"] if os.geteuid() == 0 else []
         name = executable()
         assert name is not None

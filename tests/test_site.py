@@ -13,6 +13,7 @@ import pytest
 import physcore as pc
 from physcore.film.styles import STYLES
 from physcore.forces import FORCES
+from physcore.gallery import DEMOS
 from physcore.numerics.integrators import INTEGRATORS
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -46,6 +47,17 @@ def test_every_page_is_once_in_a_table_of_contents():
     listed = Counter(entry.resolve() for path in PAGES for entry in entries(path))
     assert set(listed) == {path.resolve() for path in PAGES} - {DOCS / "index.md"}
     assert set(listed.values()) == {1}
+
+
+def test_the_order_of_the_gallery_is_that_of_the_films():
+    """Each page of a film ends with the demos of its law."""
+    pages = [text_of(path) for path in entries(DOCS / "eighteen" / "index.md")]
+    lines = [
+        line
+        for page in pages
+        for line in re.findall(r"^- In the gallery \(`physcore demo NAME`\):(.*(?:\n  .*)*)", page, re.M)
+    ]
+    assert [name for line in lines for name in re.findall(r"`(\w+)`", line)] == list(DEMOS)
 
 
 def test_the_pages_of_the_api_have_every_public_name_once():

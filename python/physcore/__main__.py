@@ -120,11 +120,11 @@ def _list(options: argparse.Namespace) -> int:
 def _demo(options: argparse.Namespace) -> int:
     from physcore.film.writers import WRITERS
     from physcore.film.writers.beside import videos_beside
-    from physcore.gallery import DEMOS, caption, demo
+    from physcore.gallery import DEFAULT, caption, demo
     from physcore.storage.formats import writable
     from physcore.studies.audit import audit
 
-    name = options.name or DEMOS[0]
+    name = options.name or DEFAULT
     if not _exists(name):
         return 2
     if options.source:

@@ -109,6 +109,12 @@ def water() -> pc.Recording:
     return pc.simulate(pc.Scene(block, pc.Gravity(), pc.Box((0.0, 0.0), (1.0, 0.8))), 0.6)
 
 
+def sea() -> pc.Recording:
+    block = pc.Fluid(pc.block((0.0, 0.0, 0.0), (0.5, 0.4, 0.4), 0.08), 0.08)
+    ball = pc.RigidBody(pc.Ball(0.1), (0.8, 0.2, 0.1), density=3000.0)
+    return pc.simulate(pc.Scene(block, ball, pc.Gravity(), pc.Box((0.0, 0.0, 0.0), (1.2, 0.4, 0.8))), 0.6)
+
+
 @pytest.mark.parametrize(
     ("make", "style", "shade"),
     [
@@ -121,17 +127,19 @@ def water() -> pc.Recording:
         (waves, None, 0.0),
         (waves, pc.styles.Field(contours=4, relief=0.3), 0.0),
         (water, None, 0.2),
+        (sea, None, 0.2),
     ],
-    ids=["points", "halos", "surface", "network", "rigid 2D", "rigid 3D", "wave", "contours", "fluid"],
+    ids=["points", "halos", "surface", "network", "rigid 2D", "rigid 3D", "wave", "contours", "fluid", "fluid 3D"],
 )
 def test_a_page_shows_what_the_renderer_draws(
     show: Callable[..., Page], make: Callable[[], pc.Recording], style: object, shade: float
 ) -> None:
     """Where the picture is smooth, colors agree within the rounding of colors to 128 and of fields to 255 values, which
     is 5 of 255 where a scale is steepest. A liquid is darker inside by up to `shade`, which the page finds from a
-    coarser mean, and a part of its rim is wider by a fraction of a drop, up to half of `shade`. At edges, the coverage
-    of a pixel comes from 4 samples in place of the distance; but the light of all edges is the same, within 1 % in 2D.
-    In 3D the renderer makes triangles half a pixel larger, 5 % of these.
+    coarser mean, and a part of its rim is wider by a fraction of a drop, up to half of `shade`. In 3D its colors and
+    its thickness are smoothed otherwise. At edges, the coverage of a pixel comes from 4 samples in place of the
+    distance; but the light of all edges is the same, within 1 % in 2D. In 3D the renderer makes triangles half a pixel
+    larger, 5 % of these.
     """
     recording = make()
     page, frames = show(recording, size=(320, 240), style=style), (0, 6, 17)
@@ -160,6 +168,21 @@ def test_diagrams_beside_the_picture_are_on_a_page(show: Callable[..., Page]) ->
         for each in (*drawn(recording, (17,), **options), pixels(page, 17))
     )  # type: ignore[arg-type]
     assert 20 < 0.6 * exact < found < 1.2 * exact
+
+
+def test_many_points_of_a_density_become_fewer_and_have_no_energy(
+    show: Callable[..., Page], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nine in ten are left out, and the light of the others has ten times the area; tracers have no curve of energy."""
+    monkeypatch.setattr(tape, "GRAINS", 200)
+    flow = pc.Flow(lambda t, x: np.column_stack([-x[:, 1], x[:, 0]]))
+    dust = pc.Tracers(RANDOM.normal(0.0, 0.3, (1800, 2)), flow)
+    page = show(pc.simulate(pc.Scene(dust), 0.2), size=(320, 240), style=pc.styles.Density(spread=2.0))
+    assert page.evaluate("at('.energy').hidden") is True
+    track = "player.drawing.tracks.find(track => track.kind == 'density')"
+    assert page.evaluate(f"{track}.streams.places.rows(0)") == 180
+    assert page.evaluate(f"{track}.spread") == pytest.approx(2.0 * np.sqrt(10.0))
+    assert page.evaluate("player.film.energy.length") == 0
 
 
 def test_places_reach_the_page(show: Callable[..., Page]) -> None:

@@ -14,7 +14,8 @@ from chromium import Browser, executable, until
 pytest.importorskip("websockets", reason="the extra physcore[live] is not installed")
 pytestmark = pytest.mark.skipif(executable() is None, reason="there is no Chromium: apt-get install chromium")
 
-
+SHIFT = 8
+"""The key in a mouse event of the protocol."""
 PRESS = 10.0
 """Time after which a press of the mouse that nothing has come of is repeated [s]."""
 
@@ -157,6 +158,56 @@ def test_the_pointer_is_where_the_mouse_is(panel, page):
     pixel = 1.0 / float(magnification[0]) / scale
     until(lambda: np.abs(np.array(panel.runner.moment.hand[1]) - target).max() < 2.0 * pixel, "the pointer")
     page.mouse("mouseReleased", *place)
+
+
+def test_a_drag_with_the_shift_key_turns_a_rigid_body(browser):
+    wheel = pc.RigidBody(pc.Rectangle(0.4, 0.2), (0.0, 0.0), mass=1.0, name="wheel")
+    with pc.live(lambda: pc.Scene(wheel), dt=1e-3, show=False, size=(320, 240)) as panel:
+        page = browser.page(panel.url)
+        page.until("Number(panel.dataset.pictures) > 0")
+        x, y = page.middle(".film canvas")
+        for kind, across in (("mousePressed", 0), ("mouseMoved", 60), ("mouseMoved", 120)):
+            page.call(
+                "Input.dispatchMouseEvent", type=kind, x=x + across, y=y, button="left", buttons=1, modifiers=SHIFT
+            )
+        height = page.evaluate("document.querySelector('.film canvas').getBoundingClientRect().height")
+        angle = -np.pi * 120.0 / height
+
+        def turned():
+            hand = panel.runner.read(lambda session: session.hand)
+            return hand is not None and hand.rotation is not None and abs(hand.rotation[0] - angle) < 0.01
+
+        until(turned, "the turn")
+        panel.play()
+        until(lambda: abs(panel.simulation["wheel"].angles[0] - angle) < 0.1, "the wheel")
+        page.mouse("mouseReleased", x, y)
+        until(lambda: panel.runner.moment.hand is None, "the release")
+        energy = panel.simulation.energy()
+        assert energy.work > 0.0
+        # The method has order 2, and the hand a frequency of 25 rad/s.
+        assert abs(energy.balance) < 10.0 * (25.0 * 1e-3) ** 2 * (energy.kinetic + energy.work)
+        page.close()
+
+
+def test_a_busy_page_loses_no_press(browser, panel, page):
+    """All that the mouse did while a page was busy comes at once: it sends all of it, in its order.
+
+    A second finger changes nothing, and the capture of a pointer that has been released already fails.
+    """
+    sent = page.evaluate("""(() => {
+        const root = document.createElement("div"), sent = [];
+        document.body.append(root);
+        mount(root, {send: message => sent.push(message.do), open: () => {}});
+        const film = root.querySelector("canvas"), box = film.getBoundingClientRect();
+        const act = (kind, pointerId, x) => film.dispatchEvent(new PointerEvent(kind,
+            {pointerId, button: 0, clientX: box.x + x, clientY: box.y + 10, bubbles: true}));
+        act("pointerdown", 77, 10); act("pointerdown", 78, 50); act("pointermove", 77, 20); act("pointermove", 78, 60);
+        act("pointerup", 78, 60); act("pointermove", 77, 30); act("pointerup", 77, 30);
+        act("lostpointercapture", 77, 30); act("pointerdown", 79, 40); act("pointercancel", 79, 40);
+        root.remove();
+        return sent;
+    })()""")
+    assert sent == ["grab", "drag", "release", "grab", "release"]
 
 
 def test_the_film_of_the_last_seconds_is_saved(panel, page):

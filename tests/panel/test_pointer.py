@@ -10,8 +10,9 @@ import pytest
 import physcore as pc
 from physcore.film.renderer import Renderer
 from physcore.panel.artist import Picture
-from physcore.panel.pointer import moved, picked
+from physcore.panel.pointer import moved, picked, rolled
 from physcore.panel.requests import Desk
+from physcore.scene.rotations import rotation_of
 
 
 def drawn(scene, **options):
@@ -66,6 +67,27 @@ def test_indices_count_within_their_body_and_rigid_bodies_too():
             pixels, _, _ = picture.view.project(body.positions)
             for index in range(2):
                 assert picked(picture, *pixels[index].tolist()) == (body, index)
+
+
+def test_a_large_body_is_picked_by_its_end_and_what_lies_on_it_by_itself():
+    plank = pc.RigidBody(pc.Rectangle(2.0, 0.2), (0.0, 0.0), name="plank")
+    scene = pc.Scene(plank, pc.Particles([[0.6, 0.0]], radius=0.05))
+    picture = drawn(scene)
+    ends, _, magnification = picture.view.project(np.array([[-0.8, 0.0], [0.61, 0.0], [0.0, 1.3]]))
+    assert 0.8 * magnification[0] > 0.06 * 320.0  # the end is far from the center
+    found = [picked(picture, *end.tolist()) for end in ends]
+    assert found == [(scene.bodies[0], 0), (scene.bodies[1], 0), None]
+
+
+def test_what_is_held_rolls_under_the_mouse():
+    """The side that is seen moves with the mouse; in 2D a wheel on the ground rolls in its direction."""
+    assert rolled(drawn(FLAT), 120.0, 30.0) == pytest.approx([-np.pi / 2.0])
+    picture = drawn(DEEP, camera=pc.Orbit(azimuth=20.0, elevation=30.0, field_of_view=0.0))
+    right, up, toward = picture.view.axes
+    for across, down, expected in ((120.0, 0.0, right), (0.0, 120.0, -up)):
+        vector = rolled(picture, across, down)
+        assert np.linalg.norm(vector) == pytest.approx(np.pi / 2.0)
+        np.testing.assert_allclose(rotation_of(vector) @ toward, expected, atol=1e-9)
 
 
 def test_a_scene_of_fields_has_nothing_to_pick():

@@ -33,7 +33,7 @@ from physcore.numerics.choices import FRAMES_PER_SECOND
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.sources import SourceFrame
-from physcore.simulation.state import Snapshot
+from physcore.simulation.state import Frame, Snapshot
 
 if TYPE_CHECKING:
     from datetime import date
@@ -220,7 +220,7 @@ class Renderer(Composition):
             raise SceneError(
                 f"draw.state: must be a Simulation, or a Frame or Snapshot of a whole scene, got {shown(state)}"
             )
-        energy, dt = getattr(present, "energy", None), getattr(present, "dt", None)
+        energy, dt = (present.energy, present.dt) if isinstance(present, Frame) else (None, None)
         integrator = type(state.integrator).__name__ if isinstance(state, Simulation) else None
         needed = [f"the label {label!r}" for label in AUDITED if label in self._labels]
         needed += ["the inset"] if self._insets else []

@@ -8,7 +8,9 @@ Each demo is a module with the following contents:
 - `main(path, progress)`, which writes a GIF with a title and a line below it, and returns its recordings by title;
 - `figure(recordings)`, which measures a quantity whose value is known.
 
-To add a demo: a module here and a line in `DEMOS`. `physcore gallery` shows all of them on a page.
+To add a demo: a module here, a line in `DEMOS`, and its name on the page of its law in docs/eighteen.
+
+`physcore gallery` shows all demos on a page.
 """
 
 from __future__ import annotations
@@ -26,16 +28,42 @@ from physcore.scene.scene import Scene
 from physcore.simulation.recording import Recording
 
 DEMOS = (
-    "cloth",
-    "rope",
-    "jelly",
-    "orbits",
+    "bowl",
     "pendulums",
-    "galaxy",
+    "brachistochrone",
+    "cradle",
+    "dominoes",
+    "wrecking_ball",
+    "galton",
+    "letters",
+    "bridge",
+    "gyroscope",
+    "dzhanibekov",
+    "double_pendulum",
+    "sixfold_pendulum",
+    "butterfly",
+    "chain",
+    "falling_chain",
+    "rope",
+    "knot",
+    "cloth",
     "flag",
     "torn_flag",
     "drape",
-    "bowl",
+    "curtain",
+    "folds",
+    "jelly",
+    "orbits",
+    "solar_system",
+    "trojans",
+    "figure_eight",
+    "galaxy",
+    "collision",
+    "penning_trap",
+    "magnetic_bottle",
+    "dipole",
+    "crystal",
+    "hourglass",
     "landslide",
     "dam_break",
     "dam_break_3d",
@@ -44,49 +72,25 @@ DEMOS = (
     "drops",
     "lava",
     "rayleigh_taylor",
-    "hourglass",
-    "crystal",
-    "ripples",
-    "double_slit",
+    "floating_box",
+    "water_wheel",
+    "vortex_street",
     "string",
+    "ripples",
     "lens",
     "whispering_gallery",
+    "double_slit",
+    "turing",
+    "spirals",
+    "labyrinth",
     "tunnelling",
     "electron_slits",
     "harmonic_trap",
     "scattering",
-    "labyrinth",
-    "spirals",
-    "turing",
-    "figure_eight",
-    "solar_system",
-    "trojans",
-    "collision",
-    "penning_trap",
-    "magnetic_bottle",
-    "butterfly",
-    "vortex_street",
-    "dipole",
-    "double_pendulum",
-    "sixfold_pendulum",
-    "chain",
-    "falling_chain",
-    "curtain",
-    "folds",
-    "knot",
-    "brachistochrone",
-    "cradle",
-    "dominoes",
-    "wrecking_ball",
-    "dzhanibekov",
-    "gyroscope",
-    "galton",
-    "bridge",
-    "letters",
-    "floating_box",
-    "water_wheel",
 )
-"""All demos; the first one is the default."""
+"""All demos, in the order of the eighteen films of the site, from a ball to a wave function."""
+DEFAULT = "cloth"
+"""The demo that is shown if no other is asked for."""
 
 COSTS = "costs.json"
 """File with the measured cost of each demo."""

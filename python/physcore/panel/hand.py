@@ -1,20 +1,26 @@
-"""The hand: a spring from a particle or a rigid body to the pointer."""
+"""The hand: springs from a particle or a rigid body to the pointer."""
 
 from __future__ import annotations
 
 import math
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from physcore.arithmetic import combined
 from physcore.checks import FloatArray, array, count, shown
+from physcore.constraints.links import SpringJoint
 from physcore.errors import SceneError
 from physcore.forces.central import CentralForce
 from physcore.forces.drag import Drag
 from physcore.scene.bodies import Body
+from physcore.scene.rigid import RigidBodies
+from physcore.scene.rotations import planar_rotations, rotation_of, spatial_rotations
 from physcore.scene.scene import Scene
+from physcore.simulation.state import Part
 
 RATE = 25.0
 """Angular frequency of the hand's spring with the mass of what it holds [rad per second of the clock on the wall]."""
@@ -26,7 +32,12 @@ DAMPING = 0.35
 
 @dataclass(frozen=True, eq=False)
 class Hand:
-    """Spring with damping that holds one particle or rigid body."""
+    """Spring with damping that holds one particle or rigid body.
+
+    A hand that turns a rigid body holds it by several points instead, each on a spring to its place in the body as it
+    is to be, with the center at the pointer. Equal masses at these points have the moments of inertia of the body, so
+    that it turns at the frequency at which it follows the pointer.
+    """
 
     body: Body
     """A body of the scene."""
@@ -35,7 +46,11 @@ class Hand:
     pointer: tuple[float, ...]
     """The fixed end of the spring [m]."""
     stiffness: float
-    """Stiffness [N/m]."""
+    """Stiffness, of all springs together [N/m]."""
+    attitude: FloatArray | None = None
+    """Orientation of a rigid body when it was taken hold of, a matrix (D, D); None of a particle."""
+    rotation: FloatArray | None = None
+    """Angle in 2D, shape (1,), or rotation vector in 3D by which a rigid body is turned [rad]; None: it is free."""
 
     @property
     def damping(self) -> float:
@@ -53,6 +68,37 @@ class Hand:
             raise SceneError(f"drag.point: must have {self.body.dimension} components, got {shown(point)}")
         return replace(self, pointer=tuple(place.tolist()))
 
+    def turned(self, rotation: object) -> Hand:
+        """The hand that turns a rigid body by an angle, or a rotation vector, from its orientation at the grab [rad].
+
+        Raises:
+            SceneError: a particle is held, or the rotation is not valid.
+        """
+        if self.attitude is None:
+            raise SceneError(f"turn.rotation: only a rigid body turns, and a {type(self.body).__name__} is held")
+        size = {2: 1, 3: 3}[self.body.dimension]
+        given = array(cast("ArrayLike", rotation), "turn.rotation")
+        if given.size != size:
+            expected = "an angle [rad]" if size == 1 else "a rotation vector of 3 components [rad]"
+            raise SceneError(f"turn.rotation: must be {expected}, got {shown(rotation)}")
+        return replace(self, rotation=given.reshape(size))
+
+    def items(self, *, damped: bool) -> tuple[CentralForce | Drag | SpringJoint, ...]:
+        """The forces or joints of the springs, with or without damping."""
+        held, damping = (self.body, self.index), self.damping if damped else 0.0
+        if self.rotation is None or self.attitude is None:
+            drag = [Drag(damping, on=held)] if damped else []
+            return CentralForce(self.pointer, self.stiffness, 1.0, on=held), *drag
+        rigid = cast("RigidBodies", self.body)
+        points = _grips(rigid)
+        own = rigid.positions[self.index] + combined(points, attitude(rigid, self.index).T)
+        ends = self.pointer + combined(combined(points, self.attitude.T), rotation_of(self.rotation).T)
+        stiffness, damping = self.stiffness / len(points), damping / len(points)
+        return tuple(
+            SpringJoint(held, None, [grip, end], stiffness, damping, rest_length=0.0)
+            for grip, end in zip(own, ends, strict=True)
+        )
+
     def within(self, scene: Scene, before: Scene) -> Hand | None:
         """The hand in a scene that follows another one; None if what it holds is not there any more."""
         name, place = self.body.name, before.index(self.body)
@@ -65,14 +111,20 @@ class Hand:
 
 
 def scene_with(scene: Scene, hand: Hand | None, *, damped: bool) -> Scene:
-    """The scene with the forces of a hand. Its items are those of the scene."""
+    """The scene with the forces or joints of a hand. Its items are those of the scene."""
     if hand is None:
         return scene
-    on = (hand.body, hand.index)
-    forces = (CentralForce(hand.pointer, hand.stiffness, 1.0, on=on), *([Drag(hand.damping, on=on)] if damped else []))
     held = copy(scene)
-    object.__setattr__(held, "forces", (*scene.forces, *forces))
+    for item in hand.items(damped=damped):
+        object.__setattr__(held, item.section, (*getattr(held, item.section), item))
     return held
+
+
+def attitude(rigid: RigidBodies | Part, index: int) -> FloatArray:
+    """Orientation of a rigid body as a matrix (D, D)."""
+    if rigid.positions.shape[1] == 2:
+        return planar_rotations(cast("FloatArray", rigid.angles)[index])
+    return spatial_rotations(cast("FloatArray", rigid.orientations)[index])
 
 
 def grasp(scene: Scene, key: object, places: dict[Body, FloatArray]) -> tuple[Body, int]:
@@ -109,6 +161,17 @@ def chosen_stiffness(body: Body, index: int, dt: float, speed: float) -> float:
     own = float(body.mass[index])
     carried = own if body.network is None else float(body.mass[~body.fixed].sum())
     return min(carried * (RATE / speed) * (RATE / speed), SOFTEST * own / (dt * dt))
+
+
+def _grips(rigid: RigidBodies) -> FloatArray:
+    """Points of a shape, in its coordinates relative to its center of mass [m], shape (2 D, D).
+
+    Two on each axis. Points of equal masses there have the moments of inertia of the body about these axes.
+    """
+    size, _, moment = rigid.shape.properties(rigid.dimension)
+    diagonal = np.full(2, 0.5 * moment) if rigid.dimension == 2 else 0.5 * np.trace(moment) - np.diagonal(moment)
+    reach = np.diag(np.sqrt(rigid.dimension * diagonal / size))
+    return np.concatenate([reach, -reach])
 
 
 def _is_point(key: object) -> bool:

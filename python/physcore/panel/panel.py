@@ -194,6 +194,24 @@ class Panel:
         """
         self.runner.ask(lambda session: session.drag(point))
 
+    def turn(self, rotation: ArrayLike) -> None:
+        """Turn the rigid body that is held, by springs to its orientation at the grab turned by `rotation`.
+
+            panel.grab("wheel")
+            panel.turn(0.5)
+            panel.release()
+
+        The springs hold its center at the pointer too. The change of their energy is work.
+
+        Args:
+            rotation: angle in 2D, rotation vector in 3D [rad]. The torque is largest where the body is a quarter of a
+                turn behind.
+
+        Raises:
+            SceneError: nothing is held, or no rigid body, or the rotation is not valid.
+        """
+        self.runner.ask(lambda session: session.turn(rotation))
+
     def release(self) -> None:
         """Let go of what is held."""
         self.runner.ask(lambda session: session.release())

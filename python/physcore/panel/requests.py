@@ -9,7 +9,7 @@ from typing import Any
 from physcore.checks import number, word
 from physcore.errors import PhyscoreError
 from physcore.panel.artist import Artist, Picture
-from physcore.panel.pointer import moved, picked
+from physcore.panel.pointer import moved, picked, rolled
 from physcore.panel.runner import Runner
 from physcore.panel.session import Session
 
@@ -94,6 +94,17 @@ def _drag(desk: Desk, message: Mapping[str, Any]) -> None:
     desk.runner.urge("drag", drag)
 
 
+def _roll(desk: Desk, message: Mapping[str, Any]) -> None:
+    picture = desk.artist.picture
+    x, y = _pixel(message, picture)
+
+    def roll(session: Session) -> None:
+        if session.hand is not None and session.hand.body.is_rigid:
+            session.turn(rolled(picture, x, y))
+
+    desk.runner.urge("roll", roll)
+
+
 def _release(desk: Desk, message: Mapping[str, Any]) -> None:
     desk.runner.post(lambda session: session.release())
 
@@ -144,6 +155,7 @@ REQUESTS: dict[str, Callable[[Desk, Mapping[str, Any]], None]] = {
     "speed": _speed,
     "grab": _grab,
     "drag": _drag,
+    "roll": _roll,
     "release": _release,
     "frame": _frame,
     "look": _look,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 from physcore.panel.report import Report, energy_row, plan_of
@@ -82,6 +84,7 @@ class Runner:
         self._plan: dict[str, Any] = {}
         self._plan_due = self._audit_due = self._report_due = 0.0
         self._urged: dict[str, Callable[[Session], object]] = {}
+        self._lock = threading.Lock()
         self._urged_due = 0.0
         self._rows: list[list[float]] = []
         self._epoch = 0
@@ -102,6 +105,7 @@ class Runner:
         Raises:
             PhyscoreError: the panel is closed.
         """
+        self._order_urged()
         return self._worker.ask(lambda: self._changed(job))
 
     def read(self, job: Callable[[Session], T]) -> T:
@@ -110,14 +114,17 @@ class Runner:
 
     def post(self, job: Callable[[Session], object]) -> None:
         """Have something done with the session, without waiting; an error goes to the page."""
+        self._order_urged()
         self._worker.post(lambda: self._attempt(job))
 
     def urge(self, kind: str, job: Callable[[Session], object]) -> None:
         """Have something done soon, in place of a request of this kind that still waits; an error goes to the page.
 
-        Such requests come as fast as a mouse moves. Physics spends at most half of its time on them.
+        Such requests come as fast as a mouse moves. Physics spends at most half of its time on them. Other requests are
+        done after those that were urged before: what is held is moved to where the mouse was when it let go.
         """
-        self._urged[kind] = job
+        with self._lock:
+            self._urged[kind] = job
         self._worker.post(lambda: None)  # which wakes the thread
 
     def play(self, *, on: bool) -> None:
@@ -141,6 +148,17 @@ class Runner:
         self._session.speed = speed
         self._rebase(time.perf_counter())
 
+    def _order_urged(self) -> None:
+        """Have what is urged done before any later request."""
+        for job in self._taken_urged():
+            self._worker.post(partial(self._attempt, job))
+
+    def _taken_urged(self) -> list[Callable[[Session], object]]:
+        """Requests that are urged, which then are not urged any more."""
+        with self._lock:
+            urged, self._urged = self._urged, {}
+        return list(urged.values())
+
     def _attempt(self, job: Callable[[Session], object]) -> None:
         """Do a job that may change the session; an error goes to the page."""
         try:
@@ -155,8 +173,7 @@ class Runner:
             return None
         if now < self._urged_due:
             return self._urged_due - now
-        while self._urged:
-            _, job = self._urged.popitem()
+        for job in self._taken_urged():
             self._attempt(job)
         end = time.perf_counter()
         self._urged_due = end + (end - now)

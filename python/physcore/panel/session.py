@@ -10,7 +10,7 @@ from physcore.checks import FloatArray, count, shown, span
 from physcore.errors import PhyscoreError, SceneError
 from physcore.numerics.choices import Options
 from physcore.panel.controls import Control
-from physcore.panel.hand import Hand, chosen_stiffness, grasp, scene_with
+from physcore.panel.hand import Hand, attitude, chosen_stiffness, grasp, scene_with
 from physcore.scene.bodies import Body
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Drift
@@ -105,7 +105,8 @@ class Session:
         body, index = grasp(self.scene, key, places)
         if given is None:
             given = chosen_stiffness(body, index, self.simulation.dt, self.speed)
-        self._replace(self.scene, Hand(body, index, tuple(places[body][index].tolist()), given))
+        turned = attitude(self.simulation[body], index) if body.is_rigid else None
+        self._replace(self.scene, Hand(body, index, tuple(places[body][index].tolist()), given, turned))
 
     def drag(self, point: object) -> None:
         """Move the pointer.
@@ -113,14 +114,30 @@ class Session:
         Raises:
             SceneError: nothing is held, or the point is not valid.
         """
-        if self.hand is None:
-            raise SceneError("drag.point: nothing is held; panel.grab((body, index)) before")
-        self._replace(self.scene, self.hand.at(point))
+        self._replace(self.scene, self._holding("drag.point").at(point))
+
+    def turn(self, rotation: object) -> None:
+        """Turn the rigid body that is held.
+
+        Raises:
+            SceneError: nothing is held, or no rigid body, or the rotation is not valid.
+        """
+        self._replace(self.scene, self._holding("turn.rotation").turned(rotation))
 
     def release(self) -> None:
         """Let go."""
         if self.hand is not None:
             self._replace(self.scene, None)
+
+    def _holding(self, path: str) -> Hand:
+        """The hand, for what needs one.
+
+        Raises:
+            SceneError: nothing is held.
+        """
+        if self.hand is None:
+            raise SceneError(f"{path}: nothing is held; panel.grab((body, index)) before")
+        return self.hand
 
     @property
     def places(self) -> dict[Body, FloatArray]:

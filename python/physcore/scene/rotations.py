@@ -64,3 +64,13 @@ def spatial_rotations(quaternions: FloatArray) -> FloatArray:
         [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
     ]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def rotation_of(vector: FloatArray) -> FloatArray:
+    """Rotation matrix of an angle, shape (1,), or of a rotation vector, shape (3,) [rad]."""
+    if len(vector) == 1:
+        turn: FloatArray = planar_rotations(vector)[0]
+        return turn
+    half = 0.5 * float(lengths(vector))
+    size = float(sin(half)) / (2.0 * half) if half > 0.0 else 0.5
+    return spatial_rotations(np.array([float(cos(half)), *(size * vector)]))

@@ -37,13 +37,19 @@ def between(before: S, after: Snapshot, fraction: float, dt: float, rates: Mappi
     Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
     """
     s, r = fraction, 1.0 - fraction
-    fields = {name: values + s * (after.fields[name] - values) for name, values in before.fields.items()}
+    fields: dict[str, FloatArray] = {}
     for name, rate in rates.items():
         if rate is not None:
             shift = after.fields[name] - before.fields[name]
             v0, v1 = before.fields[rate], after.fields[rate]
             fields[name] = _cubic(before.fields[name], shift, (v0, v1), s, dt)
-            fields[rate] = 6.0 * s * r * (shift / dt) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
+            shift /= dt
+            fields[rate] = _sum((6.0 * s * r, shift), (r * (1.0 - 3.0 * s), v0), (s * (3.0 * s - 2.0), v1))
+    # The order of fields is that of the state.
+    fields = {
+        name: fields[name] if name in fields else values + s * (after.fields[name] - values)
+        for name, values in before.fields.items()
+    }
     if "orientations" in fields:
         fields["orientations"] = _turned(before, after, s, dt)
     return replace(before, fields=fields)
@@ -54,8 +60,20 @@ def _cubic(
 ) -> FloatArray:
     """The cubic Hermite interpolation at a fraction of a step, by its start, its change, and its rates at both ends."""
     r = 1.0 - s
-    value: FloatArray = start + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * rates[0] - s * rates[1])
+    bend = _sum((r, rates[0]), (-s, rates[1]))
+    value = s * s * (3.0 - 2.0 * s) * shift
+    value += start
+    bend *= dt * s * r
+    value += bend
     return value
+
+
+def _sum(*terms: tuple[float, FloatArray]) -> FloatArray:
+    """The sum of coefficients times arrays. Large arrays cost more than the arithmetic, so that there are few."""
+    total, product = terms[0][0] * terms[0][1], np.empty_like(terms[0][1])
+    for coefficient, values in terms[1:]:
+        total += np.multiply(coefficient, values, out=product)
+    return total
 
 
 def _turned(before: Snapshot, after: Snapshot, s: float, dt: float) -> FloatArray:

@@ -32,6 +32,9 @@ pub struct Shading<'a> {
 
 /// Reach of the cubic kernel [samples].
 const REACH: f64 = 2.0;
+/// Values that count as zero, relative to the range of colors. Gaussian tails are below: as numbers of f32 they would be subnormal,
+/// with which processors compute a hundred times slower.
+const NEGLIGIBLE: f64 = 1e-28;
 /// Number of output columns whose samples are gathered at once, so whole cache lines are written.
 const GROUP: usize = 16;
 
@@ -98,8 +101,8 @@ impl Weights {
 }
 
 impl Samples<'_> {
-    /// Values at the pixels, row by row from the top.
-    fn resampled(&self, kernel: fn(f64) -> f64) -> Vec<f32> {
+    /// Values at the pixels, row by row from the top. Values below `least` count as zero.
+    fn resampled(&self, kernel: fn(f64) -> f64, least: f64) -> Vec<f32> {
         let ([columns, rows], [width, height], [x, y]) = (self.cells, self.size, self.corner);
         let across = Weights::new(kernel, columns, width, x, self.step);
         let along = Weights::new(kernel, rows, height, y, -self.step);
@@ -116,7 +119,8 @@ impl Samples<'_> {
                 let (first, weights) = across.of(pixel);
                 for (column, &weight) in (first..).zip(weights) {
                     let cells = &self.values[column * rows + lowest..column * rows + highest];
-                    sums.iter_mut().zip(cells).for_each(|(sum, &value)| *sum += weight * value as f32);
+                    let kept = |value: f64| if value.abs() < least { 0.0 } else { value };
+                    sums.iter_mut().zip(cells).for_each(|(sum, &value)| *sum += weight * kept(value) as f32);
                 }
             }
             for (row, line) in wide.chunks_exact_mut(width).enumerate() {
@@ -140,13 +144,13 @@ impl Samples<'_> {
 pub fn coverage(samples: Samples<'_>) -> Vec<u8> {
     // The edge of the smoothed mask is the isoline of one half, one pixel wide.
     let steepness = (1.0 / samples.step).max(1.0) as f32;
-    let covered = samples.resampled(smooth).into_iter();
+    let covered = samples.resampled(smooth, 0.0).into_iter();
     covered.map(|share| (255.0 * ((share - 0.5) * steepness + 0.5).clamp(0.0, 1.0) + 0.5) as u8).collect()
 }
 
 /// Pixels of a heatmap, row by row from the top. `walls` is the coverage of pixels by walls, and the ink of walls.
 pub fn heatmap(samples: Samples<'_>, shading: &Shading<'_>, walls: Option<(&[u8], Rgb)>) -> Vec<Rgb> {
-    let values = samples.resampled(cubic);
+    let values = samples.resampled(cubic, NEGLIGIBLE * (shading.ends[1] - shading.ends[0]).abs());
     let mut pixels = colors(&values, shading);
     let width = samples.size[0];
     if shading.relief > 0.0 {
@@ -239,11 +243,19 @@ mod tests {
     }
 
     #[test]
+    fn negligible_values_become_zero_and_no_subnormal_numbers() {
+        let values: Vec<f64> = (0..48).map(|cell| if cell < 24 { 1e-40 } else { 1.0 }).collect();
+        let tail = slope(&values, [8, 6], [0.0, 5.0], 1.0).resampled(cubic, NEGLIGIBLE);
+        assert!(tail.iter().all(|value| *value == 0.0 || value.is_normal()), "{tail:?}");
+        assert!(tail.contains(&1.0));
+    }
+
+    #[test]
     fn cells_are_upright_and_a_plane_stays_a_plane() {
         let values = plane();
-        let seen = slope(&values, [8, 6], [0.0, 5.0], 1.0).resampled(cubic);
+        let seen = slope(&values, [8, 6], [0.0, 5.0], 1.0).resampled(cubic, 0.0);
         assert_eq!((seen[0], seen[7], seen[40], seen[47]), (50.0, 57.0, 0.0, 7.0));
-        let fine = slope(&values, [9, 5], [3.0, 3.0], 0.25).resampled(cubic);
+        let fine = slope(&values, [9, 5], [3.0, 3.0], 0.25).resampled(cubic, 0.0);
         for (index, value) in fine.iter().enumerate() {
             let (x, y) = (3.0 + 0.25 * (index % 9) as f32, 3.0 - 0.25 * (index / 9) as f32);
             assert!((value - x - 10.0 * y).abs() < 1e-4, "{index}: {value}");
@@ -254,7 +266,7 @@ mod tests {
     fn coarse_pixels_are_means_of_their_cells() {
         let checkered: Vec<f64> = (0..64 * 64).map(|index| f64::from((index / 64 + index) % 2)).collect();
         let samples = Samples { values: &checkered, cells: [64, 64], size: [4, 4], corner: [19.5, 43.5], step: 8.0 };
-        assert!(samples.resampled(cubic).iter().all(|value| (value - 0.5).abs() < 1e-3));
+        assert!(samples.resampled(cubic, 0.0).iter().all(|value| (value - 0.5).abs() < 1e-3));
     }
 
     #[test]

@@ -4,7 +4,8 @@ class Drawing {
     const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, preserveDrawingBuffer: true});
     if (!gl) throw new Error("no WebGL2");
     Object.assign(this, {gl, canvas, film, turn: STRAIGHT, zoom: [1, 0, 0], programs: {}, buffers: new Map(), pictures: {}});
-    this.fields = gl.getExtension("EXT_color_buffer_float") || gl.getExtension("EXT_color_buffer_half_float");
+    this.numbers = gl.getExtension("EXT_color_buffer_float");
+    this.fields = this.numbers || gl.getExtension("EXT_color_buffer_half_float");
     for (const kind of Object.keys(PROGRAMS)) this.programs[kind] = this.program(...PROGRAMS[kind]);
     this.tracks = film.tracks.map(track => {
       const streams = Object.fromEntries(Object.entries(track.streams || {}).map(([name, spec]) => [name, new Stream(spec, bytes, track.still ? 1 : film.count)]));
@@ -61,7 +62,8 @@ class Drawing {
     entry.data = data;
     gl.uniform1i(this.now.uniforms[name], at);
   }
-  // Draws into a picture beside the canvas, smaller by a factor, and returns the function that ends this.
+  // Draws into a picture beside the canvas, smaller by a factor, and returns the function that ends this. Numbers of 32 bits
+  // have depths too, and are not smoothed.
   beside(name, factor, format) {
     const gl = this.gl, width = Math.max(1, Math.round(this.canvas.width / factor)), height = Math.max(1, Math.round(this.canvas.height / factor));
     const own = this.pictures[name] || (this.pictures[name] = {texture: gl.createTexture(), frame: gl.createFramebuffer()});
@@ -70,11 +72,16 @@ class Drawing {
     gl.bindFramebuffer(gl.FRAMEBUFFER, own.frame);
     if (own.width !== width || own.height !== height) {
       Object.assign(own, {width, height});
-      gl.texImage2D(gl.TEXTURE_2D, 0, format, width, height, 0, gl.RGBA, format === gl.RGBA8 ? gl.UNSIGNED_BYTE : gl.HALF_FLOAT, null);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+      const type = {[gl.RGBA8]: gl.UNSIGNED_BYTE, [gl.RGBA16F]: gl.HALF_FLOAT, [gl.RGBA32F]: gl.FLOAT}[format];
+      gl.texImage2D(gl.TEXTURE_2D, 0, format, width, height, 0, gl.RGBA, type, null);
+      for (const side of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, side, format === gl.RGBA32F ? gl.NEAREST : gl.LINEAR);
       for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, own.texture, 0);
+      if (format === gl.RGBA32F) {
+        gl.bindRenderbuffer(gl.RENDERBUFFER, own.depth || (own.depth = gl.createRenderbuffer()));
+        gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, own.depth);
+      }
     }
     this.wide = width;
     gl.disable(gl.SCISSOR_TEST);
@@ -172,7 +179,7 @@ class Drawing {
       gl.depthMask(true);
       gl.disable(gl.BLEND);
       gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-      const lights = track => track.kind === "halo" || track.kind === "density";
+      const lights = track => ["halo", "density", "liquid"].includes(track.kind);
       for (const track of solid) if (!lights(track)) this.track(track, frame, share);
       gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
       gl.enable(gl.BLEND);
@@ -193,7 +200,7 @@ class Drawing {
   shadows(tracks, {normal, center}, frame, share) {
     const gl = this.gl, n = apply(this.turn, normal), c = apply(this.turn, center);
     if (dot(n, [-0.42, 0.62, 0.66]) < 0.1 || n[2] < 0) return;
-    const casts = track => !track.still && (["line", "triangle", "surface", "solid"].includes(track.kind) || (track.kind === "disc" && track.shading > 0));
+    const casts = track => !track.still && (["line", "triangle", "surface", "solid", "liquid"].includes(track.kind) || (track.kind === "disc" && track.shading > 0));
     const cast = tracks.filter(casts);
     if (!cast.length) return;
     const end = this.beside("shadow", 2, gl.RGBA8);
@@ -244,21 +251,6 @@ class Drawing {
     gl.scissor(...scissor);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
     this.over("exposed", track.panel, frame, {}, () => this.texture(track.id, "table", 1, track.colors, 1, track.fixed("table").at(0), "color"));
-  }
-  draw_liquid(track, frame, share) {
-    const gl = this.gl;
-    if (!this.fields) { this.use("disc", track.panel, track, frame, share); this.draw_disc(track, frame, share); return; }
-    const scissor = gl.getParameter(gl.SCISSOR_BOX), end = this.beside("field", 1, gl.RGBA16F), sizes = track.streams.sizes.real(frame, share);
-    this.use("liquid", track.panel, track, frame, share);
-    gl.blendFunc(gl.ONE, gl.ONE);
-    this.draw_disc(track, frame, share);
-    this.finish();
-    end();
-    gl.scissor(...scissor);
-    gl.generateMipmap(gl.TEXTURE_2D);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
-    const reach = Math.min(Math.max(4 * sizes[0] * this.zoom[0], 1), 64) * this.wide / this.film.size[0];
-    this.over("water", track.panel, frame, {glow: track.glow, blur: Math.log2(2 * reach)});
   }
   draw_line(track, frame, share) {
     const gl = this.gl;

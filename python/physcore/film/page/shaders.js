@@ -14,6 +14,7 @@ uniform vec2 fog;           // share of the background in the farthest color, ha
 uniform vec3 background;
 uniform vec4 plane;         // unit normal and offset of the ground on which shadows fall; 0 without
 const vec3 LAMP = vec3(-0.42, 0.62, 0.66);
+const float NOTHING = -1e29; // above the depth where there is no liquid
 `;
 const PLACING = `
 vec3 between(vec3 one, vec3 other) {
@@ -25,6 +26,7 @@ vec3 turned(vec3 place) {
   vec3 to = turn * place;
   return plane.xyz == vec3(0.0) ? to : to - LAMP * (dot(plane.xyz, to) - plane.w) / dot(plane.xyz, LAMP);
 }
+float deepness(float z) { return eye.w > 0.0 ? 1.0 - 0.1 / max(1.0 - z * eye.w, 0.02) : clamp(-z / (40.0 * fog.y), -1.0, 1.0); }
 // Pixel of the picture, depth of the screen, pixels per unit of length.
 vec4 seen(vec3 to) {
   vec2 at = to.xy;
@@ -33,7 +35,7 @@ vec4 seen(vec3 to) {
     float far = max(1.0 - to.z * eye.w, 0.02);
     scale = eye.x / far;
     at = eye.yz + scale * vec2(to.x, -to.y);
-    depth = eye.w > 0.0 ? 1.0 - 0.1 / far : clamp(-to.z / (40.0 * fog.y), -1.0, 1.0);
+    depth = deepness(to.z);
   }
   return vec4((at - 0.5 * size) * zoom.x + 0.5 * size + zoom.yz, depth, scale * zoom.x);
 }
@@ -53,11 +55,12 @@ vec4 fogged(vec4 ink, vec3 to) {
 `;
 const ROUND = `${COMMON}
 in vec2 corner; in vec3 one, other; in float length_; in vec4 ink;
-flat out vec4 color; flat out float radius; out vec2 from;
+flat out vec4 color; flat out float radius; flat out vec2 ball; out vec2 from;
 ${PLACING}
 void main() {
   vec3 to = turned(between(one, other));
   vec4 at = seen(to);
+  ball = vec2(to.z, length_);
   radius = length_ * at.w * pixel;
   from = corner * (radius + 1.0);
   color = deep ? fogged(ink, to) : ink;
@@ -256,6 +259,69 @@ void main() {
   vec3 shown = sum.rgb / max(sum.a, 1e-4) * deep;
   result = vec4(mix(shown, vec3(1.0), rim), coverage);
 }`;
+// A liquid in 3D, as in rust_core/canvas/src/liquid.rs: the front of its drops, their thickness, and the front smoothed.
+const FRONT = `${COMMON}
+flat in vec4 color; flat in float radius; flat in vec2 ball; in vec2 from; out vec4 result;
+${PLACING}
+void main() {
+  float square = dot(from, from) / (radius * radius);
+  if (square >= 1.0) discard;
+  float z = ball.x + ball.y * sqrt(1.0 - square);
+  result = vec4(color.rgb, z);
+  gl_FragDepth = 0.5 + 0.5 * deepness(z);
+}`;
+const THICK = `${COMMON}
+flat in vec4 color; flat in float radius; in vec2 from; out vec4 result;
+void main() { result = vec4(vec3(color.a), 1.0) * sqrt(max(1.0 - dot(from, from) / (radius * radius), 0.0)) * 1.5 / 3.1415927; }`;
+const CALM = `${COMMON}
+in vec2 at; out vec4 result;
+uniform sampler2D picture;
+uniform vec2 along;
+uniform float reach, range; // of the filter [pixels of the screen], of depths that belong together [m]
+void main() {
+  ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(picture, 0) - 1;
+  vec4 own = texelFetch(picture, here, 0), sum = own;
+  float weights = 1.0;
+  for (float k = 1.0; own.a > NOTHING && k <= reach; k++) {
+    float part = k / (reach + 1.0), weight = (1.0 - part * part) * (1.0 - part * part);
+    for (int side = -1; side <= 1; side += 2) {
+      ivec2 there = here + side * int(k) * ivec2(along);
+      vec4 other = texelFetch(picture, clamp(there, ivec2(0), last), 0);
+      if (abs(other.a - own.a) < range) { sum += weight * other; weights += weight; }
+    }
+  }
+  result = sum / weights;
+}`;
+const SEA = `${COMMON}
+in vec2 at; out vec4 result;
+uniform sampler2D picture, thick, behind;
+uniform float range, steep, ball, glow; // pixels of the screen per meter, and the radius of a drop [pixels]
+uniform vec3 sky;
+${PLACING}
+float gentler(float before, float here, float after) {
+  float p = after - here, q = here - before;
+  bool one = abs(p) < range, other = abs(q) < range;
+  if (one && other) return min(abs(p), abs(q)) > 0.25 * max(abs(p), abs(q)) ? 0.5 * (p + q) : abs(q) < abs(p) ? q : p;
+  return one ? p : other ? q : 0.0;
+}
+float front(ivec2 shift) { return texelFetch(picture, clamp(ivec2(gl_FragCoord.xy) + shift, ivec2(0), textureSize(picture, 0) - 1), 0).a; }
+void main() {
+  vec4 own = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+  if (own.a <= NOTHING) discard;
+  vec4 sum = textureLod(thick, at, log2(max(0.2 * ball, 1.0)));
+  float amount = sum.a, opacity = sum.r / max(sum.a, 1e-4);
+  vec2 slope = -steep * vec2(gentler(front(ivec2(-1, 0)), own.a, front(ivec2(1, 0))), gentler(front(ivec2(0, -1)), own.a, front(ivec2(0, 1))));
+  vec3 normal = normalize(vec3(clamp(slope, -3.0, 3.0), 1.0));
+  float light = dot(normal, LAMP), shining = pow(max(dot(normal, normalize(LAMP + vec3(0.0, 0.0, 1.0))), 0.0), 64.0);
+  float passes = exp(-0.05 * pow(80.0, opacity) * amount);
+  float mirrored = (1.0 - glow) * (0.02 + 0.45 * pow(1.0 - normal.z, 3.0)) * min(amount / 0.2, 1.0), thin = min(0.7 * amount, 1.0);
+  float diffuse = mix(0.62 + 0.12 * (0.5 + 0.5 * normal.y) + 0.38 * light, 1.0, glow);
+  vec2 bent = min(0.35 * amount * ball, 24.0 * pixel) * normal.xy;
+  vec3 seen = texture(behind, (gl_FragCoord.xy - bent) / vec2(textureSize(behind, 0))).rgb;
+  vec3 body = mix(own.rgb * diffuse, seen * pow(max(own.rgb, vec3(0.02)), vec3(0.1 * amount)), passes);
+  result = vec4(mix(body, sky, mirrored) + (1.0 - glow) * 200.0 / 255.0 * shining * thin * thin, min(amount / 0.2, 1.0));
+  gl_FragDepth = 0.5 + 0.5 * deepness(own.a);
+}`;
 // Shadows of everything in 3D on the ground, softened.
 const DIMMED = `${COMMON}
 in vec2 at; out vec4 result;
@@ -291,5 +357,5 @@ const PROGRAMS = {
   disc: [ROUND, DISC], halo: [ROUND, HALO], line: [STRIPE, LINE], triangle: [CORNER, PLAIN], surface: [POINT, LIT], solid: [BODY, LIT],
   grid: [FLAT, FIELD], ground: [FLAT, GROUND], backdrop: [FLAT, GLOW],
   phase: [FLAT, PHASE], density: [ROUND, SPARK], exposed: [FLAT, EXPOSED],
-  liquid: [ROUND, DROP], water: [FLAT, WATER], dimmed: [FLAT, DIMMED],
+  liquid: [ROUND, DROP], water: [FLAT, WATER], front: [ROUND, FRONT], thick: [ROUND, THICK], calm: [FLAT, CALM], sea: [FLAT, SEA], dimmed: [FLAT, DIMMED],
 };

@@ -21,6 +21,8 @@ MOST = 1_500_000_000
 """Largest size of all shapes in memory [bytes]."""
 TYPICAL = 0.5
 """Light at a point of typical density, as of the canvas."""
+GRAINS = 12_000
+"""Largest number of points of a density."""
 TEXELS = 512
 """Longest side of a texture [pixels]."""
 FAR = 8.0
@@ -86,13 +88,10 @@ class Tape:
         self, centers: PixelArray, radii: PixelArray, colors: Inks, sky: Color, depths: PixelArray | None = None,
         scale: float = 0.0, glow: float = 0.0,
     ) -> None:  # fmt: skip
-        """Add the drops of a liquid: in 2D they join, in 3D they are balls, which overlap."""
-        del sky, scale
-        full = opaque(colors[:, :3])
-        if depths is None:
-            self._add_round("liquid", centers, radii, full, None, glow=float(glow))
-        else:
-            self._add_round("disc", centers, (LIQUID * radii).astype(np.float32), full, depths, shading=0.6)
+        """Add the drops of a liquid, which join."""
+        del scale
+        full = opaque(colors[:, :3]) if depths is None else colors
+        self._add_round("liquid", centers, radii, full, depths, glow=float(glow), sky=[*sky])
 
     def lines(self, ends: PixelArray, widths: PixelArray, colors: Inks, depths: PixelArray | None = None) -> None:
         """Add lines with round ends."""
@@ -164,16 +163,17 @@ class Tape:
     def density(
         self, points: PixelArray, table: Inks, strength: float, spread: float, places: FloatArray | None = None
     ) -> None:
-        """Add points that are shown as a density, in 3D with their places (N, 3) [m]. The light of each is relative to
-        the mean density over all points.
+        """Add points that are shown as a density, in 3D with their places (N, 3) [m]. Of many, there is an even selection,
+        with wider light. The light of each is relative to the mean density over all points.
         """
         assert self._view is not None  # `look` comes first
+        each = 1 + len(points) // GRAINS
+        points, places = points[::each], None if places is None else places[::each]
+        spread = max(float(spread), 0.1) * math.sqrt(each)
         deep, known = places is not None, np.isfinite(points).all(axis=1)
         light = strength * TYPICAL / _mean_density(points[known], spread, self._view.middle)
         size = 1.0 / self._view.scale if deep else 1.0
-        track = self._track(
-            "density", deep, table=opaque(table), colors=len(table), spread=max(float(spread), 0.1), size=size
-        )
+        track = self._track("density", deep, table=opaque(table), colors=len(table), spread=spread, size=size)
         found = points if places is None else self._from_eye(places).astype(np.float32)
         arrays: dict[str, NDArray[Any]] = {"places": found[known], "light": np.array([[light]], dtype=np.float32)}
         self._keep(track, arrays)
@@ -331,10 +331,6 @@ class Tape:
         way = ((center - start) @ normal) / (toward @ normal)
         points: list[list[float]] = (start + way[:, np.newaxis] * toward).tolist()
         return points
-
-
-LIQUID = 0.6
-"""Radius of the ball of a drop in 3D, relative to its reach, which is about the spacing: neighbors overlap."""
 
 
 def _mean_density(points: PixelArray, spread: float, middle: tuple[float, float]) -> float:

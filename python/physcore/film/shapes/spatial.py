@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,6 +88,11 @@ def core_of(shape: Shape) -> Iterator[tuple[FloatArray, float]]:
     for part in parts_of(shape, 3):
         points, radius = CORES[type(part.shape)](part.shape)
         yield part.placed(points), radius
+
+
+def reach_of(cores: Iterable[tuple[FloatArray, float]]) -> float:
+    """The largest distance of a point of a shape from its center of mass [m]."""
+    return max(float(np.sqrt((points**2).sum(axis=1)).max()) + radius for points, radius in cores)
 
 
 def ball(radius: float, length: float, scale: float, tones: tuple[float, float]) -> Mesh:

@@ -10,7 +10,7 @@ from physcore.film.camera.view import View
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
 from physcore.film.page.tape import Tape
-from physcore.film.shapes.spatial import Mesh, core_of, mesh_of
+from physcore.film.shapes.spatial import Mesh, core_of, mesh_of, reach_of
 from physcore.film.styles.base import SHADING, inks
 from physcore.scene.rotations import spatial_rotations
 from physcore.scene.solids import Ball, Shape
@@ -28,7 +28,7 @@ class SpatialSolids:
 
     def __init__(self, shape: Shape, theme: Theme, *, marks: bool) -> None:
         self.cores, self._shape, self._theme, self._marks = list(core_of(shape)), shape, theme, marks
-        self.reach = max(float(np.sqrt((points**2).sum(axis=1)).max()) + radius for points, radius in self.cores)
+        self.reach = reach_of(self.cores)
         self._meshes: tuple[float, Mesh] | None = None
 
     def extremes(self, positions: FloatArray, turns: FloatArray) -> FloatArray:

@@ -34,7 +34,7 @@ LIGHT = 300_000
 """Size that it should have [bytes]."""
 POINTS = 600
 """Largest number of points of the curve of energy."""
-PARTS = ("page.html", "page.css", "vectors.js", "shaders.js", "packing.js", "drawing.js", "player.js")
+PARTS = ("page.html", "page.css", "vectors.js", "shaders.js", "packing.js", "drawing.js", "liquids.js", "player.js")
 """The template of a page, and what is put into it: nothing else is loaded."""
 MARK = re.compile(r"@\{([a-z.]+)\}")
 """A place of the template."""
@@ -149,7 +149,8 @@ def _curves(energies: list[list[Energy | None]]) -> list[dict[str, Any]]:
         if not np.isfinite(list(rows.values())).all():
             return []
         curves.append({"frames": some, "unit": known[0].units.symbol("J"), **rows})
-    return curves
+    # Tracers and reactions have none.
+    return curves if any(any(curve["total"]) or any(curve["kinetic"]) for curve in curves) else []
 
 
 def _track(pack: Pack, track: Track, count: int) -> dict[str, Any]:
