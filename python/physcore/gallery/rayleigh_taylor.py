@@ -1,7 +1,7 @@
 """A heavy fluid lies on a light one, sinks into it as a mushroom and rolls up at its rim; pale is fast.
 
-The physics checked: the initial ripple grows nearly as in the linear theory. The energy released by the heavy fluid
-becomes motion and heat of both.
+The physics checked: the initial ripple grows as in the linear theory of viscous fluids. The energy released by the
+heavy fluid becomes motion and heat of both.
 """
 
 from __future__ import annotations
@@ -18,18 +18,27 @@ DENSITIES = (1.0, 1.8)
 """Densities of the light and the heavy fluid [kg/m³]."""
 RIPPLE = 0.04
 """Initial amplitude of the interface [m]; its wavelength is the width of the tank, 1 m."""
+VISCOSITY = 1.5e-3
+"""Kinematic viscosity of both fluids [m²/s]. The particles resolve it, so no artificial one is added."""
 
 DURATION = 6.0
 """Simulated time [s]."""
 
 
 def scene() -> pc.Scene:
-    """Two fluids in a tank of 2 m², with a gravity of 1 m/s²."""
-    spacing, upper = 1 / 64, (1.0, 2.0)
-    cells = pc.block((0.0, 0.0), upper, spacing)
-    above = cells[:, 1] > 1.0 + RIPPLE * np.cos(2.0 * np.pi * cells[:, 0])
+    """Two fluids in a tank of 2 m², with a gravity of 1 m/s².
+
+    The particles form a hexagonal lattice, which is equally stiff in all directions. In a square lattice, rows along
+    the interface have to slip past each other, and the ripple grows by 11 % less in the first second.
+    """
+    across, upper = 64, (1.0, 2.0)
+    rows = round(2.0 / np.sqrt(3.0) * upper[1] * across)
+    row, column = np.divmod(np.arange(rows * across), across)
+    places = np.stack([(column + 0.25 + 0.5 * (row % 2)) / across, (row + 0.5) * upper[1] / rows], axis=1)
+    spacing = float(np.sqrt(upper[0] * upper[1] / len(places)))
+    above = places[:, 1] > 1.0 + RIPPLE * np.cos(2.0 * np.pi * places[:, 0])
     light, heavy = (
-        pc.Fluid(cells[part], spacing, density, name=name)
+        pc.Fluid(places[part], spacing, density, VISCOSITY * density, name=name)
         for part, density, name in zip((~above, above), DENSITIES, ("light", "heavy"), strict=True)
     )
     return pc.Scene(light, heavy, pc.Gravity((0.0, -1.0)), pc.Box((0.0, 0.0), upper))
@@ -57,17 +66,20 @@ def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | 
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """Growth of the ripple in the first second: cosh(√(A g k) t) from rest, with the Atwood number A = 0.8/2.8.
+    """Growth of the ripple in the first second, by a″ + 2νk² a′ = A g k a, from rest; A = 0.8/2.8 is the Atwood number.
 
-    The amplitude a follows from Σ cos(kx) over the heavy fluid, which is −a/2 per area. In the first second, viscosity
-    reduces the exponent by νk² t. Together 2μ/(ρ₁ + ρ₂) and αhc/8 give 0.05, which is 5 % of the growth. The remaining
-    difference is less than twice as large; rows of the particle lattice resist shear until they slip.
+    The amplitude a follows from Σ cos(kx) over the heavy fluid, which is −a/2 per area. The difference of 4 % decreases
+    with the amplitude: it is 1.4 % with three quarters of the ripple in a lattice finer by half.
 
-    Source: G. I. Taylor, Proc. R. Soc. A 201, 192 (1950).
+    Source: G. I. Taylor, Proc. R. Soc. A 201, 192 (1950); with the damping of waves by viscosity, as in R. E. Duff,
+    F. H. Harlow, C. W. Hirt, Phys. Fluids 5, 417 (1962).
     """
     heavy = recordings["fluids"]["heavy"]
     ripple = -np.cos(2.0 * np.pi * heavy.positions[..., 0]).sum(axis=1)
     growth = ripple[np.argmin(abs(heavy.times - 1.0))] / ripple[0]
     light, dense = DENSITIES
-    expected = np.cosh(np.sqrt((dense - light) / (dense + light) * 2.0 * np.pi))
-    return Figure("growth of the ripple in a second", float(growth), float(expected), "by the linear theory", 0.15)
+    wavenumber = 2.0 * np.pi
+    damping = VISCOSITY * wavenumber**2
+    rate = np.sqrt((dense - light) / (dense + light) * wavenumber + damping**2)
+    expected = np.exp(-damping) * (np.cosh(rate) + damping / rate * np.sinh(rate))
+    return Figure("growth of the ripple in a second", float(growth), float(expected), "by the linear theory", 0.05)
