@@ -21,7 +21,7 @@ MOST = 1_500_000_000
 """Largest size of all shapes in memory [bytes]."""
 TYPICAL = 0.5
 """Light at a point of typical density, as of the canvas."""
-GRAINS = 12_000
+GRAINS = 8000
 """Largest number of points of a density."""
 TEXELS = 512
 """Longest side of a texture [pixels]."""
