@@ -16,6 +16,7 @@ from physcore.film.styles.base import Painter
 from physcore.film.styles.charges import Fields
 from physcore.film.styles.equipotentials import contours
 from physcore.film.styles.field_lines import FieldLinesPainter
+from physcore.scene.rotations import rotation_of
 from physcore.simulation.sources import SourceFrame, sources
 
 COULOMB = pc.Coulomb().constant
@@ -41,6 +42,24 @@ def lines(scene: pc.Scene, **options: Any) -> np.ndarray:
     found, frame = painter(scene, pc.styles.FieldLines(**options))
     assert isinstance(found, FieldLinesPainter)
     return found._found(frame, view(scene.dimension))
+
+
+def test_lines_are_kept_while_the_camera_turns_and_found_anew_when_it_zooms_or_shifts():
+    scene = pc.Scene(charges(1.0, -2.0, dimension=3), pc.Coulomb(softening=0.1))
+    found, frame = painter(scene, pc.styles.FieldLines())
+    assert isinstance(found, FieldLinesPainter)
+    target = np.array([0.2, -0.3, 0.1])
+
+    def seen(angle: float, half: float, place: np.ndarray) -> View:
+        axes = rotation_of(np.array([0.3, 0.2, 1.0]) * angle)
+        return View(axes, axes @ place, 200.0 / half, (200.0, 200.0), np.inf, half)
+
+    first = found._found(frame, seen(0.0, 2.0, target))
+    assert all(found._found(frame, seen(angle, 2.0, target)) is first for angle in (0.1, 0.7, 3.0))
+    for other in (seen(3.0, 1.9, target), seen(3.0, 1.9, target + 0.1)):
+        last, lines = found._lines, found._found(frame, other)
+        assert lines is not last
+        np.testing.assert_array_equal(lines, painter(scene, pc.styles.FieldLines())[0]._found(frame, other))
 
 
 @pytest.mark.parametrize(

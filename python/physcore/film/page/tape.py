@@ -21,7 +21,7 @@ MOST = 1_500_000_000
 """Largest size of all shapes in memory [bytes]."""
 TYPICAL = 0.5
 """Light at a point of typical density, as of the canvas."""
-GRAINS = 12_000
+GRAINS = 8000
 """Largest number of points of a density."""
 TEXELS = 512
 """Longest side of a texture [pixels]."""
@@ -163,8 +163,8 @@ class Tape:
     def density(
         self, points: PixelArray, table: Inks, strength: float, spread: float, places: FloatArray | None = None
     ) -> None:
-        """Add points that are shown as a density, in 3D with their places (N, 3) [m]. Of many, there is an even selection,
-        with wider light. The light of each is relative to the mean density over all points.
+        """Add points that are shown as a density, in 3D with their places (N, 3) [m]. Of many there is an even
+        selection, with wider light. The light of each is relative to the mean density over all points.
         """
         assert self._view is not None  # `look` comes first
         each = 1 + len(points) // GRAINS

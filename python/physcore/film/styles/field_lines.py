@@ -26,6 +26,8 @@ CLOSE = 0.6
 """Distance from a charge at which a line ends [steps]."""
 SHORTEST = STEPS // 18
 """Number of steps of the shortest line that is drawn."""
+SAME = 1e-9
+"""Change of the center and the size of the view, relative to its size, that is the rounding of a camera that turns."""
 GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 """The golden angle between successive points on a sphere [rad]."""
 
@@ -87,7 +89,8 @@ class FieldLinesPainter(Painter):
         self._charge = np.concatenate([body.charge for body in self._scene.bodies] or [np.empty(0)])
         if style.field == "magnetic" or not charges:
             self._charge = np.zeros_like(self._charge)
-        self._known: tuple[FloatArray, View] | None = None
+        self._known: tuple[FloatArray, FloatArray] | None = None
+        """Places of the charges, and the center and the reach of the view, for which the lines were found."""
         self._lines: FloatArray = np.empty((0, 0, self._scene.dimension))
 
     @property
@@ -147,15 +150,23 @@ class FieldLinesPainter(Painter):
         canvas.triangles(corners.reshape(-1, 6), ink, None if between is None else between[:, np.newaxis])
 
     def _found(self, frame: SourceFrame, view: View) -> FloatArray:
-        """The lines (L, K, D); those of the previous frame if nothing has changed."""
+        """The lines (L, K, D); those of the previous frame if nothing has changed, or the camera has only turned about
+        the point that it looks at.
+        """
         places = [places_of(body, self._scene, frame) for body in self._scene.bodies]
         charged = np.concatenate(places or [frame.positions])[self._charge != 0.0]
-        still = self._known is not None and np.array_equal(self._known[0], charged) and self._known[1] is view
+        region = np.append(_middle(view), _reach(view))
+        known = self._known
+        kept = (
+            known is not None
+            and np.array_equal(known[0], charged)
+            and np.abs(known[1] - region).max() < SAME * region[-1]
+        )
         changes = any(force.changes for force in self._scene.forces)
-        if changes or not still:
+        if changes or not kept:
             fields = Fields(self._scene, frame)
             self._lines = self._from_charges(fields, charged, view) if len(charged) else self._even(fields, view)
-            self._known = charged, view
+            self._known = charged, region
         return self._lines
 
     def _from_charges(self, fields: Fields, places: FloatArray, view: View) -> FloatArray:
@@ -184,8 +195,7 @@ class FieldLinesPainter(Painter):
         dimension, reach = self._scene.dimension, _reach(view)
         side = int(np.ceil((4.0 * self._style.lines) ** (1.0 / dimension)))
         seeds = np.indices((side,) * dimension).reshape(dimension, -1).T / (0.5 * (side - 1)) - 1.0
-        middle = view.axes.T @ view.center
-        seeds = middle + reach * seeds[np.argsort(np.abs(seeds).max(axis=1), kind="stable")]
+        seeds = _middle(view) + reach * seeds[np.argsort(np.abs(seeds).max(axis=1), kind="stable")]
         none = np.empty((0, dimension))
         ahead, _ = self._followed(fields, seeds, 1.0, none, view)
         behind, _ = self._followed(fields, seeds, -1.0, none, view)
@@ -200,7 +210,7 @@ class FieldLinesPainter(Painter):
 
         Returns the lines (L, STEPS, D), NaN beyond their ends, and the index of the charge at which each ends, or −1.
         """
-        middle, reach = view.axes.T @ view.center, _reach(view)
+        middle, reach = _middle(view), _reach(view)
         step, places = STEP * reach, seeds.copy()
         lines, ended = np.full((len(seeds), STEPS, seeds.shape[1]), np.nan), np.full(len(seeds), -1)
         alive = np.arange(len(seeds))
@@ -244,6 +254,12 @@ class FieldLinesPainter(Painter):
 def _finite(points: FloatArray, otherwise: FloatArray) -> FloatArray:
     """The finite points; elsewhere the points of `otherwise`."""
     return np.where(np.isfinite(points).all(axis=1, keepdims=True), points, otherwise)
+
+
+def _middle(view: View) -> FloatArray:
+    """The point at the center of the view [m]."""
+    middle: FloatArray = view.axes.T @ view.center
+    return middle
 
 
 def _reach(view: View) -> float:
