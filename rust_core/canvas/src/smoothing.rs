@@ -25,7 +25,7 @@ fn blur(from: &[f32], to: &mut [f32], count: usize, stride: usize, reach: usize)
 
 /// One pass of an edge-avoiding filter, over the eight neighbors `step` pixels away. The weights decrease to zero for values that
 /// differ by a range. Passes with steps that are halved, down to one pixel, smooth over twice the first step, alike in all
-/// directions; filters along rows and columns in turn leave streaks at depth steps.
+/// directions. Filters along rows and columns in turn leave streaks at depth steps.
 ///
 /// Source: H. Dammertz, D. Sewtz, J. Hanika and H. Lensch, "Edge-avoiding À-trous wavelet transform for fast global illumination
 /// filtering" (2010).
