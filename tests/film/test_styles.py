@@ -775,3 +775,15 @@ def test_curves_in_one_picture_share_the_words_of_one_scale(tmp_path: Path) -> N
     both = words(pc.styles.Line(on="1", range=0.5), pc.styles.Line(on="2", range=0.7))
     for color in DARK.bodies[:2]:
         assert (np.abs(both.astype(int) - color).max(axis=2) < 12).sum() > 20
+
+
+def test_a_heading_leaves_room_for_the_whole_scale_of_a_curve(tmp_path: Path) -> None:
+    """The lines at both ends of the scale are in the picture, at equal distances from that at zero."""
+    string = pc.Wave(pc.Grid.over(0.0, 1.0, 0.01), speed=1.0, displacement=0.0)
+    texts = {"title": "A string", "subtitle": "Its largest values are in the picture"}
+    options = {"camera": None, "style": pc.styles.Line(range=0.5), "labels": (), **texts}
+    picture = last(pc.Scene(string), tmp_path, 0.05, 20.0, **options).astype(int)
+    across = np.flatnonzero((np.abs(picture - DARK.background).max(axis=2) > 3).mean(axis=1) > 0.8)
+    low, zero, high = across.min(), np.median(across), across.max()
+    assert low < 0.4 * SIZE[1] < zero < high
+    assert abs((high - zero) - (zero - low)) <= 2.0

@@ -33,7 +33,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "dam_break_3d.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress, fluids=METHOD)
-    style, camera = pc.styles.Fluid(surface=True), Orbit(azimuth=-62.0, elevation=22.0)
+    style, camera = pc.styles.Fluid(surface=True), Orbit(-62.0, 22.0, target=(1.2, 0.44, 0.72), extent=2.3)
     pc.film(
         recording,
         path,

@@ -74,4 +74,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     upper, lower = (heights[side][np.argmin(seen[side])] for side in (near & (heights > 0), near & (heights < 0)))
     paths = np.hypot(SCREEN, heights + APART / 2) - np.hypot(SCREEN, heights - APART / 2)
     expected = float(np.interp(waves / 2, paths, heights))
-    return Figure("first dark place on the screen", float(upper - lower) / 2, expected, "by the ways", 0.1, "m")
+    return Figure("first dark place on the screen", float(upper - lower) / 2, expected, "by the ways", 0.1)

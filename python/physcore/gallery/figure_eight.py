@@ -58,4 +58,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     # The position along the chosen direction changes its sign from − to + after half a period.
     back = int(np.flatnonzero((along[1:-1] < 0.0) & (along[2:] >= 0.0))[0]) + 1
     share = along[back] / (along[back] - along[back + 1])
-    return Figure("period", 2.0 * float(stars.times[back] + share / stars.fps), PERIOD, "by Simó", 1e-3, "s")
+    return Figure("period", 2.0 * float(stars.times[back] + share / stars.fps), PERIOD, "by Simó", 1e-3)

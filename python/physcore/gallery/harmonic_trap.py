@@ -48,7 +48,7 @@ def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | No
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=150 / DURATION, dt=0.01, progress=progress)
     style = [pc.styles.Phase(), pc.styles.Points(color="body", size=9.0, trail=DURATION)]
-    camera = Window((-6.8, -4.7), (6.8, 4.7))
+    camera = Window((-8.0, -5.53), (8.0, 5.53))
     pc.film(
         recording,
         path,
@@ -71,4 +71,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     density = recording[atom].density[-1]
     x = float((density.sum(axis=1) * atom.grid.coordinates[0][:, 0]).sum() / density.sum())
     expected = START[0] * math.cos(RATES[0] * float(recording.times[-1]))
-    return Figure("mean position at the end", x, expected, "of a particle", 0.01, "m")
+    return Figure("mean position at the end", x, expected, "of a particle", 0.01)

@@ -1,8 +1,8 @@
-"""Twelve thousand grains of colored sand run through the neck of an hourglass, at a constant rate.
+"""Two thousand grains of colored sand run through the neck of an hourglass, at a constant rate, and form a heap.
 
 The physics checked: the flow does not depend on the height of the sand. Of the contacts of grains at rest, 99 of 100
-are no deeper than a twentieth of a radius. Every grain arrives. `main(path, grains=100_000)` has finer sand, and takes
-twenty-four times as long.
+are no deeper than a twentieth of a radius. Every grain arrives. `main(path, grains=10_000)` has finer sand, and takes
+ten times as long.
 """
 
 from __future__ import annotations
@@ -17,30 +17,30 @@ import physcore as pc
 from physcore.film import Window
 from physcore.gallery.figure import Figure
 
-GRAINS = 12_000
+GRAINS = 2200
 """Approximate number of grains."""
-NECK = 0.26
-"""Width of the neck [m]."""
-WIDTH, HEIGHT, FILL = 1.08, 1.75, 1.5
+NECK = 0.065
+"""Width of the neck [m], some five grains."""
+WIDTH, HEIGHT, FILL = 1.06, 1.2, 0.96
 """Half the width of the glass, depth of the floor below the neck, and height of the sand above it [m]."""
-BEND = 2.1
+BEND = 1.25
 """Radius of the circles that form the glass [m]."""
-SAND = 0.96
+SAND = 0.308
 """Area between the circles that the sand fills [m²]."""
 
 DENSITY, STIFFNESS = 2000.0, 1e6
 """Density of grains [kg/m³, per meter of depth], and stiffness of their contacts [N/m]."""
 RESTITUTION = 0.7
 """Coefficient of restitution between grains."""
-TERMINAL = 2.5
+TERMINAL = 1.6
 """Terminal velocity of a grain in air [m/s]."""
 
-DURATION = 2.2
+DURATION = 4.0
 """Simulated time [s]."""
 
 
 def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
-    """About `grains` grains that run through the neck between two large circles.
+    """About `grains` grains that run through the neck between two circles.
 
     The smallest grain has three quarters of the radius of the largest, so that they do not form a lattice.
     """
@@ -64,10 +64,10 @@ def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
     return pc.Scene(
         *sand,
         pc.Gravity((0.0, -9.81)),
-        pc.SoftSpheres(STIFFNESS, damping, friction=0.5, tangential_damping=damping / 2.0),
+        pc.SoftSpheres(STIFFNESS, damping, friction=0.8, tangential_damping=damping / 2.0),
         pc.Drag(quadratic=mass * 9.81 / TERMINAL**2),
         *(pc.Sphere(tuple(center), BEND, restitution=0.0, friction=0.3) for center in centers),
-        pc.Floor(-HEIGHT, restitution=0.0, friction=0.5),
+        pc.Floor(-HEIGHT, restitution=0.0, friction=0.8),
     )
 
 
@@ -76,18 +76,17 @@ def main(
 ) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(
-        scene(grains), duration=DURATION, fps=50, dt=pc.AutoStep(safety=0.9), precision="f32", progress=progress
+        scene(grains), duration=DURATION, fps=25, dt=pc.AutoStep(safety=0.9), precision="f32", progress=progress
     )
     pc.film(
         recording,
         path,
-        size=(400, 688),
+        size=(400, 520),
         style=pc.styles.Points(color="body"),
-        camera=Window((-WIDTH, -HEIGHT - 0.02), (WIDTH, HEIGHT - 0.15)),
-        speed=0.5,
+        camera=Window((-WIDTH, -HEIGHT - 0.04), (WIDTH, HEIGHT)),
         max_bytes=3_000_000,
         title="An hourglass",
-        subtitle="Twelve thousand grains run out at a constant rate",
+        subtitle="Two thousand grains run out at a constant rate",
         progress=progress,
     )
     return {"sand": recording}

@@ -50,4 +50,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The amount of v at the end, compared with the initial amount plus the supply minus the removal."""
     budget = recordings["dish"].budgets["v"]
     expected = budget.total[0] + budget.supplied[-1] - budget.removed[-1]
-    return Figure("substance at the end", float(budget.total[-1]), float(expected), "from its budget", 1e-4, "m²")
+    return Figure("substance at the end", float(budget.total[-1]), float(expected), "from its budget", 1e-4)

@@ -53,7 +53,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "landslide.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
-    camera = Orbit(azimuth=-72.0, elevation=42.0, target=(0.0, 0.0, 0.13), extent=2.25)
+    camera = Orbit(azimuth=-72.0, elevation=42.0, target=(0.0, 0.0, 0.26), extent=2.55)
     style = pc.styles.Points(color="speed", top=2.5)
     pc.film(
         recording,

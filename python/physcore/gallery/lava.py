@@ -40,8 +40,8 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress, fluids=METHOD)
-    camera = Orbit(azimuth=-40.0, elevation=28.0, target=(-0.05, 0.0, 0.2), extent=2.4)
-    style = pc.styles.Fluid(colormap="ember", top=0.45, opacity=1.0, glow=0.4)
+    camera = Orbit(azimuth=-40.0, elevation=28.0, target=(-0.05, 0.0, 0.34), extent=2.2)
+    style = pc.styles.Fluid(colormap="ember", top=0.45, opacity=1.0, glow=0.8)
     pc.film(
         recording,
         path,

@@ -75,4 +75,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     particles = pc.Scene(pc.Particles(places, velocities), pc.CustomForce(lambda time, x, v: force(x)))
     classical = pc.simulate(particles, duration=DURATION, fps=1 / DURATION, dt=0.005, progress=False)
     expected = float((classical.positions[-1, :, 0] < 0.0).mean())
-    return Figure("probability to come back", back, expected, "of particles", 0.05, "")
+    return Figure("probability to come back", back, expected, "of particles", 0.05)

@@ -59,4 +59,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
         parts = -values[rises] / (values[rises + 1] - values[rises])
         return float(np.diff((rises + parts) / recording.fps)[-1])
 
-    return Figure("time between waves", period(u[:, 40, 100]), period(u[:, 130, 30]), "elsewhere", 0.05, "s")
+    return Figure("time between waves", period(u[:, 40, 100]), period(u[:, 130, 30]), "elsewhere", 0.05)

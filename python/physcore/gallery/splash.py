@@ -51,7 +51,7 @@ def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = No
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress, fluids=METHOD)
     style = pc.styles.Fluid({"pool": "#f7f5ee", "drop": "#e8485f"}, opacity=1.0)
-    camera = Orbit(elevation=24.0, target=(0.0, 0.0, 0.15), extent=0.85)
+    camera = Orbit(elevation=24.0, target=(0.0, 0.0, 0.19), extent=0.9)
     pc.film(
         recording,
         path,
@@ -59,6 +59,7 @@ def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = No
         style=style,
         camera=camera,
         speed=0.125,
+        max_bytes=3_000_000,
         title="A crown of milk",
         subtitle="A drop falls into a layer, which throws up a rim and a jet",
         progress=progress,

@@ -63,4 +63,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     kappa = np.sqrt(2.0 * HEIGHT - k**2 + 0j)
     amplitude = 1.0 / (np.cosh(kappa * THICK) + 1j * (kappa**2 - k**2) / (2.0 * k * kappa) * np.sinh(kappa * THICK))
     expected = float(np.average(np.abs(amplitude) ** 2, weights=np.exp(-2.0 * WIDTH**2 * (k - MOMENTUM) ** 2)))
-    return Figure("probability beyond the barrier", passed, expected, "of plane waves", 0.05, "")
+    return Figure("probability beyond the barrier", passed, expected, "of plane waves", 0.05)

@@ -68,4 +68,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     ]
     fastest = waves[int(np.argmax(rates))]
     measured = math.sqrt(float(np.average(q2, weights=power)))
-    return Figure("wavelength", 2 * math.pi / measured, 2 * math.pi / float(fastest), "of fastest growth", 0.1, "m")
+    return Figure("wavelength", 2 * math.pi / measured, 2 * math.pi / float(fastest), "of fastest growth", 0.1)

@@ -136,6 +136,8 @@ class View:
     """The diameter of the lens [m]."""
     turnable: bool = False
     """Whether the viewer of a page turns it: then objects do not fade with distance, and all have a finite depth."""
+    height: float = 0.0
+    """Height of the rectangle [pixels], of a camera in 2D."""
 
     @property
     def flat(self) -> bool:
@@ -236,9 +238,10 @@ def aim(camera: Still, center: FloatArray, framing: Framing, area: Area) -> View
     width, height, middle = max(right - left, 1.0), max(bottom - top, 1.0), ((left + right) / 2, (top + bottom) / 2)
     if isinstance(camera, Window):
         across, along = np.array(camera.upper) - np.array(camera.lower)
-        return View(camera.axes, center, float(min(width / across, height / along)), middle, math.inf, 1.0)
+        scale = float(min(width / across, height / along))
+        return View(camera.axes, center, scale, middle, math.inf, 1.0, height=height)
     if not isinstance(camera, Orbit):
-        return View(camera.axes, center, framing.scale, middle, math.inf, 1.0)
+        return View(camera.axes, center, framing.scale, middle, math.inf, 1.0, height=height)
     scale = framing.scale if camera.extent is None else min(width, height) / camera.extent
     distance = _distance(camera, framing.size, framing.reach)
     lens = camera.aperture * distance if math.isfinite(distance) else 0.0

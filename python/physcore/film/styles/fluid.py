@@ -63,8 +63,8 @@ class Fluid(BodyStyle):
         surface: whether to draw a common surface. If False, each particle is a disc as wide as its spacing, and in 3D a
             lit ball.
         opacity: opacity in 3D, from 0 (clear water) to 1 (milk); None: 0.35, and 0.9 for chosen colors. With "speed",
-            fast particles are foam, which is more opaque.
-        glow: fraction of its color that the fluid emits, 0 to 1, as lava does.
+            fast particles are foam, which is more opaque. Single drops of a clear fluid are spray: small and white.
+        glow: fraction of its color that the fluid emits, 0 to 1, as lava does; in 3D it lights its surroundings.
         on: as in Style; each body must be a fluid.
 
     Raises:

@@ -128,7 +128,7 @@ class LinePainter(GridPainter):
         theme = self._theme
         places = np.array([[self._grid.origin[0], 0.0], [self._grid.upper[0], 0.0]])
         (left, middle), (right, _) = view.project(places)[0].astype(float).tolist()
-        full = FULL * view.middle[1]
+        full = 0.5 * FULL * view.height
         zero, reach = (middle, full) if self.signed else (middle + full, 2.0 * full)
         if self._potential is not None:
             x, heights = self._curve(self._potential, left, right, smooth=False)

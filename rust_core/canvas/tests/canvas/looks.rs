@@ -212,6 +212,45 @@ fn balls_flow_together_into_a_smooth_surface_that_hides_what_is_behind() {
     assert!(row.iter().all(|value| (value - mean).abs() < 0.1 * mean), "{row:?}");
 }
 
+/// A single drop of clear water is spray: smaller than a drop inside, and white. Milk and drops inside keep their color.
+#[test]
+fn single_drops_of_a_clear_liquid_are_small_and_white() {
+    let drop = |center: [f32; 2], opacity| Drop { center, radius: 8.0, depth: 0.0, color: [200, 40, 40, opacity] };
+    let painted = |opacity: u8, crowd: bool| {
+        let (mut painting, mut canvas) = (Painting::default(), plain(0));
+        painting.begin_liquid(1.0, [0; 3], 0.0);
+        let around = if crowd { 4 } else { 0 };
+        for (i, j) in (0..=around).flat_map(|i: u8| (0..=around).map(move |j: u8| (i, j))) {
+            let [x, y] = [i, j].map(|index| 48.0 + 8.0 * (f32::from(index) - 0.5 * f32::from(around)));
+            painting.drop(drop([x, y], opacity));
+        }
+        painting.paint(&mut canvas);
+        canvas
+    };
+    let blueness = |opacity, crowd| {
+        let color = at(&painted(opacity, crowd), 48, 48).map(f64::from);
+        color[2] / color[0]
+    };
+    assert!(blueness(60, false) > 0.8, "{}", blueness(60, false));
+    assert!(blueness(60, true) < 0.5 && blueness(255, false) < 0.5);
+    let width = (0..SIDE).filter(|&x| at(&painted(255, false), x, 48)[0] > 30).count();
+    assert!((6..14).contains(&width), "{width}"); // two radii of 8 would be 16
+}
+
+#[test]
+fn only_a_liquid_that_glows_lights_its_surroundings() {
+    let beside = |glow: f32| {
+        let (mut painting, mut canvas) = (Painting::default(), plain(0));
+        painting.begin_liquid(1.0, [0; 3], glow);
+        block(4.0, 0.0, &mut painting);
+        painting.paint(&mut canvas);
+        [80, 84, 88].map(|x| at(&canvas, x, 48)[2])
+    };
+    assert_eq!(beside(0.0), [0; 3]);
+    let [near, middle, far] = beside(1.0);
+    assert!(near > middle && middle > far && near > 20, "{:?}", beside(1.0));
+}
+
 #[test]
 fn trails_join_the_times_of_each_thing_and_fade_with_age() {
     let past = [[0.0, 0.0], [0.0, 9.0], [10.0, 0.0], [10.0, 9.0], [20.0, 0.0], [20.0, 9.0]];

@@ -1,13 +1,8 @@
 //! Liquid surfaces in screen space, reconstructed from particles.
 //!
-//! In 2D the drops add up to a field, whose isoline bounds the liquid (metaballs: J. Blinn, "A generalization of algebraic
-//! surface drawing", 1982). The field is wide, so that single drops make no steps in the outline. Where it is thin, drops of
-//! their own size are added: spray is seen.
-//!
-//! In 3D the drops are spheres. Their front is smoothed in screen space by a filter that does not reach across depth steps (N.
-//! Truong and C. Yuksel, "A narrow-range filter for screen-space fluid rendering", 2018). The slope of the front gives the
-//! shading. The thickness of the liquid at each pixel gives the opacity (W. van der Laan, S. Green and M. Sainz, "Screen space
-//! fluid rendering with curvature flow", 2009).
+//! In 2D they are metaballs, in `flat`. In 3D the drops are spheres. Their front is smoothed in screen space by a filter that does
+//! not reach across depth steps. The slope of the front gives the shading. The thickness of the liquid at each pixel gives the
+//! opacity (W. van der Laan, S. Green and M. Sainz, "Screen space fluid rendering with curvature flow", 2009).
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
@@ -18,8 +13,12 @@ use crate::color::{Ink, Rgb};
 use crate::eye::Eye;
 use crate::ink::LAMP;
 use crate::shadow::Caster;
-use crate::smoothing::{blur_plane, narrow_range};
+use crate::smoothing::{avoid_edges, blur_plane};
 use crate::view::opaque;
+
+mod flat;
+mod glow;
+mod spray;
 
 /// Particle of a liquid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,25 +40,8 @@ impl Drop {
 
 /// Depth of an empty pixel: beyond any drop.
 const NOTHING: f32 = 1e30;
-/// Reach of the wide field of a liquid in 2D, over the support of a drop.
-const WIDE: f32 = 1.5;
-/// Isovalue of the edge of a liquid in 2D, as a fraction of the field inside. It is one half at a straight edge; a little less,
-/// so that two liquids leave no gap between them.
-const EDGE: f32 = 0.42;
-/// Isovalue of the edge of a single drop in 2D, which then has a radius of a quarter of its support.
-const SPRAY_EDGE: f32 = 0.36;
-/// Weight of the field of single drops beside the wide field.
-const SPRAY: f32 = 3.0;
-/// Wide field up to which single drops are seen in full; at [`EDGE`] they are not.
-const THIN: f32 = 0.2;
-/// Isovalue at which the lighter rim of a liquid in 2D ends.
-const RIM: f32 = 0.7;
-const RIM_LIGHT: f32 = 0.3;
-/// Depth over which a liquid in 2D darkens inward from its edge, over the support of a drop, and the maximum darkening.
-const DEEP: f32 = 4.0;
-const DARKER: f32 = 0.2;
-/// Thickness below which the edge of a liquid in 3D fades.
-const BRIM: f32 = 0.2;
+/// Thickness of a liquid in 3D at its edge.
+const BRIM: f32 = 0.12;
 /// Optical depth for scattered light of a liquid as thick as the support of a drop: for a clear and for an opaque liquid.
 const SCATTERS: [f32; 2] = [0.05, 4.0];
 /// Exponent of the tint of transmitted light, for a liquid as thick as the support of a drop.
@@ -70,14 +52,21 @@ const BENDS: f32 = 0.35;
 const FARTHEST: f32 = 24.0;
 /// Reach of the color of a drop in 3D, over its support.
 const SMOOTH: f32 = 1.7;
+/// Widest step of the filter of the front, over the support of a drop.
+const WIDEST: f32 = 0.7;
+/// Number of times that the front is filtered, with all steps.
 const ROUNDS: usize = 2;
+/// Maximum step of the filter [pixels].
+const FARTHEST_STEP: usize = 24;
 /// Thickness above which shadows fall on a liquid in 3D instead of on the background seen through it: for a clear and for an
 /// opaque liquid.
 const SHADED: [f32; 2] = [1.2, 0.5 * BRIM];
 /// Blur radius of the thickness of a liquid in 3D, over the support of a drop.
-const SOFT: f32 = 0.3;
+const SOFT: f32 = 0.45;
 /// Maximum blur radius [pixels].
 const FARTHEST_BLUR: usize = 16;
+/// Brightness of the reflected lamp.
+const HIGHLIGHT: f32 = 110.0;
 /// Share of light that a liquid blocks.
 const HELD: f32 = 0.5;
 
@@ -103,6 +92,8 @@ pub struct Liquid {
     inside: Vec<f32>,
     /// Weighted sums of the colors and opacities of the visible drops, and sums of the weights.
     colors: Vec<[f32; 5]>,
+    /// Light of a glowing liquid in 3D on its surroundings, by channel.
+    light: [Vec<f32>; 3],
     scratch: [Vec<f32>; 3],
 }
 
@@ -153,11 +144,15 @@ impl Liquid {
         self.colors.clear();
         self.colors.resize(width * height, [0.0; 5]);
         if self.scale > 0.0 {
+            spray::spray(&mut self.drops);
             self.rows = self.occupied(height);
             self.splat_front();
             self.splat_visible_colors();
             self.smooth();
             self.soften();
+            if self.glow > 0.0 {
+                self.shine();
+            }
         } else {
             self.splat_field();
             self.find_inside();
@@ -199,6 +194,10 @@ impl Liquid {
         for row in band.rows() {
             for column in 0..self.width {
                 let pixel = row * self.width + column;
+                if self.is_deep() && self.glow > 0.0 {
+                    let lit = std::array::from_fn(|channel| f32::from(behind[pixel][channel]) + self.light[channel][pixel]);
+                    band.dot(column as i32, row as i32, opaque(lit), 1.0);
+                }
                 if self.amount[pixel] <= 0.0 {
                     continue;
                 }
@@ -223,30 +222,6 @@ impl Liquid {
         self.drops.clear();
     }
 
-    /// Computes the fields Σ (1 − d²/r²)³ of all drops, over their mean π/4 (r/s)² inside a liquid with drop spacing s. There is a
-    /// wide one, and where that is thin also that of single drops.
-    fn splat_field(&mut self) {
-        const INSIDE: f32 = 0.25 * std::f32::consts::PI * Drop::REACH * Drop::REACH;
-        let Self { drops, amount, colors, width, scratch: [single, ..], .. } = self;
-        single.clear();
-        single.resize(amount.len(), 0.0);
-        for drop in drops.iter() {
-            for_each_pixel(drop, *width, amount.len(), |pixel, square| {
-                single[pixel] += (1.0 - square) * (1.0 - square) * (1.0 - square) / INSIDE;
-            });
-            let wide = Drop { radius: WIDE * drop.radius, ..*drop };
-            for_each_pixel(&wide, *width, amount.len(), |pixel, square| {
-                let share = (1.0 - square) * (1.0 - square) * (1.0 - square) / (INSIDE * WIDE * WIDE);
-                amount[pixel] += share;
-                tint(&mut colors[pixel], drop.color, share);
-            });
-        }
-        for (amount, single) in amount.iter_mut().zip(single.iter()).filter(|(amount, _)| **amount < EDGE) {
-            let alone = EDGE + SPRAY * (single - SPRAY_EDGE);
-            *amount += ((EDGE - *amount) / (EDGE - THIN)).min(1.0) * (alone - *amount).max(0.0);
-        }
-    }
-
     /// Computes the front depth of the union of all spheres, and the sum of their thicknesses over the support.
     fn splat_front(&mut self) {
         let Self { drops, front, amount, width, .. } = self;
@@ -269,24 +244,22 @@ impl Liquid {
             let wide = Drop { radius: SMOOTH * drop.radius, ..*drop };
             for_each_pixel(&wide, *width, front.len(), |pixel, square| {
                 let behind = (drop.depth - front[pixel]) / (2.0 * drop.radius);
-                let share = (1.0 - square) * (1.0 - behind).max(0.001);
+                // Where there is no front, it is far behind; the sums stay finite.
+                let share = (1.0 - square).max(0.0) * (1.0 - behind).clamp(0.001, 1000.0);
                 tint(&mut colors[pixel], drop.color, share);
             });
         }
     }
 
-    /// Smooths the front by a narrow-range filter, with the weights (1 − d²)² over about a drop, along rows and columns in turn.
-    /// Neighbors that differ in depth by more than the range are excluded.
+    /// Smooths the front over about a drop. Neighbors that differ in depth by more than the range are excluded.
     fn smooth(&mut self) {
         let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
-        let reach = (1.5 * mean).clamp(1.0, 32.0);
         self.range = 4.0 * mean;
-        let taps = reach.ceil() as usize;
-        let weights: Vec<f32> = (0..=taps).map(|tap| (1.0 - (tap as f32 / (taps + 1) as f32).powi(2)).powi(2)).collect();
+        let part = self.rows.start * self.width..self.rows.end * self.width;
+        let widest = ((WIDEST * mean) as usize).clamp(1, FARTHEST_STEP);
         for _ in 0..ROUNDS {
-            let part = self.rows.start * self.width..self.rows.end * self.width;
-            for level in [true, false] {
-                narrow_range(&mut self.front[part.clone()], self.width, level, &weights, self.range, &mut self.scratch);
+            for step in std::iter::successors(Some(widest), |step| Some(step / 2)).take_while(|&step| step > 0) {
+                avoid_edges(&mut self.front[part.clone()], self.width, step, self.range, &mut self.scratch);
             }
         }
     }
@@ -296,37 +269,9 @@ impl Liquid {
         let reach = ((SOFT * self.mean_radius()) as usize).clamp(1, FARTHEST_BLUR);
         let (width, [other, ..]) = (self.width, &mut self.scratch);
         let rows = self.rows.start * width..self.rows.end * width;
-        other.clear();
-        other.extend_from_slice(&self.amount[rows.clone()]);
+        other.resize(rows.len(), 0.0);
+        blur_plane(&mut self.amount[rows.clone()], other, width, reach);
         blur_plane(&mut self.amount[rows], other, width, reach);
-    }
-
-    /// Estimates the distance of pixels in a 2D liquid from its edge, by the mean coverage around them.
-    fn find_inside(&mut self) {
-        let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
-        let reach = (DEEP * mean).clamp(1.0, 64.0) as usize;
-        self.inside.clear();
-        self.inside.extend(self.amount.iter().map(|&amount| if amount > EDGE { 1.0 } else { 0.0 }));
-        let (width, [other, ..]) = (self.width, &mut self.scratch);
-        other.clone_from(&self.inside);
-        blur_plane(&mut self.inside, other, width, reach);
-        blur_plane(&mut self.inside, other, width, reach);
-    }
-
-    /// Color and coverage of a pixel in 2D. The edge is one pixel wide. The rim along it is lighter above than below, and the
-    /// interior is darker.
-    fn rimmed(&self, row: usize, column: usize) -> (Ink, f32) {
-        let pixel = row * self.width + column;
-        let [dx, dy] = self.slope(&self.amount, row, column, |_, _| true);
-        let steepness = (dx * dx + dy * dy).sqrt().max(1e-3);
-        let amount = self.amount[pixel];
-        let coverage = (0.5 + (amount - EDGE) / steepness).clamp(0.0, 1.0);
-        let up = 0.5 + 0.5 * dy / steepness;
-        let rim = RIM_LIGHT * (0.25 + 0.75 * up) * ((RIM - amount) / (RIM - EDGE)).clamp(0.0, 1.0);
-        let deep = 1.0 - (1.0 - self.glow) * DARKER * ((self.inside[pixel] - 0.5) / 0.5).clamp(0.0, 1.0);
-        let ([red, green, blue], _) = self.mean(pixel);
-        let lit = |channel: f32| channel * deep + (255.0 - channel * deep) * rim + 0.5;
-        (opaque([lit(red), lit(green), lit(blue)]), coverage)
     }
 
     /// Color and coverage of a pixel in 3D, as the sum of:
@@ -351,7 +296,7 @@ impl Liquid {
         let optical = SCATTERS[0] * (SCATTERS[1] / SCATTERS[0]).powf(opacity) * amount;
         let passes = (-optical).exp();
         let mirrored = (1.0 - self.glow) * (0.02 + 0.45 * (1.0 - nz).powi(3)) * (amount / BRIM).min(1.0);
-        let highlight = (1.0 - self.glow) * 200.0 * shining.powi(64) * (0.7 * amount).min(1.0) * (0.7 * amount).min(1.0);
+        let highlight = (1.0 - self.glow) * HIGHLIGHT * shining.powi(64) * (0.7 * amount).min(1.0) * (0.7 * amount).min(1.0);
         let diffuse = 0.62 + 0.12 * (0.5 - 0.5 * ny) + 0.38 * light;
         let diffuse = diffuse + (1.0 - diffuse) * self.glow;
         let bent = (BENDS * amount * self.mean_radius()).min(FARTHEST);
@@ -361,7 +306,9 @@ impl Liquid {
             let body = f32::from(seen[index]) * tinted * passes + color[index] * diffuse * (1.0 - passes);
             (body + (f32::from(self.sky[index]) - body) * mirrored + highlight).clamp(0.0, 255.0) as u8
         };
-        ([channel(0), channel(1), channel(2), 255], (amount / BRIM).min(1.0))
+        let [dx, dy] = self.slope(&self.amount, row, column, |_, _| true);
+        let steepness = (dx * dx + dy * dy).sqrt().max(1e-3);
+        ([channel(0), channel(1), channel(2), 255], (0.5 + (amount - BRIM) / steepness).clamp(0.0, 1.0))
     }
 
     /// Mean support radius of the drops [pixels].
