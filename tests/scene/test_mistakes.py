@@ -105,3 +105,53 @@ def test_fluid_within_a_body_is_warned_of():
     outside = ~((np.abs(water - (0.4, 0.25)) < (0.1, 0.05)).all(axis=1))
     pc.Scene(pc.Fluid(water[outside], 0.05), raft)
     pc.Scene(pc.Fluid(water, 0.05, obstacles=False), raft)
+
+
+def test_masses_that_contacts_do_not_resolve_are_warned_of():
+    """A light box that bears a heavy one stays where it is up to this ratio, and is thrown about beyond it."""
+    places = [(0.0, 0.1), (0.0, 0.3)]
+    with pytest.warns(pc.SceneWarning, match=r"bodies\['boxes'\]\.mass: one is 1.0e\+12 times .* 1 kg .* fixed="):
+        pc.Scene(pc.RigidBodies(pc.Rectangle(0.2, 0.2), places, mass=(1.0, 1e12), name="boxes"))
+    pc.Scene(pc.RigidBodies(pc.Rectangle(0.2, 0.2), places, mass=(1.0, 1e12), fixed=[1]))
+    boxes = pc.RigidBodies(pc.Rectangle(0.2, 0.2), places, mass=(1.0, 1e9))
+    floor = pc.Floor(restitution=0.0, friction=0.5)
+    recording = pc.simulate(pc.Scene(boxes, floor, pc.Gravity((0.0, -9.81))), 0.5, dt=1 / 240)
+    assert np.abs(recording[boxes].positions - places).max() < 1e-6
+
+
+def net(**options):
+    return pc.cloth(
+        (7, 7),
+        0.1,
+        2000.0,
+        damping=0.5,
+        mass=0.01,
+        origin=(-0.3, -0.3, 0.0),
+        axes=((1, 0, 0), (0, 1, 0)),
+        pinned=("top", "bottom", "left", "right"),
+        name="net",
+        **options,
+    )
+
+
+def test_bodies_smaller_than_the_faces_of_a_cloth_are_warned_of():
+    """The corners of a square of 0.1 m are 0.0707 m from its center: a ball of 0.06 m goes through, unless the
+    particles have a radius for which it does not.
+    """
+    ball = pc.RigidBody(pc.Ball(0.06), (0.05, 0.05, 0.1), density=100.0, name="ball")
+    with pytest.warns(
+        pc.SceneWarning, match=r"bodies\['ball'\]: passes .* room for one of 0.0707 m: .* above 0.0107 m"
+    ):
+        thin = pc.Scene(net(), ball, pc.Gravity((0.0, 0.0, -9.81)))
+    thick = pc.Scene(net(radius=0.03), ball, pc.Gravity((0.0, 0.0, -9.81)))
+    through, held = (pc.simulate(scene, 0.6, dt=1 / 1000)["ball"].positions[-1, 0, 2] for scene in (thin, thick))
+    assert through < -0.2
+    assert held > -0.2
+    pc.Scene(net(), pc.RigidBody(pc.Ball(0.08), (0.0, 0.0, 0.1)))
+
+
+def test_gaps_of_a_soft_body_in_a_plane_are_those_of_its_rim():
+    jelly = pc.soft_body((3, 3), 0.2, 100.0, origin=(0.0, 0.0))
+    with pytest.warns(pc.SceneWarning, match=r"room for one of 0\.1 m"):
+        pc.Scene(jelly, pc.RigidBody(pc.Disc(0.09), (0.0, 3.0)))
+    pc.Scene(jelly, pc.RigidBody(pc.Disc(0.11), (0.0, 3.0)))

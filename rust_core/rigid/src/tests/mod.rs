@@ -6,6 +6,7 @@ mod heap;
 mod joints;
 pub(crate) mod laboratory;
 mod plane;
+mod points;
 mod sleep;
 mod springs;
 mod surfaces;

@@ -14,9 +14,9 @@ impl StepMembers<'_> {
             self.add_thrown(&mut pairs);
         }
         let whole = self.world.state.joints.iter().filter(|joint| !joint.broken && joint.joint.spring().is_none());
-        let ends = whole.map(|joint| {
-            let [one, other] = joint.ends.map(|end| end.min(u32::MAX as usize) as u32);
-            [one.min(other), one.max(other)]
+        let ends = whole.filter_map(|joint| {
+            let [one, other] = [self.place(joint.ends[0])? as u32, self.place(joint.ends[1])? as u32];
+            Some([one.min(other), one.max(other)])
         });
         let mut joined: Vec<[u32; 2]> = ends.collect();
         joined.sort_unstable();
