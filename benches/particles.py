@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from measure import Contender, race, rate, results, speedup
 from rivals.jit import FASTMATH, numba_best
-from rivals.particles import NumpyFalling, NumpyOrbit, Swarm, numba_falling, numba_orbit
+from rivals.particles import NumpyFalling, NumpyOrbit, Swarm, numba_falling, numba_orbit, numba_tallied
 
 import physcore as pc
 from physcore.numerics.choices import Precision
@@ -16,6 +16,8 @@ from physcore.numerics.choices import Precision
 COUNT = 1_000_000
 STEP = 1e-4
 GRAVITY, DRAG = -9.81, 0.1
+FUSED = (1, 4, 8)
+"""Steps that Numba takes in registers."""
 DTYPES: dict[Precision, type[np.floating[Any]]] = {"f64": np.float64, "f32": np.float32}
 
 Maker = Callable[[np.ndarray, np.ndarray, type, float], Swarm]
@@ -41,7 +43,8 @@ def orbiting(count: int) -> pc.Scene:
 def agree(scene: pc.Scene, integrator: pc.Integrator, precision: Precision, make: Maker, steps: int) -> None:
     """Refuse an opponent that does other work: after some steps all are in the same place, to rounding.
 
-    A step rounds x and v a dozen times, by half an ulp each at most.
+    A step rounds x and v a dozen times, by half an ulp each at most. What drag dissipates is a sum over the steps, of
+    order 2 in them, by each in its own way.
     """
     body = scene.bodies[0]
     simulation = pc.Simulation(scene, integrator, dt=STEP, precision=precision, threads=1)
@@ -50,6 +53,8 @@ def agree(scene: pc.Scene, integrator: pc.Integrator, precision: Precision, make
     rival.step(steps)
     rounding = 12 * steps * np.finfo(DTYPES[precision]).eps * max(1.0, np.abs(simulation.positions).max())
     np.testing.assert_allclose(rival.positions(), simulation.positions, rtol=0.0, atol=rounding)
+    if rival.dissipated is not None:
+        np.testing.assert_allclose(rival.dissipated, simulation.energy().dissipated, rtol=DRAG * STEP)
 
 
 def compare(
@@ -59,10 +64,11 @@ def compare(
     precision: Precision,
     numpy_version: Maker,
     numba_versions: dict[str, tuple[Maker, int]],
+    equal_versions: dict[str, tuple[Maker, int]],
 ) -> list[Contender]:
-    """Race all versions of one problem in one precision."""
+    """Race all versions of one problem in one precision; `equal_versions` keep the budget and check for divergence."""
     small, scene = make_scene(3000), make_scene(COUNT)
-    for make, multiple in [(numpy_version, 1), *numba_versions.values()]:
+    for make, multiple in [(numpy_version, 1), *numba_versions.values(), *equal_versions.values()]:
         agree(small, integrator, precision, make, 5 * multiple)
     body, dtype = scene.bodies[0], DTYPES[precision]
 
@@ -78,7 +84,8 @@ def compare(
     compiled = numba_best(rival, numba_versions)
     winner = {name: one for name, one in numba_versions.items() if compiled.name == f"Numba, {name}"}
     numpy = Contender("NumPy, blocks in the cache", rival(numpy_version))
-    contenders = [*ours, compiled, numba_best(rival, winner, 2), numpy]
+    equal = [numba_best(rival, equal_versions)] if equal_versions else []
+    contenders = [*ours, compiled, numba_best(rival, winner, 2), *equal, numpy]
     return results(f"{title}, {COUNT:.0e} particles, 3D, {precision}", "particle-steps", COUNT, race(contenders))
 
 
@@ -93,19 +100,30 @@ def readings() -> Iterator[tuple[str, list[Contender]]]:
         drops = {
             f"{fused} steps fused, {kind}": (fall(numba_falling(fastmath, fused)), fused)
             for kind, fastmath in FASTMATH.items()
-            for fused in (1, 4, 8)
+            for fused in FUSED
+        }
+        tallied = {
+            f"with budget and check, {fused} steps fused, {kind}": (fall(numba_tallied(fastmath, fused)), fused)
+            for kind, fastmath in FASTMATH.items()
+            for fused in FUSED
         }
         yield (
             f"Verlet {precision}",
             compare(
-                "Velocity Verlet, gravity and drag", falling, pc.VelocityVerlet(), precision, fall(NumpyFalling), drops
+                "Velocity Verlet, gravity and drag",
+                falling,
+                pc.VelocityVerlet(),
+                precision,
+                fall(NumpyFalling),
+                drops,
+                tallied,
             ),
         )
     for precision in precisions:
         orbits: dict[str, tuple[Maker, int]] = {kind: (numba_orbit(fastmath), 1) for kind, fastmath in FASTMATH.items()}
         yield (
             f"RK4 {precision}",
-            compare("RK4, inverse-square field", orbiting, pc.RungeKutta4(), precision, NumpyOrbit, orbits),
+            compare("RK4, inverse-square field", orbiting, pc.RungeKutta4(), precision, NumpyOrbit, orbits, {}),
         )
 
 

@@ -22,6 +22,9 @@ Vectors = NDArray[np.float64]
 class Swarm:
     """Particles as one array per component; `step` moves them."""
 
+    dissipated: float | None = None
+    """Energy that drag has dissipated [J]; None where it is not summed."""
+
     def __init__(self, positions: Vectors, velocities: Vectors, dtype: type, h: float) -> None:
         self.x = columns(positions, dtype)
         self.v = columns(velocities, dtype)
@@ -107,6 +110,62 @@ def numba_falling(fastmath: bool, fused: int) -> type[Falling]:
             sweep(*state, tuple(self.g), self.b, self.h, self.half, steps // fused)
 
     return NumbaFalling
+
+
+def numba_tallied(fastmath: bool, fused: int) -> type[Falling]:
+    """A version that does the work of physcore: it sums what drag dissipates in every step, in double precision, and
+    finds at the end of each pass whether a kinetic energy is not finite.
+    """
+
+    @jit(fastmath)
+    def block(x: Any, v: Any, a: Any, g: Any, b: Any, h: Any, half: Any, passes: int, kinetic: Any) -> Any:
+        lost = 0.0
+        for index in range(passes):
+            energy = 0.0
+            for i in range(x.size):
+                xi, vi, ai = x[i], v[i], a[i]
+                power = vi - vi
+                for _step in range(fused):
+                    kick = half * ai
+                    middle = vi + kick
+                    xi += h * middle
+                    ai = g + b * (middle + kick)
+                    vi = middle + half * ai
+                    power += middle * middle
+                x[i], v[i], a[i] = xi, vi, ai
+                lost += power
+                energy += vi * vi
+            kinetic[index] += energy
+        return lost
+
+    @jit(fastmath, parallel=True)
+    def sweep(
+        position: Any, velocity: Any, acceleration: Any, g: Any, b: Any, h: Any, half: Any, passes: int, kinetic: Any
+    ) -> Any:
+        (x, y, z), (u, v, w), (ax, ay, az) = position, velocity, acceleration
+        lost = np.zeros(kinetic.shape[0])
+        for index in prange((x.size + NUMBA_BLOCK - 1) // NUMBA_BLOCK):
+            i, j = index * NUMBA_BLOCK, min((index + 1) * NUMBA_BLOCK, x.size)
+            lost[index] += block(x[i:j], u[i:j], ax[i:j], g[0], b, h, half, passes, kinetic[index])
+            lost[index] += block(y[i:j], v[i:j], ay[i:j], g[1], b, h, half, passes, kinetic[index])
+            lost[index] += block(z[i:j], w[i:j], az[i:j], g[2], b, h, half, passes, kinetic[index])
+        return lost.sum()
+
+    class NumbaTallied(Falling):
+        def __init__(self, *state: Any) -> None:
+            super().__init__(*state)
+            self.dissipated = 0.0
+
+        def step(self, steps: int) -> None:
+            blocks, passes = (self.x[0].size + NUMBA_BLOCK - 1) // NUMBA_BLOCK, steps // fused
+            kinetic = np.zeros((blocks, passes))
+            state = tuple(self.x), tuple(self.v), tuple(self.a)
+            lost = sweep(*state, tuple(self.g), self.b, self.h, self.half, passes, kinetic)
+            self.dissipated = (self.dissipated or 0.0) - float(self.b) * float(self.h) * lost
+            if not np.isfinite(kinetic.sum(axis=0)).all():
+                raise FloatingPointError("a particle has left")
+
+    return NumbaTallied
 
 
 class NumpyOrbit(Swarm):

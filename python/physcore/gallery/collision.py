@@ -70,7 +70,7 @@ def main(path: str | os.PathLike[str] = "collision.gif", progress: bool | None =
     camera = Keyframes(
         {
             0.0: Orbit(10.0, 60.0, target=middle, extent=4.4),
-            DURATION: Orbit(45.0, 50.0, target=middle, extent=10.0),
+            DURATION: Orbit(45.0, 50.0, target=middle, extent=11.5),
         }
     )
     pc.film(

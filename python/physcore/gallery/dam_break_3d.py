@@ -40,6 +40,7 @@ def main(path: str | os.PathLike[str] = "dam_break_3d.gif", progress: bool | Non
         size=(640, 480),
         style=style,
         camera=camera,
+        max_bytes=3_000_000,
         title="A dam breaks in a tank",
         subtitle="The water flows around a ball; white is fast",
         progress=progress,

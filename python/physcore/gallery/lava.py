@@ -49,6 +49,7 @@ def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None
         style=style,
         camera=camera,
         quality="high",
+        max_bytes=3_000_000,
         title="Lava",
         subtitle="It flows around boulders, slows down, and sticks",
         progress=progress,

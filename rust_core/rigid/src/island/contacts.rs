@@ -11,8 +11,8 @@ use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
 use crate::shapes::SolidShape;
 use crate::surface::Friction;
 
-/// Way of two bodies against each other in which their contacts last, over the thickness of the thinner one: what it may add to
-/// overlaps is less than these are.
+/// Way of two bodies against each other in which their contacts last, over the thickness of the thinner one. It adds less to
+/// overlaps than these are.
 const LASTING: f64 = 0.01;
 
 /// Identity of a contact: the two bodies, and the features that touch.

@@ -12,7 +12,7 @@ use crate::shapes::SolidShape;
 use crate::surface::Surface;
 use crate::world::{CenterMotion, FreePoint, WorldJoint};
 
-/// A particle that a joint holds in the middle of a box does not touch it, whichever particles take part beside it: the box
+/// A particle that a joint holds in the middle of a box does not touch it, whichever particles take part beside it. The box
 /// turns on freely, by 1 rad, exactly but for the rounding of 240 steps.
 #[test]
 fn a_joined_particle_does_not_touch_its_body() {

@@ -11,9 +11,8 @@ use crate::splitting::FreeTurns;
 const BLOCK: usize = 64 * LANES;
 
 impl RigidWorld {
-    /// Turns all bodies through a step of `h` seconds, if there is no torque and none of them may touch anything, is joined or
-    /// may sleep;
-    /// returns whether. `motion` gives the motions at the start of the step.
+    /// Turns all bodies through a step of `h` seconds, if none of them may touch anything, is joined or may sleep. Returns
+    /// whether. `motion` gives the motions at the start of the step, which has no torques.
     pub fn turn_apart(&mut self, h: f64, motion: &(impl Fn(usize) -> CenterMotion + Sync), executor: &Executor) -> bool {
         let mut near = std::mem::take(&mut self.near);
         let apart = self.state.joints.is_empty() && !self.may_sleep() && near.keep_apart(self, h, motion, executor);

@@ -7,13 +7,14 @@ mod anchors;
 mod declaration;
 mod fields;
 mod history;
+mod notes;
 mod overlaps;
 mod ties;
 
 use glam::DVec3;
 use physcore_rigid::mover::Mover;
 use physcore_rigid::pose::Pose;
-use physcore_rigid::world::{CenterMotion, ContactSolver, FreePoint, RigidState, RigidWorld, Turn, WORLD};
+use physcore_rigid::world::{CenterMotion, FreePoint, RigidState, RigidWorld, Turn, WORLD};
 
 pub use overlaps::{RigidPose, overlaps};
 
@@ -135,27 +136,9 @@ impl RigidBodies {
 
 impl<V: Space> Constraint<V> for RigidBodies {
     fn about(&self) -> ConstraintProperties {
-        let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
-        let joints = self.world.state.joints.len();
-        let mut notes = vec![counted(self.particles.len(), "rigid body", "rigid bodies")];
-        if joints > 0 {
-            notes.push(counted(joints, "joint", "joints"));
-        }
-        if !self.points.is_empty() {
-            notes.push(format!("{} may meet them", counted(self.points.len(), "particle", "particles")));
-        }
-        if self.world.may_sleep() {
-            notes.push(format!("{} of them may sleep", self.world.sleepers()));
-        }
-        let ContactSolver { substeps, iterations, sequential } = self.world.solver;
-        if self.particles.len() > sequential {
-            let pieces = counted(substeps, "substep", "substeps");
-            let sweeps = counted(iterations, "iteration", "iterations");
-            notes.push(format!("groups of more than {sequential} in {pieces} with {sweeps}"));
-        }
         ConstraintProperties {
             name: "rigid bodies",
-            stages: vec![ConstraintStage { name: "rigid bodies", note: Some(notes.join(", ")), last: true }],
+            stages: vec![ConstraintStage { name: "rigid bodies", note: Some(self.stage_note()), last: true }],
             order: self.order,
             varies: true,
             exact: true,
@@ -172,31 +155,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
     }
 
     fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        if let Some(overlap) = self.overlap.filter(|&overlap| overlap > 0.0) {
-            notes.push(format!(
-                "rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"
-            ));
-        }
-        let RigidState { pushed, retaken, waits, .. } = self.world.state;
-        if pushed != 0.0 {
-            notes.push(format!(
-                "rigid bodies: pushing those apart that overlapped has added {pushed:.2e} J so far, which shows as drift"
-            ));
-        }
-        if retaken > 0 {
-            notes.push(format!(
-                "rigid bodies: {retaken} steps of small groups were taken as those of large ones, because the impulses found would \
-                 have added energy; a smaller dt helps"
-            ));
-        }
-        if waits > 0 {
-            notes.push(format!(
-                "rigid bodies: in {waits} steps bodies were too fast or met too often, and stayed where they were for a part of the \
-                 step; a smaller dt helps"
-            ));
-        }
-        notes
+        self.warnings()
     }
 
     /// Places tied particles, and refuses bodies that overlap at the start.
