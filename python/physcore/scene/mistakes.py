@@ -62,10 +62,9 @@ def _warn_of_shared_places(bodies: Sequence[Body], path: Callable[[Body], str]) 
 
 def _warn_of_masses(rigid: Sequence[RigidBodies], path: Callable[[Body], str]) -> None:
     """Warn if the masses of rigid bodies differ by more than contacts and joints can resolve."""
-    masses = [(float(mass), body) for body in rigid for mass in body.mass[~body.fixed]]
-    if not masses:
-        return
-    (least, light), (most, heavy) = (choose(masses, key=lambda pair: pair[0]) for choose in (min, max))
+    free = [(body.mass[~body.fixed], body) for body in rigid]
+    least, light = min(((masses.min(initial=math.inf), body) for masses, body in free), key=lambda pair: pair[0])
+    most, heavy = max(((masses.max(initial=0.0), body) for masses, body in free), key=lambda pair: pair[0])
     if most > MOST_RATIO * least:
         warn(
             f"{path(heavy)}.mass: one is {most / least:.1e} times that of the lightest body, {least:g} kg in "
@@ -96,8 +95,9 @@ def _radius(body: RigidBodies) -> float:
 
 
 def _widest_gap(mesh: SpringNetwork) -> float:
-    """The radius of the largest ball that fits between the corners of a face at the start, that of the circle through
-    them; in a plane half the length of an edge at the rim [m]. 0 without faces.
+    """The radius of the largest ball that fits between the corners of a face at the start [m]: that of the circle
+    through them, or half of the longest edge if the face is obtuse. In a plane half of an edge at the rim. 0 without
+    faces.
     """
     corners = mesh.positions[mesh.faces]
     edges = np.roll(corners, -1, axis=1) - corners
@@ -107,8 +107,10 @@ def _widest_gap(mesh: SpringNetwork) -> float:
         _, place, count = np.unique(sides, axis=0, return_index=True, return_counts=True)
         return 0.5 * math.sqrt(squares.ravel()[place[count == 1]].max(initial=0.0))
     across = np.cross(edges[:, 0], edges[:, 1])
-    doubled = dots(across, across)  # the square of twice the area
-    return 0.5 * math.sqrt((squares.prod(axis=1)[doubled > 0.0] / doubled[doubled > 0.0]).max(initial=0.0))
+    longest, doubled = squares.max(axis=1, initial=0.0), dots(across, across)  # the square of twice the area
+    obtuse = 2.0 * longest >= squares.sum(axis=1)
+    diameters = np.where(obtuse, longest, squares.prod(axis=1) / np.where(obtuse, 1.0, doubled))
+    return 0.5 * math.sqrt(diameters.max(initial=0.0))
 
 
 def _shared(fluid: Fluid, positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[tuple[np.ndarray, ...]]:
