@@ -20,7 +20,7 @@ TESTED := --locked --workspace --exclude physcore-benches
 UNITS := $(TESTED) --exclude physcore-python
 
 .DEFAULT_GOAL := help
-.PHONY: help check install dev wheels demo docs test test-rust test-python test-portable test-long fuzz edges asan validate tradeoff lint format bench clean
+.PHONY: help check install dev wheels demo docs test test-rust test-python test-portable test-long fuzz mutants edges asan validate tradeoff lint format bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -74,6 +74,9 @@ test-long: $(VENV)/tools.stamp ## run every test with the full number of example
 
 fuzz: $(VENV)/tools.stamp ## call everything with hostile values, CALLS=1000000 times on all cores, and say what was found
 	$(BIN)/python tests/fuzz --calls $(CALLS)
+
+mutants: $(VENV)/tools.stamp ## plant 60 faults into a copy of the engine, and say which of them the contracts do not see
+	$(BIN)/python scripts/mutants
 
 edges: $(VENV)/tools.stamp ## write out/edges.md: what becomes of the edge values of every argument
 	@mkdir -p $(OUT)
