@@ -59,14 +59,16 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
         title: pc.simulate(scene(), DURATION, fps=25, integrator=method, dt=dt, progress=progress)
         for title, (method, dt) in METHODS.items()
     }
+    changes = ", ".join(f"{100.0 * each.energy.drift[-1]:+.0f} %" for each in recordings.values()).replace("-", "−")
     pc.film(
         list(recordings.values()),
         path,
-        size=(960, 344),
+        size=(960, 316),
+        columns=len(recordings),
         style=pc.styles.Surface(texture=stripes()),
-        camera=Orbit(-65.0, 14.0, target=(0.5, 0.2, -0.4), extent=1.5),
+        camera=Orbit(-65.0, 14.0, target=(0.5, 0.1, -0.42), extent=1.65),
         titles=list(recordings),
-        subtitle=f"energy at the end: {', '.join(f'{each.energy.drift[-1]:+.0%}' for each in recordings.values())}",
+        subtitle=f"Change of energy at the end: {changes}",
         quality="high",
         max_bytes=3_000_000,
         title="One curtain, five methods",

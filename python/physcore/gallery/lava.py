@@ -45,7 +45,7 @@ def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None
     pc.film(
         recording,
         path,
-        size=(640, 470),
+        size=(600, 440),
         style=style,
         camera=camera,
         quality="high",
