@@ -165,6 +165,8 @@ def test_a_drag_with_the_shift_key_turns_a_rigid_body(browser):
     with pc.live(lambda: pc.Scene(wheel), dt=1e-3, show=False, size=(320, 240)) as panel:
         page = browser.page(panel.url)
         page.until("Number(panel.dataset.pictures) > 0")
+        hint = "Mouse: drag to pull, Shift and drag to turn a body, wheel to zoom"
+        assert page.evaluate("document.querySelector('.hint').textContent") == hint
         x, y = page.middle(".film canvas")
         for kind, across in (("mousePressed", 0), ("mouseMoved", 60), ("mouseMoved", 120)):
             page.call(

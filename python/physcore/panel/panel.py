@@ -271,13 +271,16 @@ class Panel:
         controls = [
             {"name": name, "kind": control.kind, **control.content()} for name, control in self._controls.items()
         ]
+        scene = self.runner.moment.scene
         hello = {
             "kind": "hello",
             "controls": controls,
             "columns": COLUMNS,
             "themed": "theme" in self._pictures,
             "speed": self.speed,
-            "drags": bool(self.runner.moment.scene.bodies),
+            "drags": bool(scene.bodies),
+            "turns": scene.has_rigid_bodies,
+            "deep": scene.dimension == 3,
         }
         with self._lock:
             report = {} if self._last is None else {**self._last.content(), "rows": list(self._curve), "whole": True}

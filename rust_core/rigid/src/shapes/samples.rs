@@ -3,9 +3,11 @@
 //! A cell that the surface cuts has the volume and the center of its part within the shape, by counting points. All volumes are
 //! scaled, so that their sum is that of the shape: what they displace in a fluid has its volume and center.
 
+use std::ops::Range;
+
 use glam::{DQuat, DVec3};
 
-use super::{Part, ShapeForm, SolidShape};
+use super::{BoundingBox, Part, ShapeForm, SolidShape};
 use crate::pose::Pose;
 
 /// Points per axis in a cell, in 2D and in 3D.
@@ -156,19 +158,12 @@ impl SolidShape {
         inside.fill(false);
         let ShapeForm::ConvexParts(parts) = &self.form else { return };
         let mut crossings: Vec<f64> = Vec::new();
-        for part in &parts.all {
-            if let Some(corners) = part.leaf_corners() {
-                crossings.extend(crossing(corners, row));
-                continue;
-            }
-            let (center, radius) = part.ball;
-            let square = radius * radius - (row.y - center.y) * (row.y - center.y) - (row.z - center.z) * (row.z - center.z);
-            if square >= 0.0 {
-                let half = square.sqrt();
-                let near = along.iter().zip(&mut *inside).filter(|(x, _)| (**x - center.x).abs() <= half);
-                near.for_each(|(&x, inside)| *inside |= part.contains(DVec3::new(x, row.y, row.z)));
-            }
-        }
+        let line =
+            BoundingBox { lower: DVec3::new(f64::NEG_INFINITY, row.y, row.z), upper: DVec3::new(f64::INFINITY, row.y, row.z) };
+        parts.near(&line, &mut |part| match part.leaf_corners() {
+            Some(corners) => crossings.extend(crossing(corners, row)),
+            None => inside[part.chord(row, along)].fill(true),
+        });
         crossings.sort_by(f64::total_cmp);
         for ends in crossings.as_chunks::<2>().0 {
             let within = along.iter().zip(&mut *inside).filter(|(x, _)| (ends[0]..ends[1]).contains(x));
@@ -178,6 +173,39 @@ impl SolidShape {
 }
 
 impl Part {
+    /// Points (x, y, z) of a row along x that are in the part. There is at most one run of them.
+    fn chord(&self, row: DVec3, along: &[f64]) -> Range<usize> {
+        let is_inside = |index: usize| self.contains(DVec3::new(along[index], row.y, row.z));
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut clip = |end: f64, slope: f64| if slope > 0.0 { high = high.min(end) } else { low = low.max(end) };
+        let (center, radius) = self.ball;
+        let half = (radius * radius - (row.y - center.y).powi(2) - (row.z - center.z).powi(2)).max(0.0).sqrt();
+        clip(center.x + half, 1.0);
+        clip(center.x - half, -1.0);
+        // One point is tested faster by itself: the first face that it is beyond is enough.
+        if along.len() > 1 {
+            for (face, normal) in self.normals.iter().enumerate().filter(|(_, normal)| normal.x != 0.0) {
+                clip((self.radius - normal.dot(row - self.corner(face))) / normal.x, normal.x);
+            }
+        }
+        // Rounding has moved the ends by a point or less.
+        let mut first = along.partition_point(|&x| x < low);
+        let mut last = along.partition_point(|&x| x <= high).max(first);
+        while first > 0 && is_inside(first - 1) {
+            first -= 1;
+        }
+        while last < along.len() && is_inside(last) {
+            last += 1;
+        }
+        while first < last && !is_inside(first) {
+            first += 1;
+        }
+        while first < last && !is_inside(last - 1) {
+            last -= 1;
+        }
+        first..last
+    }
+
     /// Whether a point in the frame of the body is in the part. A core with a radius has two vertices at most.
     pub fn contains(&self, point: DVec3) -> bool {
         if point.distance_squared(self.ball.0) > self.ball.1 * self.ball.1 {
@@ -257,6 +285,29 @@ mod tests {
         let samples = shape.samples(size, 0.1, 0.2, 3).unwrap().samples;
         // Two layers of cells.
         assert_eq!(samples.len(), 10 * 10 * 10 - 6 * 6 * 6);
+    }
+
+    #[test]
+    fn rows_of_a_convex_part_are_those_of_its_points() {
+        let along: Vec<f64> = (0..40).map(|index| -1.1 + 0.055 * f64::from(index)).collect();
+        let shapes = [
+            declared("Ball", &[("radius", 0.7)], 3),
+            declared("Cuboid", &[("a", 1.1), ("b", 0.9), ("c", 0.55)], 3),
+            declared("Capsule", &[("length", 0.8), ("radius", 0.3)], 3),
+            declared("Capsule", &[("length", 0.8), ("radius", 0.3)], 2),
+        ];
+        let mut found = 0;
+        for ((shape, _), step) in shapes.iter().flat_map(|shape| (0..400).map(move |step| (shape, step))) {
+            let ShapeForm::ConvexParts(parts) = &shape.form else { unreachable!() };
+            let flat = if parts.all[0].normals.len() == 2 { 0.0 } else { 1.0 };
+            let row = DVec3::new(0.0, -1.0 + 0.1 * f64::from(step % 20), flat * (-1.0 + 0.1 * f64::from(step / 20)));
+            let chord = parts.all[0].chord(row, &along);
+            for (index, &x) in along.iter().enumerate() {
+                assert_eq!(chord.contains(&index), parts.all[0].contains(DVec3::new(x, row.y, row.z)), "{row} {x}");
+            }
+            found += chord.len();
+        }
+        assert!(found > 1000);
     }
 
     #[test]
