@@ -27,9 +27,9 @@ class ContactSolver:
     larger group, and a smaller one after many impacts, takes the step in `substeps` equal parts, in each of which all
     contacts and joints are solved together by `iterations` sweeps. There impacts take place at the ends of parts, and
     what sweeps leave unsolved shows as overlaps and as joints that yield. Its cost grows with the number of contacts
-    only. A step in which a body moves by more than a tenth of the thickness of the thinnest one has several times as
-    many parts. Bodies at rest sink into each other by an overlap that falls with the square of the substeps, which
-    more iterations do not change.
+    only. A step in which a body moves by more than a tenth of the thickness of the thinnest one has at least one part
+    for each such tenth. Bodies at rest sink into each other by an overlap that falls with the square of the substeps,
+    which more iterations do not change.
 
     Args:
         substeps: equal parts of a step of a large group whose bodies are slow, at least 1.

@@ -54,3 +54,22 @@ impl Pose {
         Self { position: self.local_point(other.position), rotation: DMat3::from_cols(columns[0], columns[1], columns[2]) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point at a distance of 1 across the axis moves by the chord of the angle.
+    #[test]
+    fn a_turn_moves_points_by_its_chord() {
+        let before = Pose { position: DVec3::X, rotation: DMat3::from_rotation_y(0.7) };
+        for angle in [0.0, 1e-9, 0.3, 3.0] {
+            let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), angle);
+            let after = Pose { position: DVec3::Y, rotation: turn * before.rotation };
+            let across = DVec3::Y;
+            let chord = (turn * across - across).length();
+            // Entries of matrices are rounded.
+            assert!((after.turn_from(&before) - chord).abs() < 1e-15, "{angle}");
+        }
+    }
+}

@@ -63,3 +63,17 @@ impl Island {
         self.wait(h);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sweeps_share_the_pieces_of_one() {
+        let accuracy = Accuracy::FINE;
+        let pieces = SweepPieces { count: 4, usual: 0.25, accuracy };
+        for sweeps in 1..=MOST_SWEEPS {
+            assert_eq!(pieces.share(1.0 / sweeps as f64), 4_usize.div_ceil(sweeps), "{sweeps}");
+        }
+    }
+}

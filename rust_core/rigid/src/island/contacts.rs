@@ -11,8 +11,8 @@ use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
 use crate::shapes::SolidShape;
 use crate::surface::Friction;
 
-/// Way of two bodies against each other in which their contacts last, over the thickness of the thinner one. It adds less to
-/// overlaps than these are.
+/// Way of two bodies against each other in which their contacts last, over the thickness of the thinner one. It may add as much to
+/// an overlap.
 const LASTING: f64 = 0.01;
 
 /// Identity of a contact: the two bodies, and the features that touch.
@@ -206,4 +206,20 @@ fn seek(loads: &[(ContactKey, ContactImpulse)], place: usize, pair: (u32, u32)) 
     let below = |(key, _): &(ContactKey, ContactImpulse)| (key.0, key.1) < pair;
     let near = loads[place..].iter().take(NEAR).take_while(|load| below(load)).count();
     if near < NEAR { place + near } else { place + loads[place..].partition_point(below) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bodies keep their contacts while they turn or move against each other by no more than a length, and reach no farther.
+    #[test]
+    fn contacts_last_as_long_as_bodies_hardly_move() {
+        let search = ContactSearch { reach: 0.25, between: DVec3::X, turned: 0.5 };
+        let most = 0.125;
+        assert!(search.lasts(DVec3::X, 0.5, (0.25, most)));
+        assert!(search.lasts(DVec3::X + 0.0625 * DVec3::Y, 0.5625, (0.125, most)));
+        assert!(!search.lasts(DVec3::X + 0.0625 * DVec3::Y, 0.625, (0.0, most)));
+        assert!(!search.lasts(DVec3::X + 0.125 * DVec3::Y, 0.5, (0.1875, most)));
+    }
 }
