@@ -70,7 +70,7 @@ def main(path: str | os.PathLike[str] = "wrecking_ball.gif", progress: bool | No
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), DURATION, fps=30, dt=1 / 480, progress=progress)
     style = pc.styles.Solids({"bricks": "#c65d3b", "ball": "#8fa3bd"}, marks=False)
-    camera = Orbit(-60.0, 14.0, target=(0.55, 0.0, 0.95), extent=2.6)
+    camera = Orbit(-60.0, 14.0, target=(0.8, 0.0, 0.85), extent=2.9)
     pc.film(
         recording,
         path,
