@@ -199,7 +199,7 @@ ROWS: dict[str, tuple[Callable[..., dict[str, float]], dict[str, Any]]] = {
     "heap": (cuboids, {"side": 3, "seconds": 2.0}),
     "tumbling": (tumbling, {"count": 2000}),
     "piles": (piles, {"layers": 2, "seconds": 1.0}),
-    "asleep": (asleep, {"count": 50, "seconds": 4.0}),
+    "asleep": (asleep, {"count": 50, "seconds": 8.0}),
 }
 """Rows of the table, and what makes each short."""
 

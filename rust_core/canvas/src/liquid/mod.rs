@@ -67,7 +67,7 @@ const SOFT: f32 = 0.45;
 const FARTHEST_BLUR: usize = 16;
 /// Brightness of the reflected lamp.
 const HIGHLIGHT: f32 = 110.0;
-/// Share of light that a liquid blocks.
+/// Share of light that a liquid blocks; one that glows lights what is in its shadow.
 const HELD: f32 = 0.5;
 
 /// Drops of one frame, and their screen-space buffers, which are reused for the next frame.
@@ -177,10 +177,11 @@ impl Liquid {
 
     /// Shadow casters of the drops in 3D, with the share of light that they block.
     pub(crate) fn casters(&self, eye: Eye) -> impl Iterator<Item = (Caster, f32)> {
+        let share = HELD * (1.0 - self.glow);
         self.drops.iter().filter(|_| self.scale > 0.0).map(move |drop| {
             let depth = drop.depth / self.scale;
             // Smaller than the sphere: otherwise a smooth surface would be in the shadow of its own drops.
-            (Caster::Ball(eye.place(drop.center, depth), 0.5 * drop.radius / eye.magnification(depth)), HELD)
+            (Caster::Ball(eye.place(drop.center, depth), 0.5 * drop.radius / eye.magnification(depth)), share)
         })
     }
 
