@@ -18,10 +18,7 @@ use crate::systems::matter::constraints::Breakage;
 use crate::systems::matter::methods::{Angle, Treatment};
 
 pub use lone::LoneFields;
-
-fn is_magnetic<V: Space>(force: &dyn Force<V>) -> bool {
-    force.about().velocity == VelocityDependence::Gyroscopic
-}
+use sums::is_magnetic;
 
 fn state_view<'a, V: Space>(
     properties: &'a Properties<V>,
@@ -59,7 +56,7 @@ pub struct Dynamics<V: Space> {
     /// Whether there is a magnetic field.
     pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
-    driven: bool,
+    pub driven: bool,
     /// Treatment of springs by the method.
     pub treatment: Treatment,
     /// All springs, rods included, as declared; broken ones have no stiffness. Only for a method that projects or solves.
@@ -110,11 +107,6 @@ impl<V: Space> Dynamics<V> {
     pub fn observe(&mut self, velocity: &Columns<V>) {
         let mut fixed = (0..velocity.count()).filter(|&index| self.properties.is_fixed(index));
         self.driven = fixed.any(|index| velocity.get(index) != V::default());
-    }
-
-    /// Whether a fixed particle has a velocity, so that its constraint force does work.
-    pub fn is_driven(&self) -> bool {
-        self.driven
     }
 
     /// Whether forces depend on velocities, or their powers may.

@@ -69,7 +69,7 @@ impl<'a, V: Space> ConstrainedStep<'a, V> {
         (h, drift): (f64, DriftVelocity),
         executor: &'a Executor,
     ) -> Self {
-        let (walls, driven, predicts) = (dynamics.contacts.as_ref(), dynamics.is_driven(), dynamics.needs_velocities());
+        let (walls, driven, predicts) = (dynamics.contacts.as_ref(), dynamics.driven, dynamics.needs_velocities());
         let (properties, forces) = (&dynamics.properties, dynamics.forces());
         Self { matter, properties, forces, walls, h, drift, driven, predicts, executor }
     }

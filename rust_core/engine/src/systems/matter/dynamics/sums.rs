@@ -3,13 +3,18 @@
 use std::ops::Range;
 
 use super::super::methods::Treatment;
-use super::{Dynamics, is_magnetic};
+use super::Dynamics;
 use crate::error::Result;
-use crate::forces::{Rates, Space, StateView, Strength, VelocityDependence};
+use crate::forces::{Force, Rates, Space, StateView, Strength, VelocityDependence};
 use crate::ledger::{Class, Ledger};
 use crate::math::Real;
 use crate::matter::{Columns, EnergySink, SINKS};
 use crate::simd::{LANES, padded};
+
+/// Whether a force only turns velocities.
+pub(super) fn is_magnetic<V: Space>(force: &dyn Force<V>) -> bool {
+    force.about().velocity == VelocityDependence::Gyroscopic
+}
 
 impl<V: Space> Dynamics<V> {
     /// Sets the forces and powers of one block to those of all terms that are not fused.
