@@ -163,7 +163,7 @@ def wind_of(function):
 def test_wind_blows_on_all_that_has_a_surface():
     """By default on cloth and on rigid bodies; fixed bodies feel none."""
     cloth = pc.cloth((3, 3), 0.1, 50.0, mass=0.01, origin=(0.0, 0.0, 0.0), axes=((0, 1, 0), (0, 0, 1)))
-    box = pc.RigidBodies(pc.Cuboid(0.1, 0.1, 0.1), [(3.0, 0.0, 0.0), (6.0, 0.0, 0.0)], fixed=[False, True])
+    box = pc.RigidBodies(pc.Cuboid(0.2, 0.2, 0.2), [(3.0, 0.0, 0.0), (6.0, 0.0, 0.0)], fixed=[False, True])
     simulation = pc.Simulation(pc.Scene(cloth, box, wind(1.0, 0.0, 0.0)), dt=1e-3)
     simulation.step(5)
     assert (simulation.velocities[:, 0] > 0.0).all()
