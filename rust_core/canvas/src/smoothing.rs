@@ -1,13 +1,16 @@
 //! Smoothing of planes of values, row by row: box means, and a filter that does not reach across steps.
 
-/// Box means of values over `reach` neighbors on each side, along rows and then along columns. `other` is a buffer of equal size.
-pub(crate) fn blur_plane(values: &mut [f32], other: &mut [f32], width: usize, reach: usize) {
+/// Box means of values over `reach` neighbors on each side, along rows and then along columns, and once more. `other` is a buffer.
+pub(crate) fn blur_plane(values: &mut [f32], other: &mut Vec<f32>, width: usize, reach: usize) {
     let height = values.len() / width.max(1);
-    for row in 0..height {
-        blur(&values[row * width..], &mut other[row * width..], width, 1, reach);
-    }
-    for column in 0..width {
-        blur(&other[column..], &mut values[column..], height, width, reach);
+    other.resize(values.len(), 0.0);
+    for _ in 0..2 {
+        for row in 0..height {
+            blur(&values[row * width..], &mut other[row * width..], width, 1, reach);
+        }
+        for column in 0..width {
+            blur(&other[column..], &mut values[column..], height, width, reach);
+        }
     }
 }
 

@@ -238,7 +238,7 @@ void main() {
   float tone = pow(clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0), 1.0 / 2.2);
   result = vec4(texture(table, vec2(tone, 0.5)).rgb, min(tone / 0.3, 1.0));
 }`;
-// A liquid in 2D, as in rust_core/canvas/src/liquid.rs: a field whose isoline bounds it, a lighter rim, a darker interior.
+// A liquid in 2D, as in rust_core/canvas/src/liquid: a field whose isoline bounds it, a lighter rim, a darker interior.
 const DROP = `${COMMON}
 flat in vec4 color; flat in float radius; in vec2 from; out vec4 result;
 void main() {
@@ -259,7 +259,8 @@ void main() {
   vec3 shown = sum.rgb / max(sum.a, 1e-4) * deep;
   result = vec4(mix(shown, vec3(1.0), rim), coverage);
 }`;
-// A liquid in 3D, as in rust_core/canvas/src/liquid.rs: the front of its drops, their thickness, and the front smoothed.
+// A liquid in 3D, as in rust_core/canvas/src/liquid but for the filter, which is by rows and columns here: the front of its drops,
+// their thickness, and the front smoothed.
 const FRONT = `${COMMON}
 flat in vec4 color; flat in float radius; flat in vec2 ball; in vec2 from; out vec4 result;
 ${PLACING}

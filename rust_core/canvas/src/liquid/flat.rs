@@ -55,13 +55,10 @@ impl Liquid {
 
     /// Estimates the distance of pixels in a 2D liquid from its edge, by the mean coverage around them.
     pub(super) fn find_inside(&mut self) {
-        let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
-        let reach = (DEEP * mean).clamp(1.0, 64.0) as usize;
+        let reach = (DEEP * self.mean_radius()).clamp(1.0, 64.0) as usize;
         self.inside.clear();
         self.inside.extend(self.amount.iter().map(|&amount| if amount > EDGE { 1.0 } else { 0.0 }));
         let (width, [other, ..]) = (self.width, &mut self.scratch);
-        other.clone_from(&self.inside);
-        blur_plane(&mut self.inside, other, width, reach);
         blur_plane(&mut self.inside, other, width, reach);
     }
 

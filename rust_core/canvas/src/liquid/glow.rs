@@ -19,8 +19,6 @@ impl Liquid {
             };
             let mut plane: Vec<f32> = (0..self.amount.len()).map(emitted).collect();
             let [other, ..] = &mut self.scratch;
-            other.resize(plane.len(), 0.0);
-            blur_plane(&mut plane, other, width, reach);
             blur_plane(&mut plane, other, width, reach);
             self.light[channel] = plane;
         }

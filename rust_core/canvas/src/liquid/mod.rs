@@ -145,6 +145,10 @@ impl Liquid {
         self.colors.resize(width * height, [0.0; 5]);
         if self.scale > 0.0 {
             spray::spray(&mut self.drops);
+        }
+        let radii = self.drops.iter().map(|drop| drop.radius);
+        self.range = 4.0 * (radii.sum::<f32>() / self.drops.len().max(1) as f32);
+        if self.scale > 0.0 {
             self.rows = self.occupied(height);
             self.splat_front();
             self.splat_visible_colors();
@@ -254,10 +258,8 @@ impl Liquid {
 
     /// Smooths the front over about a drop. Neighbors that differ in depth by more than the range are excluded.
     fn smooth(&mut self) {
-        let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
-        self.range = 4.0 * mean;
         let part = self.rows.start * self.width..self.rows.end * self.width;
-        let widest = ((WIDEST * mean) as usize).clamp(1, FARTHEST_STEP);
+        let widest = ((WIDEST * self.mean_radius()) as usize).clamp(1, FARTHEST_STEP);
         for _ in 0..ROUNDS {
             for step in std::iter::successors(Some(widest), |step| Some(step / 2)).take_while(|&step| step > 0) {
                 avoid_edges(&mut self.front[part.clone()], self.width, step, self.range, &mut self.scratch);
@@ -270,8 +272,6 @@ impl Liquid {
         let reach = ((SOFT * self.mean_radius()) as usize).clamp(1, FARTHEST_BLUR);
         let (width, [other, ..]) = (self.width, &mut self.scratch);
         let rows = self.rows.start * width..self.rows.end * width;
-        other.resize(rows.len(), 0.0);
-        blur_plane(&mut self.amount[rows.clone()], other, width, reach);
         blur_plane(&mut self.amount[rows], other, width, reach);
     }
 
