@@ -85,7 +85,8 @@ impl NearPairs {
         executor: &Executor,
     ) -> bool {
         let (count, boxes, before) = (world.bodies.len(), &self.boxes, self.fastest);
-        if !self.pairs.is_empty() || !self.points.is_empty() || boxes.len() != count + world.walls.len() {
+        let walls_move = world.walls.iter().any(|wall| wall.mover.speed() > 0.0);
+        if walls_move || !self.pairs.is_empty() || !self.points.is_empty() || boxes.len() != count + world.walls.len() {
             return false;
         }
         self.blocks.clear();
@@ -113,10 +114,9 @@ impl NearPairs {
                 }
             }
         });
-        let walls = world.walls.iter().map(|wall| wall.mover.speed()).fold(0.0, f64::max);
         self.fastest = self.blocks.iter().map(|block| block.fastest).fold(0.0, f64::max);
         let holds = |block: &BlockReach| block.holds && h * self.fastest <= block.least;
-        walls == 0.0 && self.blocks.iter().all(holds)
+        self.blocks.iter().all(holds)
     }
 
     /// Bounds the members of pairs; returns whether all members are within their fat boxes.
