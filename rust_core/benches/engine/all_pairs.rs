@@ -4,6 +4,7 @@
 use std::time::Instant;
 
 use glam::DVec3;
+use physcore_benches::CATALOG;
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Item, Scene, Value};
 use physcore_engine::simd::Level;
@@ -43,7 +44,7 @@ fn measure(count: usize, precision: &str, threads: usize) {
         max_energy_growth: 1e6,
         vigilance: Vigilance::Active,
     };
-    let mut simulation = Simulation::new(&cluster(count), &numerics, &SERIAL).expect("the scene is sound");
+    let mut simulation = Simulation::new(&cluster(count), &numerics, CATALOG, &SERIAL).expect("the scene is sound");
     simulation.step(1, 1e-4, &|| false).expect("nothing diverges");
     let pairs = (count * count) as f64;
     let steps = (1e9 / pairs).ceil();

@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use std::cell::RefCell;
 
 use glam::DVec3;
+use physcore_benches::CATALOG;
 use physcore_engine::forces::springs::Spring;
 use physcore_engine::math::Real;
 use physcore_engine::parallel::SERIAL;
@@ -184,7 +185,7 @@ fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Item>) -> Si
         max_energy_growth: 1e6,
         vigilance: Vigilance::Active,
     };
-    Simulation::new(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics, &SERIAL)
+    Simulation::new(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics, CATALOG, &SERIAL)
         .expect("the scene is sound")
 }
 

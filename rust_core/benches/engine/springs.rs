@@ -4,9 +4,11 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use physcore_engine::forces::springs::{Spring, Springs, ordering};
-use physcore_engine::forces::{Force, Rates, StateView};
-use physcore_engine::math::{Real, Vector};
+use physcore_benches::CATALOG;
+use physcore_engine::catalog::Space;
+use physcore_engine::forces::springs::Spring;
+use physcore_engine::forces::{Rates, StateView};
+use physcore_engine::math::Real;
 use physcore_engine::matter::{Columns, Properties, SINKS, View};
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::simd::{LANES, padded};
@@ -42,14 +44,14 @@ fn shuffled(count: usize) -> Vec<u32> {
     numbers
 }
 
-fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuffle: bool) {
+fn bench<V: Space>(criterion: &mut Criterion, columns: usize, rows: usize, shuffle: bool) {
     let count = columns * rows;
     let mut springs = cloth(columns, rows);
     let mut engine_index: Vec<u32> = (0..count as u32).collect();
     if shuffle {
         engine_index = shuffled(count);
         springs.iter_mut().for_each(|spring| spring.ends = spring.ends.map(|end| engine_index[end as usize]));
-        let order = ordering(&springs, count).expect("a shuffled cloth can be ordered");
+        let order = CATALOG.forces.order(&springs, count).expect("a shuffled cloth can be ordered");
         let mut new = vec![0; count];
         order.iter().enumerate().for_each(|(index, &old)| new[old as usize] = index as u32);
         springs.iter_mut().for_each(|spring| spring.ends = spring.ends.map(|end| new[end as usize]));
@@ -72,7 +74,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
         time: 0.0,
         executor: &SERIAL,
     };
-    let force = Springs::<V>::new(&springs, count);
+    let force = V::forces(CATALOG).springs(&springs, count);
     let mut sum = Columns::<V>::zeros(count);
     let mut power = [[0.0; LANES]; SINKS];
     let mut group = criterion.benchmark_group(format!("{columns}x{rows}"));

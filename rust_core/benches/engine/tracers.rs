@@ -3,6 +3,7 @@
 
 use std::time::Instant;
 
+use physcore_benches::CATALOG;
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Array, Item, Scene, Value};
 use physcore_engine::simd::Level;
@@ -31,7 +32,7 @@ fn measure(count: usize, integrator: &str, precision: &str, steps: u64) {
         vigilance: Vigilance::Active,
     };
     let scene = Scene { dimension: 3, systems: vec![cloud(count)], ..Scene::default() };
-    let mut simulation = Simulation::new(&scene, &numerics, &SERIAL).expect("the scene is sound");
+    let mut simulation = Simulation::new(&scene, &numerics, CATALOG, &SERIAL).expect("the scene is sound");
     simulation.step(steps, 0.002, &|| false).expect("nothing diverges");
     let best = (0..TURNS).map(|_| {
         let start = Instant::now();

@@ -4,6 +4,7 @@
 use std::time::Instant;
 
 use glam::DVec3;
+use physcore_benches::CATALOG;
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Array, Item, Scene, Value};
 use physcore_engine::simd::Level;
@@ -53,7 +54,7 @@ fn measure(cells: usize, precision: &str, varying: bool, threads: usize, steps: 
         vigilance: Vigilance::Active,
     };
     let scene = Scene { dimension: 2, systems: vec![plane(cells, varying)], ..Scene::default() };
-    let mut simulation = Simulation::new(&scene, &numerics, &SERIAL).expect("the scene is sound");
+    let mut simulation = Simulation::new(&scene, &numerics, CATALOG, &SERIAL).expect("the scene is sound");
     simulation.step(steps, 0.6, &|| false).expect("nothing diverges");
     let best = (0..TURNS).map(|_| {
         let (start, busy) = (Instant::now(), cpu_time());

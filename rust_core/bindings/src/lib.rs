@@ -10,6 +10,7 @@ mod elementary;
 mod errors;
 mod gif;
 mod hull;
+mod laws;
 mod methods;
 mod record;
 mod scene;

@@ -21,6 +21,7 @@ use pyo3::types::PyDict;
 
 use crate::callback::PythonFunction;
 use crate::errors::{FileError, InternalError, PhyscoreError, SceneError, exception};
+use crate::laws::CATALOG;
 use crate::record::Reader;
 use crate::scene;
 
@@ -243,7 +244,7 @@ impl World {
         let (dimension, calls_back) = (scene.dimension, !functions.is_empty());
         let threads = numerics.threads().map_err(|error| exception(py, error))?;
         let things = scene.rows();
-        let build = move |executor: &Executor| Simulation::new(&scene, &numerics, executor);
+        let build = move |executor: &Executor| Simulation::new(&scene, &numerics, CATALOG, executor);
         let inner = without_gil(py, || {
             Ok(if things < FEW && !calls_back { build(&SERIAL) } else { attend(threads, &interrupted, build)? }?)
         })?;

@@ -19,4 +19,4 @@ pub use physcore_base::{
     adjacency, aligned, columns, error, grid, history, integrators, ledger, math, memory, parallel, plan, scene, simd, solvers,
     stability, tally, with_integrator,
 };
-pub use physcore_forces::{boundaries, fluids, forces, matter, neighbors, particles};
+pub use physcore_matter::{boundaries, catalog, forces, matter, neighbors};

@@ -13,6 +13,7 @@ pub use checkpoint::Checkpoint;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+use crate::catalog::Catalog;
 use crate::error::{Error, Result};
 use crate::forces::Mach;
 use crate::ledger::Ledger;
@@ -113,14 +114,15 @@ const SHORT: f64 = 2e-3;
 const WORTH_SHARING: f64 = 2e-4;
 
 impl Simulation {
-    /// Compiles a scene.
+    /// Compiles a scene with the laws of a catalog.
     ///
     /// # Errors
     /// If the scene or the numerics are invalid or do not fit into memory, or on an interrupt.
-    pub fn new(scene: &Scene, numerics: &Numerics, executor: &Executor) -> Result<Self> {
+    pub fn new(scene: &Scene, numerics: &Numerics, catalog: Catalog, executor: &Executor) -> Result<Self> {
         Level::check()?;
         let threads = numerics.threads()?;
-        let system = systems::build(scene, &numerics.integrator, &numerics.integrators, &numerics.precision, executor)?;
+        let system =
+            systems::build(scene, (&numerics.integrator, &numerics.integrators), &numerics.precision, catalog, executor)?;
         let hints = system.hints();
         // An unconditionally unstable method may gain energy without limit; it serves to demonstrate the instability.
         let growth = if hints.gains_energy { f64::INFINITY } else { numerics.max_energy_growth };

@@ -9,6 +9,7 @@ pub mod tracers;
 
 use std::collections::BTreeMap;
 
+use crate::catalog::Catalog;
 use crate::error::{Error, Result};
 use crate::integrators::{first_order, with_integrator};
 use crate::parallel::{Executor, SERIAL};
@@ -26,14 +27,14 @@ use tracers::coupling::VortexCoupling;
 /// If the scene or the numerics are invalid or do not fit into memory, or on an interrupt.
 pub fn build(
     scene: &Scene,
-    method: &Item,
-    methods: &BTreeMap<String, Item>,
+    (method, methods): (&Item, &BTreeMap<String, Item>),
     precision: &str,
+    catalog: Catalog,
     executor: &Executor,
 ) -> Result<Box<dyn System>> {
     let mut parts = Vec::new();
     if !scene.bodies.is_empty() || scene.systems.is_empty() {
-        parts.push(SystemPart { name: String::new(), system: matter::build(scene, method, precision, executor)? });
+        parts.push(SystemPart { name: String::new(), system: matter::build(scene, method, precision, catalog, executor)? });
     }
     let own = |item: &Item| methods.get(item.name.as_ref().unwrap_or(&item.path)).unwrap_or(method);
     let mut couplings: Vec<Box<dyn Coupling>> = Vec::new();
@@ -65,10 +66,10 @@ pub const BODIES: &str = "bodies";
 
 /// Whether a method can advance items of a kind: a kind of system, or [`BODIES`]. [`build`] refuses other methods; what else is
 /// in a scene can exclude more.
-pub fn advances(kind: &str, method: &Item) -> bool {
+pub fn advances(kind: &str, method: &Item, catalog: Catalog) -> bool {
     let name = method.kind.as_str();
     match kind {
-        BODIES => matter::build(&Scene { dimension: 2, ..Scene::default() }, method, "f64", &SERIAL).is_ok(),
+        BODIES => matter::build(&Scene { dimension: 2, ..Scene::default() }, method, "f64", catalog, &SERIAL).is_ok(),
         "Wave" => wave::advances(name),
         "Schrodinger" => schrodinger::METHODS.contains(&name),
         "ReactionDiffusion" | "Tracers" | "PointVortices" => first_order::NAMES.contains(&name),
@@ -79,7 +80,7 @@ pub fn advances(kind: &str, method: &Item) -> bool {
 /// Builds the system that an item declares, by a method; tracers perhaps in the flow of another item. Registry of systems.
 fn declared(item: &Item, flow: Option<&Item>, method: &Item, precision: &str, _executor: &Executor) -> Result<SystemPart> {
     let system = match item.kind.as_str() {
-        kind @ "Wave" if !advances(kind, method) => Err(unknown_integrator(method)),
+        "Wave" if !wave::advances(&method.kind) => Err(unknown_integrator(method)),
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
         "ReactionDiffusion" => reaction_diffusion::build(item, method, precision),
         "Schrodinger" => schrodinger::build(item, method, precision),

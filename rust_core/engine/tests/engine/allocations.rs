@@ -8,6 +8,8 @@ use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Array, Body, Item, PARTICLES, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
+use crate::CATALOG;
+
 fn rope(springs: bool) -> Body {
     let count = 40;
     let spring = |index: u32| Spring { ends: [index, index + 1], stiffness: 100.0, damping: 0.1, rest_length: 0.1 };
@@ -59,7 +61,7 @@ fn steps_allocate_nothing() {
                 max_energy_growth: 1e6,
                 vigilance: Vigilance::OutOfRange,
             };
-            let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
+            let mut world = Simulation::new(&scene, &numerics, CATALOG, &SERIAL).unwrap();
             world.step(10, 1e-3, &|| false).unwrap();
             let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 1e-3, &|| false).unwrap()));
             // A step may end with an audit, which lists the names of the forces.
@@ -118,7 +120,7 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
         max_energy_growth: 1e6,
         vigilance: Vigilance::OutOfRange,
     };
-    let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
+    let mut world = Simulation::new(&scene, &numerics, CATALOG, &SERIAL).unwrap();
     world.step(200, 5e-4, &|| false).unwrap();
     let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 5e-4, &|| false).unwrap()));
     // As above, for the audit.
@@ -152,7 +154,7 @@ fn steps_on_grids_allocate_nothing() {
             max_energy_growth: 1e6,
             vigilance: Vigilance::OutOfRange,
         };
-        let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
+        let mut world = Simulation::new(&scene, &numerics, CATALOG, &SERIAL).unwrap();
         world.step(40, 0.5, &|| false).unwrap();
         for steps in [1, 40] {
             let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(steps, 0.5, &|| false).unwrap()));

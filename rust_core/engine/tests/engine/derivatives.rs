@@ -1,12 +1,15 @@
 //! Derivatives of forces for implicit methods, compared with differences of the forces themselves.
 
 use glam::{DVec2, DVec3};
+use physcore_engine::catalog::Space;
 use physcore_engine::forces::derivatives::{MatrixBlock, Motion, Push};
-use physcore_engine::forces::{self, Rates, Space, StateView};
+use physcore_engine::forces::{self, Rates, StateView};
 use physcore_engine::matter::{Columns, Power, Properties, SINKS, View};
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Array, Body, Item, Scene, Value};
 use physcore_engine::simd::{LANES, padded};
+
+use crate::CATALOG;
 
 /// Step of differences: with forces of about 1 their errors are δ² and ε/δ, 1e-11 and 4e-11.
 const STEP: f64 = 5e-6;
@@ -63,7 +66,7 @@ impl<V: Space<Scalar = f64>> Laboratory<V> {
         let mut properties = Properties::<V>::new(vec![1.0; 12]);
         properties.radius = vec![0.6; 12];
         properties.origin = DVec3::new(0.5, -0.3, 0.0);
-        let built = V::forces(&scene, &scene.forces[0], &properties, &SERIAL).unwrap();
+        let built = V::forces(CATALOG).build(&scene, &scene.forces[0], &properties, &SERIAL).unwrap();
         let force = built.into_iter().next_back().unwrap();
         let position = scene.bodies[0].positions.iter().map(|&x| x - properties.origin).collect();
         Self { force, properties, position, velocity: vectors(&mut 11, 12, V::DIMENSION, speed) }

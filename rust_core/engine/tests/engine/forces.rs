@@ -3,13 +3,16 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
+use physcore_engine::catalog::Space;
 use physcore_engine::error::Error;
-use physcore_engine::forces::{Space, StateView, Validity};
+use physcore_engine::forces::{StateView, Validity};
 use physcore_engine::matter::{Columns, Properties, View};
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Item, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 use physcore_engine::stability::Horizon;
+
+use crate::CATALOG;
 
 fn item(kind: &str, values: &[(&'static str, Value)]) -> Item {
     Item { path: "forces[0]".into(), ..Item::new(kind, values.to_vec()) }
@@ -39,7 +42,7 @@ fn simulation(scene: &Scene) -> Result<Simulation, Error> {
         max_energy_growth: 1e6,
         vigilance: Vigilance::EveryStep,
     };
-    Simulation::new(scene, &numerics, &SERIAL)
+    Simulation::new(scene, &numerics, CATALOG, &SERIAL)
 }
 
 /// In a well ω² = k/m at every position of the particle; in any other central field the limit changes with the distance.
@@ -59,7 +62,7 @@ fn the_limit_of_a_well_alone_is_the_same_everywhere() {
         let values =
             [("center", Value::Vector(DVec3::ZERO)), ("strength", Value::Number(2.0)), ("softening", Value::Number(0.1))];
         let field = item("CentralForce", &[&values[..], &[("exponent", Value::Number(exponent))]].concat());
-        let built = DVec2::forces(&scene(&[DVec3::X], field.clone()), &field, &properties, &SERIAL).unwrap();
+        let built = DVec2::forces(CATALOG).build(&scene(&[DVec3::X], field.clone()), &field, &properties, &SERIAL).unwrap();
         let expected = if exponent == 1.0 { Validity::Always } else { Validity::Now };
         assert_eq!(built[0].validity(&at, Horizon::Present), expected, "exponent {exponent}");
     }

@@ -12,6 +12,8 @@ use physcore_engine::stability::Horizon;
 use proptest::prelude::*;
 use proptest::sample::select;
 
+use crate::CATALOG;
+
 const INTEGRATORS: [&str; 10] = [
     "ExplicitEuler",
     "SemiImplicitEuler",
@@ -204,7 +206,7 @@ fn is_finite(world: &Simulation) -> bool {
 proptest! {
     #[test]
     fn a_scene_is_refused_or_stays_finite(scene in scene(), numerics in numerics(), dt in amount(), steps in 1_u64..20) {
-        let Ok(mut world) = Simulation::new(&scene, &numerics, &SERIAL) else { return Ok(()) };
+        let Ok(mut world) = Simulation::new(&scene, &numerics, CATALOG, &SERIAL) else { return Ok(()) };
         prop_assert!(is_finite(&world), "not finite at the start");
         for horizon in [Horizon::Sharp, Horizon::Certified, Horizon::Present] {
             prop_assert!(!world.limit(horizon, &SERIAL).unwrap().dt().is_nan(), "the limit is not a number");
@@ -213,7 +215,7 @@ proptest! {
         prop_assert!(!matches!(outcome, Err(Error::State(_))), "{:?}", outcome);
         prop_assert!(is_finite(&world), "not finite after {:?}", outcome);
         let capture = world.capture();
-        let mut other = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
+        let mut other = Simulation::new(&scene, &numerics, CATALOG, &SERIAL).unwrap();
         other.restore(&capture).unwrap();
         prop_assert_eq!(world.state_hash(), other.state_hash());
         if world.energy(&SERIAL).is_ok() {

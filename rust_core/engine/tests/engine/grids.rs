@@ -5,6 +5,8 @@ use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Item, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
+use crate::CATALOG;
+
 /// Simulation of a system alone.
 pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize) -> Result<Simulation> {
     let dimension = match &item.values["edges"] {
@@ -19,7 +21,7 @@ pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize
         max_energy_growth: 1e6,
         vigilance: Vigilance::Active,
     };
-    Simulation::new(&Scene { dimension, systems: vec![item.clone()], ..Scene::default() }, &numerics, &SERIAL)
+    Simulation::new(&Scene { dimension, systems: vec![item.clone()], ..Scene::default() }, &numerics, CATALOG, &SERIAL)
 }
 
 /// Simulation in double precision on one thread, after `steps` of `dt` seconds.

@@ -9,6 +9,8 @@ use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Array, Body, Item, Scene, Value, corners};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
+use crate::CATALOG;
+
 fn numbers(shape: &[usize], entries: &[f64]) -> Value {
     Value::Numbers(Array { shape: shape.to_vec(), entries: entries.to_vec() })
 }
@@ -36,7 +38,7 @@ fn simulation(scene: &Scene) -> Result<Simulation> {
         max_energy_growth: 1e6,
         vigilance: Vigilance::Active,
     };
-    Simulation::new(scene, &numerics, &SERIAL)
+    Simulation::new(scene, &numerics, CATALOG, &SERIAL)
 }
 
 fn message<T>(outcome: Result<T>) -> String {

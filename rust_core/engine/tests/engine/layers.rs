@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates, each with its own modules in order. Modules of one group may import each other. Cargo holds the order of crates.
-const LAYERS: [(&str, &[&[&str]]); 4] = [
+const LAYERS: [(&str, &[&[&str]]); 5] = [
     (
         "base",
         &[
@@ -24,7 +24,8 @@ const LAYERS: [(&str, &[&[&str]]); 4] = [
         ],
     ),
     ("fields", &[&["reaction_diffusion", "schrodinger", "wave"]]),
-    ("forces", &[&["matter"], &["neighbors"], &["boundaries"], &["particles"], &["forces"], &["fluids"], &["space"]]),
+    ("matter", &[&["matter"], &["neighbors"], &["boundaries"], &["forces"], &["catalog"]]),
+    ("fluids", &[&["particles"], &["weakly_compressible"]]),
     ("engine", &[&["sparse"], &["contacts"], &["systems"], &["simulation"]]),
 ];
 

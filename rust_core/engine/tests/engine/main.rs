@@ -17,3 +17,8 @@ mod reaction_diffusion;
 mod scenes;
 mod stability;
 mod wave;
+
+use physcore_engine::catalog::Catalog;
+
+/// All forces and fluids.
+const CATALOG: Catalog = Catalog { forces: physcore_forces::FORCES, fluids: physcore_fluids::FLUIDS };

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::constraints::Constraints;
 use super::dynamics::Dynamics;
+use crate::catalog::Space;
 use crate::error::Result;
-use crate::forces::Space;
 use crate::ledger::{Class, Ledger};
 use crate::matter::{EnergySink, Matter};
 use crate::parallel::Executor;

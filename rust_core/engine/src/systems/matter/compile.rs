@@ -6,13 +6,12 @@ use super::MatterSystem;
 use super::constraints::{self, ConstraintProperties, ConstraintStage, Declaration, rods, self_contact};
 use super::dynamics::Dynamics;
 use super::methods::{Method, MethodProperties as MethodAbout, Treatment};
+use crate::catalog::{Catalog, ForceLaws, Space};
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
-use crate::fluids;
-use crate::forces::Space;
 use crate::forces::linear::Fusion;
 use crate::forces::springs::{self, Spring};
-use crate::forces::{self, About, DensityScheme, Force, Reach, SOFT_SPHERES, VelocityDependence};
+use crate::forces::{About, DensityScheme, Force, Reach, VelocityDependence, fluid};
 use crate::integrators::{BlanesMoan4, BlanesMoan6, Facts, Integrator};
 use crate::math::Real;
 use crate::matter::{Columns, Matter, Properties};
@@ -28,19 +27,25 @@ mod precision;
 ///
 /// # Errors
 /// If the scene is invalid or does not fit into memory, or on an interrupt.
-pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &Executor) -> Result<MatterSystem<V>> {
+pub fn compile<V: Space>(
+    scene: &Scene,
+    method: Box<dyn Method<V>>,
+    catalog: Catalog,
+    executor: &Executor,
+) -> Result<MatterSystem<V>> {
+    let laws = catalog.forces;
     let about = method.about();
     let [projects, solves] = [Treatment::Projections, Treatment::Solved].map(|treatment| about.springs == treatment);
     let count = scene.count();
-    let known = |kind: &str| [PARTICLES, springs::KIND, fluids::KIND, RIGID_BODIES].contains(&kind);
+    let known = |kind: &str| [PARTICLES, springs::KIND, fluid::KIND, RIGID_BODIES].contains(&kind);
     if let Some(body) = scene.bodies.iter().find(|body| !known(&body.item.kind)) {
         return Err(scene::unknown(&body.item, "a body: Particles, SpringNetwork, Fluid or RigidBodies"));
     }
-    memory::check("scene", footprint::<V>(scene, &about)?, 0, || {
+    memory::check("scene", footprint::<V>(scene, laws, &about)?, 0, || {
         format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", about.name)
     })?;
     let springs = springs::declared(scene)?;
-    let order = ordering(scene, &springs);
+    let order = ordering(scene, laws, &springs);
     executor.check()?;
     let properties = properties::<V>(scene, &order);
     precision::check::<V>(scene, &springs, &properties)?;
@@ -50,16 +55,16 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     let mut all: Vec<Box<dyn Force<V>>> = Vec::new();
     let elastic: Vec<Spring> = springs.iter().filter(|spring| !rods::is_rod(spring)).copied().collect();
     if !elastic.is_empty() {
-        all.push(V::springs(&elastic, count));
+        all.push(V::forces(catalog).springs(&elastic, count));
     }
-    all.extend(fluid(scene, &properties, &about, executor)?);
+    all.extend(fluid(scene, catalog, (&properties, &about), executor)?);
     let mut fusion = Fusion::new(if solves { count } else { 0 });
     for item in &scene.forces {
         executor.check()?;
-        let mut built = V::forces(scene, item, &properties, executor)?;
+        let mut built = V::forces(catalog).build(scene, item, &properties, executor)?;
         refuse_forces(&about, item, &mut built, (&properties, &mut fusion))?;
-        if item.kind == SOFT_SPHERES && about.springs != Treatment::Rods {
-            about.refuse_kinks("SoftSpheres")?;
+        if built.iter().any(|force| force.about().kinks) && about.springs != Treatment::Rods {
+            about.refuse_kinks(&item.kind)?;
         }
         all.extend(built);
     }
@@ -81,7 +86,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
             notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
         }
     }
-    notes.extend(relativistic(scene));
+    notes.extend(relativistic(scene, laws));
     let left_out = left_out(&known, independent, contacts.is_some());
     let bends = contacts.is_none() && known.iter().any(|force| force.name != "gravity");
     let layout = if independent {
@@ -89,7 +94,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
     } else {
         format!("a sweep over blocks of {} particles per evaluation", state.block)
     };
-    let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
+    let mut dynamics = Dynamics::new(catalog, properties, all, contacts, state.block);
     dynamics.angle = about.angle;
     dynamics.treatment = about.springs;
     dynamics.springs = if projects || solves { springs } else { Vec::new() };
@@ -113,7 +118,7 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
         left_out,
         notes,
     };
-    let is_field = |item: &&Item| forces::feels_charges(item) || !forces::is_between_pairs(item);
+    let is_field = |item: &&Item| laws.feels_charges(item) || !laws.is_between_pairs(item);
     let fields = scene.forces.iter().filter(is_field).cloned().collect();
     Ok(MatterSystem::new((dynamics, constraints), state, method, stages, fields))
 }
@@ -121,14 +126,14 @@ pub fn compile<V: Space>(scene: &Scene, method: Box<dyn Method<V>>, executor: &E
 /// Fluid of a scene, for a method that supports fluids.
 fn fluid<V: Space>(
     scene: &Scene,
-    properties: &Properties<V>,
-    about: &MethodAbout,
+    catalog: Catalog,
+    (properties, about): (&Properties<V>, &MethodAbout),
     executor: &Executor,
 ) -> Result<Option<Box<dyn Force<V>>>> {
-    let Some(fluid) = V::fluid(scene, properties, executor)? else { return Ok(None) };
+    let Some(fluid) = V::fluids(catalog).build(scene, catalog.forces, properties, executor)? else { return Ok(None) };
     about.refuse_kinks("a fluid")?;
     if [Treatment::Projections, Treatment::Solved].contains(&about.springs) {
-        return Err(cannot_take(about, fluids::KIND));
+        return Err(cannot_take(about, fluid::KIND));
     }
     let continuity = fluid.fluid().is_some_and(|scheme| scheme.density().is_carried());
     if let (true, Some(reason)) = (continuity, about.refusals.fields) {
@@ -225,18 +230,15 @@ const ELEMENT: usize = 1700;
 
 /// Estimated peak memory of a scene, during and after compilation [bytes]. Neighbor lists are excluded: they are checked when
 /// they are built.
-fn footprint<V: Space>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
+fn footprint<V: Space>(scene: &Scene, laws: &dyn ForceLaws, about: &MethodAbout) -> Result<usize> {
     let springs = springs::count(scene)?;
-    let independent = springs == 0 && !forces::are_between_neighbors(scene) && !about.sweeps;
+    let independent = springs == 0 && !laws.are_between_neighbors(scene) && !about.sweeps;
     let registers = if independent { about.memory.readable } else { about.memory.registers };
     // State with its copy, and workspace of sweeps.
     let columns = 2 * (2 + registers) + about.memory.own + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
-    let pairs = [
-        (forces::are_between_neighbors(scene), NEIGHBOR),
-        (fluids::is_in(scene), FLUID),
-        (forces::are_at_a_distance(scene), FAR),
-    ];
+    let pairs =
+        [(laws.are_between_neighbors(scene), NEIGHBOR), (fluid::is_in(scene), FLUID), (laws.are_at_a_distance(scene), FAR)];
     let pairs: usize = pairs.into_iter().filter(|(holds, _)| *holds).map(|(_, bytes)| bytes).sum();
     let particles = scene.count() * (columns * vector + PROPERTIES + pairs);
     let spring = SPRING + if about.springs == Treatment::Rods { ROD } else { 0 };
@@ -276,11 +278,11 @@ fn worth<Other: Integrator>(about: &MethodAbout) -> f64 {
 }
 
 /// Note that charges are so fast that relativity matters, which is not included: γ − 1 is above half a percent.
-fn relativistic(scene: &Scene) -> Option<String> {
+fn relativistic(scene: &Scene, laws: &dyn ForceLaws) -> Option<String> {
     const SPEED_OF_LIGHT: f64 = 299_792_458.0;
     let speeds = scene.bodies.iter().flat_map(|body| &body.velocities).map(|velocity| velocity.length());
     let fastest = speeds.fold(0.0, f64::max);
-    (scene.forces.iter().any(forces::feels_charges) && fastest > 0.1 * SPEED_OF_LIGHT).then(|| {
+    (scene.forces.iter().any(|item| laws.feels_charges(item)) && fastest > 0.1 * SPEED_OF_LIGHT).then(|| {
         format!(
             "particles move at up to {:.2} c, and nothing here is relativistic: above 0.1 c masses are off by more than 0.5 %",
             fastest / SPEED_OF_LIGHT
@@ -306,11 +308,11 @@ fn left_out(forces: &[About], independent: bool, contacts: bool) -> Vec<&'static
 }
 
 /// Index in the engine's order → index in the caller's order, for locality of spring partners and of neighbors.
-fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
-    if springs.is_empty() && forces::are_between_neighbors(scene) {
+fn ordering(scene: &Scene, laws: &dyn ForceLaws, springs: &[Spring]) -> Vec<u32> {
+    if springs.is_empty() && laws.are_between_neighbors(scene) {
         return neighbors::ordering(&scene.positions(), scene.dimension);
     }
-    springs::ordering(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())
+    laws.order(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())
 }
 
 /// Constant properties in the engine's order, with the origin at the center of all positions.

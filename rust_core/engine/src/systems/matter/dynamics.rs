@@ -4,9 +4,9 @@ mod fluid;
 mod lone;
 mod sums;
 
+use crate::catalog::{Catalog, Space};
 use crate::contacts::Contacts;
 use crate::error::Result;
-use crate::forces::Space;
 use crate::forces::derivatives::Derivatives;
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::springs::{self, Spring};
@@ -32,6 +32,8 @@ fn state_view<'a, V: Space>(
 
 /// Forces and contacts of a scene.
 pub struct Dynamics<V: Space> {
+    /// Laws that scenes can declare.
+    pub catalog: Catalog,
     /// Mass and other constant properties.
     pub properties: Properties<V>,
     /// Sum of all fused (linear) forces.
@@ -65,7 +67,13 @@ pub struct Dynamics<V: Space> {
 
 impl<V: Space> Dynamics<V> {
     /// Sorts the forces for blocks of `block` particles.
-    pub fn new(properties: Properties<V>, forces: Vec<Box<dyn Force<V>>>, contacts: Option<Contacts<V>>, block: usize) -> Self {
+    pub fn new(
+        catalog: Catalog,
+        properties: Properties<V>,
+        forces: Vec<Box<dyn Force<V>>>,
+        contacts: Option<Contacts<V>>,
+        block: usize,
+    ) -> Self {
         let mut fusion = Fusion::new(properties.count());
         let (fused, others): (Vec<_>, Vec<_>) = forces.into_iter().partition(|force| force.fuse(&properties, &mut fusion));
         let (pointwise, coupled): (Vec<_>, Vec<_>) =
@@ -73,6 +81,7 @@ impl<V: Space> Dynamics<V> {
         let (count, together) = (fused.len(), fused.len() + coupled.len());
         let forces: Vec<_> = fused.into_iter().chain(coupled).chain(pointwise).collect();
         Self {
+            catalog,
             linear: LinearForce::new(&fusion, &properties, block),
             properties,
             contacts,
@@ -97,7 +106,7 @@ impl<V: Space> Dynamics<V> {
         }
         let elastic: Vec<Spring> = breakage.springs.iter().filter(|spring| springs::is_elastic(spring)).copied().collect();
         if let Some(force) = self.forces.iter_mut().find(|force| force.about().name == springs::NAME) {
-            *force = V::springs(&elastic, self.properties.count());
+            *force = V::forces(self.catalog).springs(&elastic, self.properties.count());
         }
         let at = state_view(&self.properties, matter, 0.0, &SERIAL);
         self.forces.iter_mut().map(|force| force.tear(&|ends| breakage.sides.contains(&ends), &at)).sum()

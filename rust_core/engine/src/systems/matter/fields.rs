@@ -5,13 +5,12 @@ use glam::DVec3;
 use super::compile::out_of_range;
 use super::constraints::Constraint;
 use super::{MatterSystem, budget};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
-use crate::forces::{DensityScheme, Fields};
+use crate::forces::{DensityScheme, Fields, Readings};
 use crate::math::AXES;
 use crate::matter::{Columns, EnergySink, Matter};
 use crate::parallel::{Executor, SERIAL};
-use crate::particles::Gauges;
 use crate::systems::{FieldInfo, Location, System};
 
 /// Names and units of the fields of all matter, and of fluids.
@@ -35,14 +34,14 @@ impl<V: Space> MatterSystem<V> {
     fn names(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let fluid = self.dynamics.scheme.is_some().then_some(FLUID);
         let walls = self.gauges().map(|_| WALLS);
-        let probes = self.gauges().filter(|gauges| !gauges.pressures().is_empty()).map(|_| PROBES);
+        let probes = self.gauges().filter(|gauges| !gauges.pressures.is_empty()).map(|_| PROBES);
         let fluid = fluid.into_iter().chain(walls).chain(probes).flatten();
         let mach = self.dynamics.scheme.is_some().then_some(MACH);
         MOTION.into_iter().chain(fluid).chain(WHOLE).chain(mach)
     }
 
-    /// Gauges of the fluids.
-    fn gauges(&self) -> Option<&Gauges> {
+    /// Readings of the gauges of the fluids.
+    fn gauges(&self) -> Option<&Readings> {
         self.dynamics.forces().iter().filter_map(|force| force.fluid()).find_map(|fluid| fluid.gauges())
     }
 
@@ -54,10 +53,10 @@ impl<V: Space> MatterSystem<V> {
             let (location, shape) = match name {
                 _ if moves => (Location::Points, vec![count, V::DIMENSION]),
                 "wall_forces" | "wall_impulses" => {
-                    (Location::Walls, vec![self.gauges().map_or(0, |gauges| gauges.forces().len()), V::DIMENSION])
+                    (Location::Walls, vec![self.gauges().map_or(0, |gauges| gauges.forces.len()), V::DIMENSION])
                 }
                 "probe_pressures" | "probe_impulses" => {
-                    (Location::Probes, vec![self.gauges().map_or(0, |gauges| gauges.pressures().len())])
+                    (Location::Probes, vec![self.gauges().map_or(0, |gauges| gauges.pressures.len())])
                 }
                 "momentum" => (Location::Whole, vec![V::DIMENSION]),
                 "angular_momentum" => (Location::Whole, vec![Self::turns()]),
@@ -94,10 +93,10 @@ impl<V: Space> MatterSystem<V> {
         match self.names().nth(field).map_or("", |(name, _)| name) {
             "positions" => self.vectors(|index| properties.origin + state.exact_position(index)),
             "velocities" => self.vectors(|index| state.velocity.get(index).widen()),
-            "wall_forces" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(gauges.forces())),
-            "wall_impulses" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(gauges.impulses())),
-            "probe_pressures" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressures().to_vec()),
-            "probe_impulses" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressure_integrals().to_vec()),
+            "wall_forces" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(&gauges.forces)),
+            "wall_impulses" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(&gauges.impulses)),
+            "probe_pressures" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressures.clone()),
+            "probe_impulses" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressure_integrals.clone()),
             "momentum" => self.momenta().0.to_array()[..V::DIMENSION].to_vec(),
             "angular_momentum" => self.momenta().1.to_array()[AXES - Self::turns()..].to_vec(),
             "mach" => self.mach().to_vec(),

@@ -27,9 +27,9 @@ use methods::radau::GaussRadau15;
 use methods::rattle::{self, Rattle};
 use methods::{Job, Method, MethodProperties, Treatment};
 
+use crate::catalog::{Catalog, Space};
 use crate::error::{Error, Result};
-use crate::forces::Space;
-use crate::forces::{self, Validity};
+use crate::forces::Validity;
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::Ledger;
@@ -79,40 +79,45 @@ macro_rules! with_space {
 ///
 /// # Errors
 /// As [`crate::systems::build`].
-pub fn build(scene: &Scene, method: &Item, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
+pub fn build(scene: &Scene, method: &Item, precision: &str, catalog: Catalog, executor: &Executor) -> Result<Box<dyn System>> {
     if !["f32", "f64"].contains(&precision) {
         return Err(Error::parameter("precision", "f32 or f64", precision));
     }
     if method.kind == gauss_radau_15::NAME {
         return match (scene.dimension, precision) {
-            (2, "f64") => compiled::<DVec2>(scene, GaussRadau15::declared(method)?, executor),
-            (3, "f64") => compiled::<DVec3>(scene, GaussRadau15::declared(method)?, executor),
+            (2, "f64") => compiled::<DVec2>(scene, GaussRadau15::declared(method)?, catalog, executor),
+            (3, "f64") => compiled::<DVec3>(scene, GaussRadau15::declared(method)?, catalog, executor),
             (2 | 3, _) => Err(Error::parameter("precision", "\"f64\" with GaussRadau15()", format!("{precision:?}"))
                 .with_hint("its errors are the roundings of double precision")),
             (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
         };
     }
-    with_space!(scene.dimension, precision, V => method_of::<V>(scene, method, executor))
+    with_space!(scene.dimension, precision, V => method_of::<V>(scene, method, catalog, executor))
 }
 
 /// Compiles a scene for a method in one precision and dimension. Registry of methods.
-fn method_of<V: Space>(scene: &Scene, method: &Item, executor: &Executor) -> Result<Box<dyn System>> {
+fn method_of<V: Space>(scene: &Scene, method: &Item, catalog: Catalog, executor: &Executor) -> Result<Box<dyn System>> {
     match method.kind.as_str() {
-        rattle::NAME => compiled::<V>(scene, Rattle::declared(method)?, executor),
-        XPBD => compiled::<V>(scene, ProjectionMethod::new(Sweeps::declared(method)?), executor),
-        PROJECTIVE => compiled::<V>(scene, ProjectionMethod::new(Projective::<V>::declared(method)?), executor),
-        "BackwardEuler" | "ImplicitMidpoint" | "BDF2" => compiled::<V>(scene, Implicit::declared(method)?, executor),
+        rattle::NAME => compiled::<V>(scene, Rattle::declared(method)?, catalog, executor),
+        XPBD => compiled::<V>(scene, ProjectionMethod::new(Sweeps::declared(method)?), catalog, executor),
+        PROJECTIVE => compiled::<V>(scene, ProjectionMethod::new(Projective::<V>::declared(method)?), catalog, executor),
+        "BackwardEuler" | "ImplicitMidpoint" | "BDF2" => compiled::<V>(scene, Implicit::declared(method)?, catalog, executor),
         kind => with_integrator!(
             kind,
-            I => compiled::<V>(scene, Explicit::<V>::declared::<I>(method)?, executor),
+            I => compiled::<V>(scene, Explicit::<V>::declared::<I>(method)?, catalog, executor),
             Err(unknown_integrator(method))
         ),
     }
 }
 
 /// Compiles a scene in one precision and dimension.
-fn compiled<V: Space>(scene: &Scene, method: impl Method<V> + 'static, executor: &Executor) -> Result<Box<dyn System>> {
-    Ok(Box::new(compile::compile::<V>(scene, Box::new(method), executor)?))
+fn compiled<V: Space>(
+    scene: &Scene,
+    method: impl Method<V> + 'static,
+    catalog: Catalog,
+    executor: &Executor,
+) -> Result<Box<dyn System>> {
+    Ok(Box::new(compile::compile::<V>(scene, Box::new(method), catalog, executor)?))
 }
 
 /// Particles with their dynamics.
@@ -513,12 +518,13 @@ impl<V: Space> System for MatterSystem<V> {
 
     fn sample(&self, sample: &Sample<'_>, executor: &Executor) -> Result<Vec<f64>> {
         let acts = |item: &&Item| sample.on.is_none_or(|body| item.acts_on(body));
+        let catalog = self.dynamics.catalog;
         let feels = |item: &&Item| match sample.quantity {
-            Quantity::Acceleration => !forces::is_between_pairs(item),
-            _ => forces::feels_charges(item),
+            Quantity::Acceleration => !catalog.forces.is_between_pairs(item),
+            _ => catalog.forces.feels_charges(item),
         };
         let forces = self.fields.iter().filter(acts).filter(feels).cloned().collect();
         let bodies = if sample.quantity == Quantity::Acceleration { Vec::new() } else { self.bodies() };
-        test_particles::sample(V::DIMENSION, forces, bodies, sample, executor)
+        test_particles::sample((V::DIMENSION, catalog), forces, bodies, sample, executor)
     }
 }

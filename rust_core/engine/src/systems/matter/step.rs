@@ -15,9 +15,9 @@ use super::constraints::{ConstrainedStep, Constraints, DriftVelocity};
 use super::dynamics::Dynamics;
 use super::methods::coupled::Workspace;
 use super::methods::stepper::Collide;
+use crate::catalog::Space;
 use crate::contacts::Before;
 use crate::error::Result;
-use crate::forces::Space;
 use crate::matter::{Blocks, Matter};
 use crate::parallel::Executor;
 

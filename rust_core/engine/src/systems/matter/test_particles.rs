@@ -3,9 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use super::dynamics::Dynamics;
+use crate::catalog::{Catalog, Space};
 use crate::error::{Error, Result};
-use crate::forces;
-use crate::forces::Space;
 use crate::forces::{PART, Reach, Strength, VelocityDependence};
 use crate::matter::{Columns, Matter, Properties};
 use crate::memory;
@@ -25,7 +24,7 @@ const BYTES: usize = 500;
 /// If a user-defined function fails, or a value is not finite. If a potential is requested of a field without one. If there
 /// is no memory for so many points.
 pub fn sample(
-    dimension: usize,
+    (dimension, catalog): (usize, Catalog),
     forces: Vec<Item>,
     bodies: Vec<Body>,
     Sample { quantity, time, points, .. }: &Sample<'_>,
@@ -46,7 +45,7 @@ pub fn sample(
             _ => Value::Indices((1..=sources).collect::<Vec<u32>>().into()),
         };
         let mut item = Item { on: Some(vec![0]), members: None, ..item };
-        if forces::is_between_pairs(&item) {
+        if catalog.forces.is_between_pairs(&item) {
             item.values.insert("sources".to_owned(), next);
             // The sum is exact: its error need not be measured.
             item.values.insert("opening_angle".to_owned(), Value::Number(0.0));
@@ -57,13 +56,18 @@ pub fn sample(
     let scene = Scene { dimension, bodies: std::iter::once(points).chain(bodies).collect(), forces, ..Scene::default() };
     match dimension {
         _ if count == 0 => Ok(Vec::new()),
-        2 => of_scene::<DVec2>(&scene, *quantity, *time, executor),
-        _ => of_scene::<DVec3>(&scene, *quantity, *time, executor),
+        2 => of_scene::<DVec2>(&scene, catalog, (*quantity, *time), executor),
+        _ => of_scene::<DVec3>(&scene, catalog, (*quantity, *time), executor),
     }
 }
 
 /// Samples a quantity at the particles of the first body of a scene; the others do not move.
-fn of_scene<V: Space>(scene: &Scene, quantity: Quantity, time: f64, executor: &Executor) -> Result<Vec<f64>> {
+fn of_scene<V: Space>(
+    scene: &Scene,
+    catalog: Catalog,
+    (quantity, time): (Quantity, f64),
+    executor: &Executor,
+) -> Result<Vec<f64>> {
     let (count, all) = (scene.bodies[0].positions.len(), scene.count());
     let mut properties = Properties::<V>::new((0..all).map(|index| if index < count { 1.0 } else { f64::INFINITY }).collect());
     properties.charge = scene.bodies.iter().flat_map(|body| &body.charge).copied().collect();
@@ -71,12 +75,12 @@ fn of_scene<V: Space>(scene: &Scene, quantity: Quantity, time: f64, executor: &E
     properties.body = owners.collect();
     let mut forces = Vec::new();
     for item in &scene.forces {
-        forces.extend(V::forces(scene, item, &properties, executor)?);
+        forces.extend(V::forces(catalog).build(scene, item, &properties, executor)?);
     }
     let mut matter = Matter::zeros(all, 0, padded(all));
     let positions = scene.positions();
     matter.position = Columns::from_fn(all, |index| V::narrow(positions[index]));
-    let mut dynamics = Dynamics::new(properties, forces, None, matter.block);
+    let mut dynamics = Dynamics::new(catalog, properties, forces, None, matter.block);
     dynamics.prepare(&matter, time, executor)?;
     let at = dynamics.view_of(&matter, time, executor);
     let (values, width) = match quantity {

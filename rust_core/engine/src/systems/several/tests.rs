@@ -6,11 +6,15 @@ use std::sync::{Arc, Mutex};
 use glam::DVec3;
 
 use super::*;
+use crate::catalog::Catalog;
 use crate::forces::springs::Spring;
 use crate::ledger::Class;
 use crate::parallel::SERIAL;
 use crate::scene::{Body, Scene};
 use crate::systems::{Location, matter};
+
+/// All forces and fluids.
+const CATALOG: Catalog = Catalog { forces: physcore_forces::FORCES, fluids: physcore_fluids::FLUIDS };
 
 /// Rope of `count` particles that swings about its first one.
 fn rope(count: u32) -> Scene {
@@ -38,7 +42,7 @@ fn system(count: u32) -> Box<dyn System> {
 }
 
 fn begun(scene: &Scene) -> Box<dyn System> {
-    let mut system = matter::build(scene, &"VelocityVerlet".into(), "f64", &SERIAL).unwrap();
+    let mut system = matter::build(scene, &"VelocityVerlet".into(), "f64", CATALOG, &SERIAL).unwrap();
     system.begin(0.0, &SERIAL).unwrap();
     system
 }

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::forces::springs::Spring;
 use crate::math::Real;
 use crate::matter::Properties;

@@ -15,10 +15,11 @@ use glam::DVec3;
 
 use super::dynamics::Dynamics;
 use super::methods::MethodProperties;
+use crate::catalog::Space;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::springs::Spring;
-use crate::forces::{Force, Space, StateView};
+use crate::forces::{Force, StateView};
 use crate::history::{Archive, History};
 use crate::ledger::Ledger;
 use crate::matter::{Columns, Matter, Properties, SolidMotion};

@@ -4,9 +4,10 @@
 //! (r − L)² is dissipated. A step in which a spring breaks is of order 1.
 
 use super::{Breakage, Constraint, ConstraintProperties, Declaration, ForcedState};
+use crate::catalog::Space;
 use crate::error::Result;
+use crate::forces::StateView;
 use crate::forces::springs::{self, Spring};
-use crate::forces::{Space, StateView};
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::matter::Matter;

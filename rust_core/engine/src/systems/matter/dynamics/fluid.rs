@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::{Dynamics, state_view};
+use crate::catalog::Space;
 use crate::error::Result;
-use crate::forces::{Drift, Space};
+use crate::forces::Drift;
 use crate::math::Real;
 use crate::matter::{Matter, Power, Span, View};
 use crate::parallel::Executor;

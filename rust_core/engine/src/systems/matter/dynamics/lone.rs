@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::methods::Angle;
 use super::Dynamics;
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::{ElectromagneticLaw, InverseSquare, ReadyField};
 
 /// Electric and magnetic field of a scene without other forces.

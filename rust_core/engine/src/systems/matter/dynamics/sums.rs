@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use super::super::methods::Treatment;
 use super::Dynamics;
+use crate::catalog::Space;
 use crate::error::Result;
-use crate::forces::{Force, Rates, Space, StateView, Strength, VelocityDependence};
+use crate::forces::{Force, Rates, StateView, Strength, VelocityDependence};
 use crate::ledger::{Class, Ledger};
 use crate::math::Real;
 use crate::matter::{Columns, EnergySink, SINKS};

@@ -3,7 +3,7 @@
 use super::activity::kinetic;
 use super::axis_force::{AxisForce, UniformForce};
 use super::power::{add_power, lanes};
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::linear::AxisLaw;
 use crate::math::{AXES, Real};
 use crate::matter::{EnergySink, Power, Span, View};

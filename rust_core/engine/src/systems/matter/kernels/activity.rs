@@ -1,6 +1,6 @@
 //! Activity of a block, and the test of its range.
 
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::math::Real;
 use crate::matter::{Blocks, Span};
 use crate::simd::{Isa, Kernel, LANES, dispatch};

@@ -1,6 +1,6 @@
 //! Columns of a block as groups of lanes.
 
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::linear::AxisLaw;
 use crate::math::AXES;
 use crate::matter::{Blocks, EnergyTally, REGISTERS, Span};

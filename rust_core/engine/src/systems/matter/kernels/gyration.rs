@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::{PART, StateView, Strength};
 use crate::math::{AXES, Real};
 use crate::matter::Span;

@@ -2,7 +2,7 @@
 
 use super::components::columns;
 use super::gyration::kick;
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::{Affine, FieldLaw, Use, times};
 use crate::math::Real;
 use crate::matter::Blocks;

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::axis_force::{AxisForce, UniformForce};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, reuses_one_of_many};
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::linear::AxisLaw;
 use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::Real;

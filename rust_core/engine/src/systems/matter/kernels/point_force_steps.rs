@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::components::{Axis, columns};
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::{InverseSquare, InverseSquareLaw};
 use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::AXES;

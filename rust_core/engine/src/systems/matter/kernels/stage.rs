@@ -4,7 +4,7 @@ use super::activity::kinetic;
 use super::axis_force::{AxisForce, UniformForce};
 use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, lanes, through_all};
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::StateView;
 use crate::forces::linear::AxisLaw;
 use crate::integrators::{Component, Facts, Swept};

@@ -5,8 +5,8 @@
 //! after the step would combine the state with forces at a position that the particle never reaches: stiff bodies then gain
 //! energy at every bounce.
 
+use crate::catalog::Space;
 use crate::contacts::{Before, Contacts};
-use crate::forces::Space;
 use crate::integrators::{Component, Integrator};
 use crate::math::Real;
 use crate::matter::{Blocks, Span};

@@ -1,9 +1,9 @@
 //! Coupled particles: every stage is a sweep over all blocks. A sweep reads the positions and velocities of all particles
 //! from one copy. It writes those of each block to another, so that no block waits for another.
 
+use crate::catalog::Space;
 use crate::contacts::Before;
 use crate::error::Result;
-use crate::forces::Space;
 use crate::forces::{DensityScheme, Rates};
 use crate::matter::{Blocks, Columns, SINKS, Span};
 use crate::parallel::{BlockedSlice, Split};

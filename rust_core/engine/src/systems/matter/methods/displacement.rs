@@ -3,8 +3,8 @@
 //! Momentum and kinetic energy are conserved. The change of potential energy counts as work, from the potentials before and
 //! after. Displacements do not cross walls.
 
+use crate::catalog::Space;
 use crate::error::Result;
-use crate::forces::Space;
 use crate::matter::{Blocks, Columns, EnergySink, Matter};
 use crate::parallel::Executor;
 use crate::systems::matter::dynamics::Dynamics;

@@ -2,8 +2,8 @@
 
 use super::stepper::Stepper;
 use super::{Angle, Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment, coupled, independent};
+use crate::catalog::Space;
 use crate::error::Result;
-use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::Integrator;
 use crate::matter::{Columns, Matter};

@@ -1,8 +1,8 @@
 //! Independent particles: a block runs through many steps while it stays in the cache.
 
+use crate::catalog::Space;
 use crate::contacts::Before;
 use crate::forces::Rates;
-use crate::forces::Space;
 use crate::integrators::Facts;
 use crate::math::Real;
 use crate::matter::{Blocks, Matter, SINKS, Span};

@@ -15,9 +15,9 @@ use block::{LaneMemory, Largest, RadauBlock, Task};
 
 use super::coupled::Workspace;
 use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
 use crate::forces::Rates;
-use crate::forces::Space;
 use crate::history::{Archive, History};
 use crate::integrators::gauss_radau_15::{self as rule, STAGES, Series};
 use crate::matter::{Blocks, Matter, Power, SINKS, Span};

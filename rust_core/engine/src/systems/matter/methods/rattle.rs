@@ -12,8 +12,8 @@
 use super::coupled;
 use super::explicit::Explicit;
 use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::VelocityVerlet;
 use crate::matter::Matter;

@@ -1,8 +1,8 @@
 //! Explicit integrator with its kernels as values: sweeps over particles are compiled once for all integrators.
 
 use super::collisions::collide;
+use crate::catalog::Space;
 use crate::contacts::{Before, Contacts};
-use crate::forces::Space;
 use crate::forces::{InverseSquare, StateView};
 use crate::integrators::{Facts, Integrator};
 use crate::math::Vector;

@@ -5,8 +5,9 @@ use physcore_rigid::world::{RigidWorld, SolidBody};
 
 use super::declaration::JOINTS;
 use super::ties::{TiedBody, TiedPart};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::{Space, springs};
+use crate::forces::springs;
 use crate::scene::{Item, Scene};
 use crate::systems::matter::constraints::{Declaration, rods, self_contact};
 

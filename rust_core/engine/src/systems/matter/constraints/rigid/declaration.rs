@@ -12,9 +12,9 @@ use physcore_rigid::world::{
 
 use super::RigidBodies;
 use super::anchors::Ties;
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::fluids;
-use crate::forces::Space;
+use crate::forces::fluid;
 use crate::math::Real;
 use crate::matter::Properties;
 use crate::scene::{Item, RIGID_BODIES, Scene};
@@ -206,7 +206,7 @@ fn points<V: Space>(
 ) -> Vec<(u32, FreePoint)> {
     let mut points = Vec::new();
     let mut known: Vec<(f64, usize)> = Vec::new();
-    let meets = |item: &Item| ![RIGID_BODIES, fluids::KIND].contains(&item.kind.as_str());
+    let meets = |item: &Item| ![RIGID_BODIES, fluid::KIND].contains(&item.kind.as_str());
     for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| meets(&body.item)) {
         let start = scene.first(index);
         for row in (0..body.positions.len()).filter(|row| ties.owners[start + row].is_none()) {

@@ -19,8 +19,9 @@ use physcore_rigid::world::{CenterMotion, FreePoint, RigidState, RigidWorld, Tur
 pub use overlaps::{RigidPose, overlaps};
 
 use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::{Space, StateView};
+use crate::forces::StateView;
 use crate::ledger::{Class, Ledger};
 use crate::matter::{EnergySink, SolidMotion};
 use crate::stability::{Horizon, SpectralBound};

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 use physcore_rigid::world::{CenterMotion, RigidWorld};
 
 use super::{ConstrainedStep, DriftVelocity, motion};
-use crate::forces::Space;
+use crate::catalog::Space;
 
 /// Error of a place relative to the coordinates, below which a particle keeps its position.
 const PLACED: f64 = 1e-12;

@@ -16,8 +16,8 @@ mod supports;
 use glam::DVec3;
 
 use super::{Breakage, ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, ForcedState};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::forces::springs::Spring;
 use crate::history::{Archive, History};
 use crate::math::{Real, Vector};

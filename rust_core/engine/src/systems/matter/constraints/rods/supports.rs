@@ -23,9 +23,9 @@ use glam::DVec3;
 
 use super::network::{Network, Rod, Unsolved, along};
 use super::{ConstrainedStep, SHIFT, SHIFT_OF_TENSIONS, count_reactions, resolution};
+use crate::catalog::Space;
 use crate::contacts::{ContactGap, Contacts};
 use crate::error::Error;
-use crate::forces::Space;
 use crate::math::{Real, Vector};
 use crate::matter::{Matter, Properties};
 use crate::parallel::{Executor, SERIAL};

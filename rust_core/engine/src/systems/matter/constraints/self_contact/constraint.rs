@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::super::{Breakage, ConstrainedStep, Constraint, ConstraintProperties, DriftVelocity};
 use super::{ContactStep, InsidePosition, SelfContacts};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 
 impl<V: Space> Constraint<V> for SelfContacts {
     fn about(&self) -> ConstraintProperties {

@@ -4,8 +4,8 @@ use super::super::{Declaration, MESHES, refuse};
 use super::limits::StrainLimit;
 use super::mesh::{ContactRule, NONE};
 use super::{KIND, SelfContacts};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::forces::springs;
 use crate::scene::{Body, Item, Scene, Value};
 

@@ -2,8 +2,8 @@
 
 use super::super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use super::{AHEAD, Bead, LARGEST_ANGLE, NEAREST, ROUNDINGS, WireCurve, Wires};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::math::Real;
 use crate::stability::SpectralBound;
 use crate::systems::{FieldInfo, Location};

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use super::super::{Declaration, WIRES, refuse, rods, self_contact};
 use super::{AHEAD, Bead, LARGEST_ANGLE, NEAREST, WireCurve, Wires};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::{Space, springs};
+use crate::forces::springs;
 use crate::math::spline::CubicSpline;
 use crate::scene::{Item, Value};
 use crate::systems::matter::methods::{MethodProperties, Treatment};

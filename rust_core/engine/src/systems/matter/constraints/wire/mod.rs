@@ -18,8 +18,8 @@ mod declaration;
 use glam::DVec3;
 
 use super::ForcedState;
+use crate::catalog::Space;
 use crate::error::Result;
-use crate::forces::Space;
 use crate::history::{Archive, History};
 use crate::math::spline::{CubicSpline, CurvePoint};
 

@@ -19,8 +19,8 @@ use glam::DVec3;
 
 use super::coupled;
 use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::history::{Archive, History};
 use crate::matter::{Blocks, Matter};
 use crate::parallel::{BlockedSlice, Executor};

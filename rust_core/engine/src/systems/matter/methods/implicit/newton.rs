@@ -7,8 +7,8 @@
 use glam::DVec3;
 
 use super::stiffness::Stiffness;
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::forces::derivatives::{Motion, Push};
 use crate::forces::springs::Spring;
 use crate::parallel::Executor;

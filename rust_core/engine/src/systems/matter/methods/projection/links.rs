@@ -1,6 +1,6 @@
 //! Springs in an order in which neighbors have no common particles: the processor computes several at once.
 
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::forces::springs::Spring;
 use crate::math::{AXES, Real};
 use crate::matter::{Columns, Properties};

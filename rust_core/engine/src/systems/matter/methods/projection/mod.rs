@@ -15,9 +15,9 @@ pub use projective::{NAME as PROJECTIVE, Projective};
 pub use sweep::{NAME as XPBD, Sweeps};
 
 use super::{Job, Method, MethodMemory, MethodProperties, MethodRefusals, Treatment};
+use crate::catalog::Space;
 use crate::error::Result;
 use crate::forces::Rates;
-use crate::forces::Space;
 use crate::history::History;
 use crate::integrators::{Facts, Integrator, SemiImplicitEuler};
 use crate::math::Real;

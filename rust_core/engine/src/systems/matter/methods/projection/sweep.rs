@@ -10,8 +10,8 @@
 
 use super::links::{Point, ProjectionLink, gather, links, scatter};
 use super::{Projector, about};
+use crate::catalog::Space;
 use crate::error::{Error, Result};
-use crate::forces::Space;
 use crate::math::Real;
 use crate::matter::{Columns, Matter};
 use crate::parallel::Executor;

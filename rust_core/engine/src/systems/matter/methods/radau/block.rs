@@ -1,6 +1,6 @@
 //! Series of one block during a step.
 
-use crate::forces::Space;
+use crate::catalog::Space;
 use crate::integrators::gauss_radau_15::{self, COEFFICIENTS, Node, STAGES, Series};
 use crate::matter::{Span, View};
 use crate::simd::{Isa, Kernel, LANES, Lanes, dispatch};
