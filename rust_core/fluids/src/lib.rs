@@ -80,8 +80,10 @@ compile_fluids!(Vec2, Vec3, DVec2, DVec3);
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
+    use physcore_forces::FORCES;
 
     use super::*;
+    use crate::forces::fluid::KIND;
     use crate::parallel::SERIAL;
     use crate::scene::{Body, Value};
 
@@ -91,8 +93,8 @@ mod tests {
         let item = Item::new(KIND, [("method", Value::Record(Box::new(method)))]);
         let scene = Scene { dimension: 2, bodies: vec![Body { item, ..Body::default() }], ..Scene::default() };
         let properties = Properties::<DVec2>::new(Vec::new());
-        let error = build(&scene, &properties, &SERIAL).map(|_| ()).unwrap_err().to_string();
+        let error = build(&scene, FORCES, &properties, &SERIAL).map(|_| ()).unwrap_err().to_string();
         assert_eq!(error, "bodies[0].method: expected WeaklyCompressible, got Shallow");
-        assert!(build(&Scene::default(), &properties, &SERIAL).unwrap().is_none());
+        assert!(build(&Scene::default(), FORCES, &properties, &SERIAL).unwrap().is_none());
     }
 }
