@@ -173,6 +173,20 @@ def asleep(count: int = 1000, seconds: float = 10.0) -> dict[str, float]:
     return {"asleep": median(contenders[1].cpu) / median(contenders[0].cpu)}
 
 
+def afloat(cells: int = 120) -> dict[str, float]:
+    """A box that floats in water, in single and double precision, by physcore alone."""
+    water = pc.Fluid.block((0.0, 0.0), (3.0, 1.0), spacing=1.0 / cells)
+    box = pc.RigidBody(pc.Rectangle(0.5, 0.4), (1.5, 1.2 + 0.5 / cells), density=500.0)
+    scene = pc.Scene(water, box, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (3.0, 3.0)))
+    runs = {precision: pc.Simulation(scene, precision=precision, threads=1) for precision in ("f32", "f64")}
+    contenders = race([Contender(name, run.step) for name, run in runs.items()])
+    rows = [(one.name, 1e3 * median(one.cpu), 1e3 * min(one.cpu)) for one in contenders]
+    table(
+        f"a box in {len(water.positions)} particles of water, a step [CPU time]", ("", "median [ms]", "best [ms]"), rows
+    )
+    return {"afloat, time of f32 over f64": median(contenders[0].cpu) / median(contenders[1].cpu)}
+
+
 def settle(engines: Iterable[Ours], steps: int) -> str:
     """Take steps; give the reason if that fails."""
     start = process_time()
@@ -200,6 +214,7 @@ ROWS: dict[str, tuple[Callable[..., dict[str, float]], dict[str, Any]]] = {
     "tumbling": (tumbling, {"count": 2000}),
     "piles": (piles, {"layers": 2, "seconds": 1.0}),
     "asleep": (asleep, {"count": 50, "seconds": 8.0}),
+    "afloat": (afloat, {"cells": 20}),
 }
 """Rows of the table, and what makes each short."""
 

@@ -46,7 +46,7 @@ class Case:
     @property
     def is_double(self) -> bool:
         """Whether it is refused in single precision."""
-        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15) or self.scene().has_rigid_bodies
+        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15)
 
     @property
     def duration(self) -> float:
@@ -655,6 +655,8 @@ RIGID: dict[str, Case] = {
     "hammock": Case(rigid_scenes.hammock, 0.004, large=lambda: rigid_scenes.hammock(70)),
     "flagpole": Case(rigid_scenes.flagpole, 0.004),
     "heap": Case(rigid_scenes.heap, 0.001, rigid_scenes.pile()),
+    "heap f32": Case(rigid_scenes.heap, 0.001, {**rigid_scenes.pile(), "precision": "f32"}),
+    "hammock f32": Case(rigid_scenes.hammock, 0.004, {"precision": "f32"}),
     "floating box": Case(
         rigid_scenes.floating,
         1e-3,

@@ -317,10 +317,10 @@ def _dt(value: object, scene: Scene) -> float | StepRule:
 
 
 def _precision(value: object, scene: Scene) -> Literal["f32", "f64"]:
-    """Double, but for fluids without rigid bodies, which leave far more unresolved than single precision does."""
+    """Double, but for fluids, which leave far more unresolved than single precision does."""
     match word(value, "precision", PRECISIONS):
         case "auto":
-            return "f32" if scene.fluids and not scene.has_rigid_bodies else "f64"
+            return "f32" if scene.fluids else "f64"
         case chosen:
             return chosen
 

@@ -73,7 +73,7 @@ class Simulation(Measured):
             such as bodies and a wave, one whose own limit is below a given time step divides it into equal substeps,
             and the plan says how many; other rules choose steps that suit all of them.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
-            fluid and no rigid bodies, and "f64" for all others.
+            fluid, and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
             results have the same bits for any number.
         max_energy_growth: how many times the largest energy so far the energy balance may rise before it counts as

@@ -15,7 +15,6 @@ use super::anchors::Ties;
 use crate::catalog::Space;
 use crate::error::{Error, Result};
 use crate::forces::fluid;
-use crate::math::Real;
 use crate::matter::Properties;
 use crate::scene::{Item, RIGID_BODIES, Scene};
 use crate::systems::matter::constraints::{Declaration, RIGID, refuse};
@@ -33,9 +32,6 @@ impl RigidBodies {
         let Declaration { scene, properties, method, .. } = *declared;
         let Some(first) = scene.bodies.iter().find(|body| body.item.kind == RIGID_BODIES) else { return Ok(None) };
         refuse(RIGID, method)?;
-        if V::Scalar::NAME != "f64" {
-            return Err(Error::parameter("precision", "f64 in a scene with rigid bodies", V::Scalar::NAME));
-        }
         let mut world = RigidWorld::new(scene.dimension == 2);
         world.solver = solver(&first.item)?;
         let engine = properties.engine();

@@ -242,7 +242,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let near = self.near.iter().map(|&index| &self.points[index].0);
         let points = near.zip(&others).zip(&moved[self.particles.len()..]);
         for ((&particle, motion), _) in bodies.chain(points).filter(|(_, moved)| **moved) {
-            step.matter.set_exact_position(particle as usize, motion.position);
+            step.matter.set_exact_position(particle as usize, motion.position - step.properties.origin);
             step.matter.velocity.set(particle as usize, V::narrow(motion.velocity));
             if let DriftVelocity::Register(register) = step.drift {
                 step.matter.registers[register].set(particle as usize, V::narrow(motion.drift));
