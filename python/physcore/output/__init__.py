@@ -52,8 +52,9 @@ def export(
         .pvd            for ParaView, files in a folder beside it: for each frame a .vtp of particles and springs with
                         their strain, and a .vti of each system on a grid, whose fields no other format has
         .h5md           H5MD 1.1, for MDAnalysis, OVITO and VMD, with the energies; needs `pip install 'physcore[hdf5]'`
-        .glb            glTF 2.0, for Blender and others: moving surfaces of cloths and soft bodies, and rigid bodies in
-                        3D; lengths are meters unless `units` are given
+        .glb            glTF 2.0, for Blender and others: moving surfaces of cloths and soft bodies, rigid bodies and
+                        fluids in 3D; lengths are meters unless `units` are given. Fluids need
+                        `pip install 'physcore[files]'`
 
     Rigid bodies are points at their centers of mass, with their orientations; in glTF they are solids. All values are
     in SI units, or in those of the scene, which files then name. Programs for atoms, such as ASE, interpret lengths as
@@ -95,8 +96,8 @@ def export(
         raise SceneError("units: fields on grids are written in the units of the scene; leave units= out")
     if not writer.holds_particles and not job.surfaces:
         raise SceneError(
-            f"path: {target.suffix} holds surfaces, and no body has faces: cloths, soft bodies and rigid bodies in 3D "
-            "have; particles go into .xyz, .pvd or .h5md"
+            f"path: {target.suffix} holds surfaces, and no body has faces: cloths, soft bodies, and rigid "
+            "bodies and fluids in 3D have; particles go into .xyz, .pvd or .h5md"
         )
     if not job.has_bodies and not job.grids:
         raise SceneError(

@@ -123,7 +123,7 @@ class ExportJob:
     @property
     def domain(self) -> Periodic | None:
         """The periodic domain."""
-        domain, factor = self._source.scene.periodic, self._factor("m")
+        domain, factor = self._source.scene.periodic, self.length
         if domain is None or factor == 1.0:
             return domain
         return Periodic([factor * end for end in domain.lower], [factor * end for end in domain.upper])
@@ -155,8 +155,14 @@ class ExportJob:
         return {
             body.name or f"body {index}": (body, row)
             for index, (body, row) in enumerate(zip(self._bodies, rows, strict=True))
-            if (body.network is not None and len(body.network.faces)) or (body.is_rigid and body.dimension == 3)
+            if (body.network is not None and len(body.network.faces))
+            or (body.dimension == 3 and (body.is_rigid or body.is_fluid))
         }
+
+    @property
+    def length(self) -> float:
+        """The factor from lengths of the scene to those of the file."""
+        return self._factor("m")
 
     @property
     def dimension(self) -> int:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
+from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import IO, Any, ClassVar, cast
 
@@ -15,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore.checks import FloatArray
-from physcore.errors import FileError
+from physcore.errors import FileError, PhyscoreError
 from physcore.film.shapes.spatial import mesh_of
-from physcore.output.base import ExportJob, TrajectoryWriter
+from physcore.output.base import ExportJob, Sample, TrajectoryWriter
+from physcore.output.liquid import liquid_surface, missing
 from physcore.scene.bodies import Body
+from physcore.scene.fluid import Fluid
 from physcore.scene.rigid import RigidBodies
 from physcore.simulation.provenance import version
 from physcore.storage.files import replacing
@@ -40,8 +43,8 @@ class GltfWriter(TrajectoryWriter):
     """Writer of glTF.
 
     A surface of springs is a mesh with a morph target for each frame after the first one, which Blender reads as shape
-    keys. Between frames vertices move in straight lines. Rigid bodies are nodes that move and turn. Lengths are meters,
-    times seconds.
+    keys. Between frames vertices move in straight lines. Rigid bodies are nodes that move and turn. A fluid has a mesh
+    for each frame, since its triangles change; each is shown in its frame alone. Lengths are meters, times seconds.
     """
 
     suffixes: ClassVar = (".glb",)
@@ -49,18 +52,25 @@ class GltfWriter(TrajectoryWriter):
     prescribed: ClassVar = SI
 
     def write(self, job: ExportJob, target: Path) -> None:
-        """Write all frames: the arrays into a temporary file, and then the file, which begins with their list."""
+        """Write all frames: the arrays into a temporary file, and then the file, which begins with their list.
+
+        Raises:
+            PhyscoreError: there are fluids, and the package for their surfaces is missing.
+        """
+        needed = missing()
+        if needed is not None and any(body.is_fluid for body, _ in job.surfaces.values()):
+            raise PhyscoreError(f"{target}: {needed}")
         with replacing(target) as file, tempfile.TemporaryFile(dir=target.absolute().parent) as arrays:
             asset = _Asset(arrays, upright=job.dimension == 3)
-            surfaces = [_Surface(asset, name, body, rows) for name, (body, rows) in job.surfaces.items()]
+            surfaces = [_surface(asset, name, body, rows, job.length) for name, (body, rows) in job.surfaces.items()]
             times = []
             for sample in job.samples():
                 times.append(sample.time)
                 for surface in surfaces:
-                    surface.put(sample.positions, sample.turns.get("orientation"))
+                    surface.put(sample)
             clock = asset.array(np.array(times), bounded=True)
             for surface in surfaces:
-                surface.finish(clock, len(times))
+                surface.finish(clock, np.array(times))
             _assemble(file, asset, target)
 
 
@@ -127,60 +137,111 @@ class _Asset:
         nodes[0]["children"].append(len(nodes) - 1)
         return len(nodes) - 1
 
-    def animate(self, node: int, path: str, clock: int, values: NDArray[Any]) -> None:
-        """Append an animation of a property of a node, linear between frames."""
+    def animate(self, node: int, path: str, clock: int, values: NDArray[Any], interpolation: str = "LINEAR") -> None:
+        """Append an animation of a property of a node."""
         animation = self.json["animations"][0]
         animation["channels"].append({"sampler": len(animation["samplers"]), "target": {"node": node, "path": path}})
-        animation["samplers"].append({"input": clock, "output": self.array(values), "interpolation": "LINEAR"})
+        animation["samplers"].append({"input": clock, "output": self.array(values), "interpolation": interpolation})
 
 
-class _Surface:
-    """A body in a file."""
+class _Surface(ABC):
+    """A body in a file, with the factor from lengths of the scene to those of the file."""
 
-    def __init__(self, asset: _Asset, name: str, body: Body, rows: slice) -> None:
-        self._asset, self._name, self._body, self._rows = asset, name, body, rows
+    def __init__(self, asset: _Asset, name: str, body: Body, rows: slice, scale: float) -> None:
+        self._asset, self._name, self._body, self._rows, self._scale = asset, name, body, rows, scale
+
+    @abstractmethod
+    def put(self, sample: Sample) -> None:
+        """Add a frame."""
+
+    @abstractmethod
+    def finish(self, clock: int, times: FloatArray) -> None:
+        """Write what moves; `clock` is the accessor of the times of the frames."""
+
+
+class _Sheet(_Surface):
+    """Faces of springs: a mesh with a morph target for each frame after the first one."""
+
+    def __init__(self, asset: _Asset, name: str, body: Body, rows: slice, scale: float) -> None:
+        super().__init__(asset, name, body, rows, scale)
         self._first: FloatArray | None = None
         self._targets: list[dict[str, int]] = []
-        self._places: list[FloatArray] = []
-        self._turns: list[FloatArray] = []
 
-    def put(self, positions: FloatArray, orientations: FloatArray | None) -> None:
-        """Add a frame."""
-        places = positions[self._rows]
-        if self._body.is_rigid:
-            assert orientations is not None  # rigid bodies have some
-            self._places.append(places)
-            self._turns.append(orientations[self._rows][:, [1, 2, 3, 0]])
-        elif self._first is None:
+    def put(self, sample: Sample) -> None:
+        places = sample.positions[self._rows]
+        if self._first is None:
             self._first = places
         else:
             self._targets.append({"POSITION": self._asset.array(places - self._first, bounded=True)})
 
-    def finish(self, clock: int, frames: int) -> None:
-        """Write what moves."""
-        if self._body.is_rigid:
-            self._finish_solids(clock)
-            return
+    def finish(self, clock: int, times: FloatArray) -> None:
         assert self._first is not None  # there is a frame
-        assert self._body.network is not None  # other surfaces are rigid
+        assert self._body.network is not None  # it has faces
         mesh = self._asset.mesh(self._name, self._first, self._body.network.faces)
         node = self._asset.node(self._name)
         if self._targets:
             mesh["primitives"][0]["targets"] = self._targets
             mesh["weights"] = [0.0] * len(self._targets)
-            self._asset.animate(node, "weights", clock, np.eye(frames)[:, 1:].ravel())
+            self._asset.animate(node, "weights", clock, np.eye(len(times))[:, 1:].ravel())
 
-    def _finish_solids(self, clock: int) -> None:
-        """Write rigid bodies: one mesh, and a node for each."""
+
+class _Solids(_Surface):
+    """Rigid bodies: one mesh, and a node for each."""
+
+    def __init__(self, asset: _Asset, name: str, body: Body, rows: slice, scale: float) -> None:
+        super().__init__(asset, name, body, rows, scale)
+        self._places: list[FloatArray] = []
+        self._turns: list[FloatArray] = []
+
+    def put(self, sample: Sample) -> None:
+        self._places.append(sample.positions[self._rows])
+        self._turns.append(sample.turns["orientation"][self._rows][:, [1, 2, 3, 0]])
+
+    def finish(self, clock: int, times: FloatArray) -> None:
         body = cast("RigidBodies", self._body)
         size = float(np.cbrt(body.shape.properties(3).size))
         solid = mesh_of(body.shape, ACROSS / size, marks=False)
-        self._asset.mesh(self._name, solid.points, solid.triangles, solid.normals)
+        self._asset.mesh(self._name, self._scale * solid.points, solid.triangles, solid.normals)
         places, turns = np.stack(self._places), np.stack(self._turns)
         for index in range(len(body)):
             node = self._asset.node(self._name if len(body) == 1 else f"{self._name} {index}")
             self._asset.animate(node, "translation", clock, places[:, index])
             self._asset.animate(node, "rotation", clock, _continuous(turns[:, index]))
+
+
+class _Liquid(_Surface):
+    """A fluid: a node with a mesh of its own for each frame, of size 0 in all others."""
+
+    def __init__(self, asset: _Asset, name: str, body: Body, rows: slice, scale: float) -> None:
+        super().__init__(asset, name, body, rows, scale)
+        self._nodes: list[int | None] = []
+
+    def put(self, sample: Sample) -> None:
+        body = cast("Fluid", self._body)
+        surface = liquid_surface(sample.positions[self._rows], self._scale * body.spacing)
+        node = None
+        if len(surface.faces):
+            name = f"{self._name} {sample.index}"
+            self._asset.mesh(name, surface.points, surface.faces, surface.normals)
+            node = self._asset.node(name)
+        self._nodes.append(node)
+
+    def finish(self, clock: int, times: FloatArray) -> None:
+        if len(times) == 1:
+            return
+        for index, node in enumerate(self._nodes):
+            if node is not None:
+                changes = sorted({0, index, index + 1} & set(range(len(times))))
+                sizes = np.array([[float(frame == index)] * 3 for frame in changes])
+                self._asset.animate(
+                    node, "scale", self._asset.array(times[changes], bounded=True), sizes, interpolation="STEP"
+                )
+
+
+def _surface(asset: _Asset, name: str, body: Body, rows: slice, scale: float) -> _Surface:
+    """The writer of a body."""
+    kind = _Liquid if body.is_fluid else _Solids if body.is_rigid else _Sheet
+    return kind(asset, name, body, rows, scale)
 
 
 def _continuous(quaternions: FloatArray) -> FloatArray:
