@@ -135,19 +135,18 @@ pub(super) fn add_face(couple: &Couple, gap: FaceGap, manifold: &Manifold, conta
     }
 }
 
-/// Adds the contacts along the normal of two edges: of the faces beside them if these are nearly parallel, else of the edges.
+/// Adds the contacts along the normal of two edges: of the faces beside them if one is nearly flat, so that an edge that rests
+/// on a face does not rock over the border, else of the edges.
 pub(super) fn add_edges(couple: &Couple, gap: EdgeGap, contacts: &mut Vec<ContactPoint>) {
     let normals = [gap.normal, -couple.other_in[0].local_vector(gap.normal)];
     let faces = [0, 1].map(|body| {
         let part = couple.parts[body];
         let ends = part.net.edges[gap.edges[body]].ends;
-        let face = facing(part, -normals[body], |corners| ends.iter().all(|end| corners.contains(end)))?;
-        (part.normals[face].dot(normals[body]) > FLAT).then_some(face)
+        facing(part, -normals[body], |corners| ends.iter().all(|end| corners.contains(end)))
     });
     for owner in [0, 1] {
-        let [part, other] = [couple.parts[owner], couple.parts[1 - owner]];
-        let is_flat = faces[1 - owner].is_some() || other.normals.is_empty();
-        if let Some(face) = faces[owner].filter(|_| is_flat) {
+        let part = couple.parts[owner];
+        if let Some(face) = faces[owner].filter(|&face| part.normals[face].dot(normals[owner]) > FLAT) {
             // The normal of edges that are nearly parallel would turn much farther than they do.
             let normal = as_normal(owner, normals[owner]);
             let reference = Reference { owner, part, face, normal: normals[owner] };

@@ -1,6 +1,8 @@
 //! Shapes that rest on each other.
 
-use glam::DVec3;
+use std::f64::consts::{PI, SQRT_2};
+
+use glam::{DMat3, DVec3};
 use physcore_rigid::collision::{contacts, separation};
 use physcore_rigid::pose::Pose;
 use physcore_rigid::shapes::SolidShape;
@@ -31,4 +33,35 @@ fn a_body_rests_on_a_plane_and_on_a_copy_of_itself_by_its_corners() {
             assert!((distance - 0.01).abs() < 1e-15 && (normal + up).length() < 1e-15, "{distance} {normal}");
         }
     }
+}
+
+/// A cuboid that stands on an edge, across the border of the face below, and leans a little inward or outward: whichever part of
+/// the edge is lowest, both ends of what lies on the face are contacts, and they have the same features.
+#[test]
+fn an_edge_that_lies_across_the_border_of_a_face_touches_it_at_both_ends() {
+    let body = shape(&item("Cuboid", &[("a", 0.4), ("b", 0.3), ("c", 0.3)]), 3);
+    let upright = DMat3::from_rotation_x(0.25 * PI);
+    let features = [-1e-3, 1e-3].map(|angle| {
+        let tilt = DMat3::from_rotation_y(angle);
+        // The middle of the lowest edge is 0.02 within the border at x = 0.2, at a depth of 1e-5.
+        let middle = DVec3::new(0.18, 0.0, 0.15 - 1e-5);
+        let above = Pose { position: middle + tilt * DVec3::new(0.0, 0.0, 0.15 * SQRT_2), rotation: tilt * upright };
+        let mut points = Vec::new();
+        contacts((&body, &Pose::WORLD), (&body, &above), 0.01, 3, &mut points);
+        let mut ends: Vec<(f64, u32)> = points
+            .iter()
+            .map(|point| {
+                let touch = point.at([&Pose::WORLD, &above], DVec3::ZERO);
+                // The normal of the edges leans by the angle at most.
+                let gap = -1e-5 - (touch.point.x - 0.18) * angle.tan();
+                assert!(touch.gap < 0.01 && (touch.gap - gap).abs() < 1e-8, "{angle}: {} for {gap}", touch.gap);
+                (touch.point.x, point.feature)
+            })
+            .collect();
+        ends.sort_by(|one, other| one.0.total_cmp(&other.0));
+        assert_eq!(ends.len(), 2, "{angle}");
+        assert!((ends[0].0 - -0.02).abs() < 1e-3 && (ends[1].0 - 0.2).abs() < 1e-3, "{angle}: {ends:?}");
+        ends.into_iter().map(|end| end.1).collect::<Vec<_>>()
+    });
+    assert_eq!(features[0], features[1]);
 }
