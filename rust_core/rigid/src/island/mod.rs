@@ -15,9 +15,10 @@ mod pieces;
 
 use glam::DVec3;
 
+use crate::face::{Face, GroupValues};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::ContactImpulse;
+use crate::rows::{BodyVelocities, ContactImpulse};
 use crate::surface::Surface;
 use crate::sweeps::GroupSweep;
 
@@ -51,6 +52,7 @@ impl Accuracy {
 /// Pair of bodies that may touch.
 #[derive(Debug, Clone, Copy)]
 pub struct BodyPair {
+    /// Numbers of the bodies; from [`crate::face::FACES`] on that of a face, which is the second.
     pub bodies: [usize; 2],
     /// Indices of the bodies in the world.
     pub key: (u32, u32),
@@ -88,6 +90,8 @@ pub struct Island {
     /// Index of each mover in the world.
     pub members: Vec<usize>,
     pub surfaces: Vec<Surface>,
+    /// Faces of networks, between movers.
+    pub faces: Vec<Face>,
     pub pairs: Vec<BodyPair>,
     pub contacts: Vec<GroupContact>,
     pub joints: Vec<HeldJoint>,
@@ -105,8 +109,8 @@ pub struct Island {
     /// Buffer of contacts.
     known: Vec<GroupContact>,
     /// Poses of the bodies when contacts were last renewed, and ways of their surface points by turning until then [m].
-    poses: Vec<Pose>,
-    turned: Vec<f64>,
+    poses: GroupValues<Pose>,
+    turned: GroupValues<f64>,
     /// Loads of the contacts of the last step.
     past: Vec<(ContactKey, ContactImpulse)>,
     first: FirstHalf,
@@ -119,6 +123,7 @@ impl Island {
             movers: Vec::new(),
             members: Vec::new(),
             surfaces: Vec::new(),
+            faces: Vec::new(),
             pairs: Vec::new(),
             contacts: Vec::new(),
             joints: Vec::new(),
@@ -131,8 +136,8 @@ impl Island {
             is_swept: false,
             ahead: Vec::new(),
             known: Vec::new(),
-            poses: Vec::new(),
-            turned: Vec::new(),
+            poses: GroupValues::default(),
+            turned: GroupValues::default(),
             past: Vec::new(),
             first: FirstHalf::default(),
         }
@@ -143,6 +148,7 @@ impl Island {
         self.movers.clear();
         self.members.clear();
         self.surfaces.clear();
+        self.faces.clear();
         self.pairs.clear();
         self.contacts.clear();
         self.joints.clear();
@@ -150,6 +156,11 @@ impl Island {
         self.ahead.clear();
         self.meters = Meters::default();
         self.accuracy = Accuracy::FINE;
+    }
+
+    /// Velocities in the present orientations.
+    pub fn velocities(&self) -> BodyVelocities {
+        BodyVelocities { faces: self.faces.clone(), ..BodyVelocities::of(&self.movers) }
     }
 
     /// Largest speed of a surface point [m/s].

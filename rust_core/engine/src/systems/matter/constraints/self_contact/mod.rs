@@ -30,7 +30,7 @@ mod walls;
 mod zones;
 
 use declaration::BodySurface;
-pub use declaration::{bodies, elements};
+pub use declaration::{bodies, elements, surface};
 use limits::StrainLimit;
 use loads::Loads;
 use mesh::{ContactRule, Mesh};
