@@ -183,8 +183,13 @@ impl Rows {
                     continue;
                 }
                 let (angular, turn) = (DVec3::ZERO, DVec3::ZERO);
-                ends.extend(v.corners(number, row.angular[side]).map(|(mover, weight)| {
-                    HeldEnd { mover, side, weight, inverse_mass: v.bodies[mover].inverse_mass, angular, turn }
+                ends.extend(v.corners(number, row.angular[side]).map(|(mover, weight)| HeldEnd {
+                    mover,
+                    side,
+                    weight,
+                    inverse_mass: v.bodies[mover].inverse_mass,
+                    angular,
+                    turn,
                 }));
             }
             equations.push(HeldEquation { unknown, bodies, row, column, ends, yields });

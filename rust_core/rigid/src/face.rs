@@ -7,7 +7,8 @@
 //!     x = Σ wᵢ xᵢ,   v = Σ wᵢ vᵢ,   vᵢ ← vᵢ + wᵢ J / mᵢ,   1/m = Σ wᵢ² / mᵢ
 //!
 //! In rows a face stands in place of the second body, and coordinates in place of an arm. The particles at the corners meet bodies
-//! by themselves. Of the faces along an edge, one has its contacts, and only where its normal is between those of the faces.
+//! by themselves. Of the faces along an edge, one has its contacts. A body that slides from one face to the next must feel no edge
+//! between them: contacts at edges and corners count only if no point of a face beside them is nearer to the body.
 
 use std::ops::Index;
 
@@ -26,8 +27,10 @@ pub const FACES: usize = 1 << 31;
 /// Weight below which a point is at the side of a face, and least weight of a point of a face.
 const SIDE: f64 = 1e-9;
 const OUTSIDE: f64 = -1e-6;
-/// Sine of the angle by which the normal of a contact at a side may lean over the face beyond it.
+/// Sine of the angle by which the normal of a contact at a side or a corner may lean over a face there, and of the largest one from
+/// the normal of a face within it.
 const LEANING: f64 = 1e-3;
+const SLANTED: f64 = 0.7;
 
 /// Triangle between particles, or an edge, whose third corner is its second. Indices are those of movers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,7 +117,7 @@ impl<I: Copy + PartialEq> Face<I> {
     }
 
     /// Shape of the face at a pose, and the rigid pose of this shape.
-    pub fn solid(&self, pose: &Pose, dimension: usize) -> (SolidShape, Pose) {
+    fn solid(&self, pose: &Pose, dimension: usize) -> (SolidShape, Pose) {
         let DMat3 { x_axis, y_axis, z_axis } = pose.rotation;
         let part = if self.is_edge() || z_axis == DVec3::ZERO {
             Part::capsule([DVec3::ZERO, x_axis], self.radius, dimension)
@@ -122,6 +125,31 @@ impl<I: Copy + PartialEq> Face<I> {
             Part::leaf(vec![DVec3::ZERO, x_axis, y_axis], z_axis).rounded(self.radius)
         };
         (SolidShape::of([part]), Pose { position: pose.position, rotation: DMat3::IDENTITY })
+    }
+
+    /// Whether balls around a body and the face are farther apart than a reach [m].
+    fn is_apart(&self, (shape, place): (&SolidShape, &Pose), pose: &Pose, reach: f64) -> bool {
+        let corners =
+            [DVec3::ZERO, pose.rotation.x_axis, if self.is_edge() { pose.rotation.x_axis } else { pose.rotation.y_axis }];
+        let middle = (corners[1] + corners[2]) / 3.0;
+        let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max) + self.radius;
+        let limit = shape.reach() + radius + reach;
+        (pose.position + middle).distance_squared(place.position) > limit * limit
+    }
+
+    /// Replaces `found` by the distance of a body from the face and its normal, unless it is beyond a reach [m].
+    pub fn separations(
+        &self,
+        body: (&SolidShape, &Pose),
+        pose: &Pose,
+        (reach, dimension): (f64, usize),
+        found: &mut Vec<(f64, DVec3)>,
+    ) {
+        found.clear();
+        if !self.is_apart(body, pose, reach) {
+            let (shape, place) = self.solid(pose, dimension);
+            collision::separations(body, (&shape, &place), reach, dimension, found);
+        }
     }
 
     /// Replaces `points` by the contacts of a body with the face within `reach` [m], without those of its corners and of sides that
@@ -134,7 +162,7 @@ impl<I: Copy + PartialEq> Face<I> {
         points: &mut Vec<ContactPoint>,
     ) {
         points.clear();
-        if pose.rotation.determinant() == 0.0 {
+        if pose.rotation.determinant() == 0.0 || self.is_apart(body, pose, reach) {
             return;
         }
         let (shape, place) = self.solid(pose, dimension);
@@ -153,22 +181,32 @@ impl<I: Copy + PartialEq> Face<I> {
             if is_corner || weights.iter().any(|&weight| weight < OUTSIDE) {
                 return false;
             }
-            let side = (0..3).find(|side| weights[(side + 2) % 3] <= SIDE).filter(|_| !self.is_edge());
-            side.is_none_or(|side| {
-                let toward = || -contact.at([body.1, pose], DVec3::ZERO).normal;
-                let leans = |corner: I| leans(pose, side, position(corner), toward());
-                self.owns[side] && !self.beyond[side].is_some_and(leans)
-            })
+            let toward = -contact.at([body.1, pose], DVec3::ZERO).normal;
+            let DMat3 { x_axis, y_axis, z_axis } = pose.rotation;
+            if self.is_edge() {
+                return toward.project_onto(x_axis).length() < SLANTED;
+            }
+            let Some(side) = (0..3).find(|side| weights[(side + 2) % 3] <= SIDE) else {
+                return toward.reject_from(z_axis).length() < SLANTED;
+            };
+            let corners = [DVec3::ZERO, x_axis, y_axis];
+            let along = corners[(side + 1) % 3] - corners[side];
+            let leans = |corner: DVec3| leans(toward, (corner - corners[side]).reject_from(along));
+            let beyond = self.beyond[side].map(|corner| position(corner) - pose.position);
+            self.owns[side] && !leans(corners[(side + 2) % 3]) && !beyond.is_some_and(leans)
         });
     }
 }
 
-/// Whether a direction from a side of a face leans over the face beyond it.
-fn leans(pose: &Pose, side: usize, corner: DVec3, direction: DVec3) -> bool {
-    let corners = [DVec3::ZERO, pose.rotation.x_axis, pose.rotation.y_axis];
-    let along = corners[(side + 1) % 3] - corners[side];
-    let across = (corner - pose.position - corners[side]).reject_from(along);
-    direction.dot(across) > LEANING * across.length()
+/// Whether a direction from a point of a surface leans over a part of it that lies on a way from there: a point of this is nearer.
+fn leans(direction: DVec3, way: DVec3) -> bool {
+    direction.dot(way) > LEANING * way.length()
+}
+
+/// Whether a contact of a body with a particle leans over faces at it, with the corners of these beside it.
+pub fn is_hidden(contact: &ContactPoint, [body, particle]: [&Pose; 2], mut beside: impl Iterator<Item = DVec3>) -> bool {
+    let toward = -contact.at([body, particle], DVec3::ZERO).normal;
+    beside.any(|corner| leans(toward, corner - particle.position))
 }
 
 /// Values of the bodies of a group, and of its faces.

@@ -79,7 +79,8 @@ impl Island {
             let (movers, faces) = (&self.movers, &self.faces);
             let way = |mover: &Mover| h * (mover.speed() + h * mover.acceleration.length());
             for pair in &mut self.pairs {
-                pair.reach = pair.bodies.iter().map(|&body| largest_of(body, movers, faces, way)).sum::<f64>() + CLOSED * pair.size;
+                pair.reach =
+                    pair.bodies.iter().map(|&body| largest_of(body, movers, faces, way)).sum::<f64>() + CLOSED * pair.size;
             }
             self.find_contacts(shapes);
             self.strike(h);

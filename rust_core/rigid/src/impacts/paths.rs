@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::collision;
 use crate::contact::ContactPoint;
-use crate::face::{FACES, Face};
+use crate::face::{FACES, Face, is_hidden};
 use crate::island::{BodyPair, Island};
 use crate::mover::Mover;
 use crate::pose::Pose;
@@ -50,14 +50,16 @@ pub(super) struct PairPaths<'a> {
     /// Path of the second body, or of the first corner of a face.
     other: &'a BodyPath<'a>,
     side: SecondSide<'a>,
+    /// Corners beside a particle in faces, and the paths of all movers.
+    beside: &'a [u32],
+    paths: &'a [BodyPath<'a>],
     dimension: usize,
 }
 
 /// Second body of a pair.
 enum SecondSide<'a> {
     Body(&'a SolidShape),
-    /// Face, and the paths of all movers.
-    Face(&'a Face, &'a [BodyPath<'a>]),
+    Face(&'a Face),
 }
 
 impl Island {
@@ -65,27 +67,38 @@ impl Island {
     pub(super) fn paths<'a>(&'a self, pair: &BodyPair, paths: &'a [BodyPath<'a>], shapes: &'a [SolidShape]) -> PairPaths<'a> {
         let [one, other] = pair.bodies;
         let shape = |body: usize| &shapes[self.surfaces[body].shape];
-        let (other, side) = if other < FACES {
-            (&paths[other], SecondSide::Body(shape(other)))
+        let (first, side, beside) = if other < FACES {
+            (other, SecondSide::Body(shape(other)), self.beside.of(other))
         } else {
             let face = &self.faces[other - FACES];
-            (&paths[face.corners[0] as usize], SecondSide::Face(face, paths))
+            (face.corners[0] as usize, SecondSide::Face(face), [].as_slice())
         };
-        PairPaths { one: &paths[one], shape: shape(one), other, side, dimension: if self.planar { 2 } else { 3 } }
+        let (one, shape, other) = (&paths[one], shape(one), &paths[first]);
+        PairPaths { one, shape, other, side, beside, paths, dimension: if self.planar { 2 } else { 3 } }
     }
 }
 
 impl PairPaths<'_> {
     /// Whether the second body is a face.
-    pub fn has_face(&self) -> bool {
-        matches!(self.side, SecondSide::Face(..))
+    fn has_face(&self) -> bool {
+        matches!(self.side, SecondSide::Face(_))
+    }
+
+    /// Whether the second body is a face or a corner of some, so that the bodies may touch without a contact of this pair.
+    pub fn may_hide(&self) -> bool {
+        self.has_face() || !self.beside.is_empty()
+    }
+
+    /// Place of a mover after a time [m].
+    fn position(&self, mover: u32, time: f64) -> DVec3 {
+        self.paths[mover as usize].position(time)
     }
 
     /// Poses after a time.
     fn poses(&self, time: f64) -> [Pose; 2] {
         let second = match self.side {
             SecondSide::Body(_) => self.other.mover(time).pose(),
-            SecondSide::Face(face, paths) => face.pose(|corner| paths[corner as usize].position(time)),
+            SecondSide::Face(face) => face.pose(|corner| self.position(corner, time)),
         };
         [self.one.mover(time).pose(), second]
     }
@@ -104,8 +117,9 @@ impl PairPaths<'_> {
     pub fn turning(&self) -> f64 {
         let second = match self.side {
             SecondSide::Body(_) => self.other.turning(),
-            SecondSide::Face(face, paths) => {
-                let deforming = |corner: u32, time: f64| paths[corner as usize].velocity(time).distance(self.other.velocity(time));
+            SecondSide::Face(face) => {
+                let velocity = |corner: u32, time: f64| self.paths[corner as usize].velocity(time);
+                let deforming = |corner: u32, time: f64| velocity(corner, time).distance(self.other.velocity(time));
                 let of = |&corner: &u32| deforming(corner, 0.0).max(deforming(corner, self.other.length));
                 face.corners[1..].iter().map(of).fold(0.0, f64::max)
             }
@@ -116,13 +130,16 @@ impl PairPaths<'_> {
     /// Replaces `points` by the contacts within a reach [m] after a time.
     pub fn contacts(&self, time: f64, reach: f64, points: &mut Vec<ContactPoint>) {
         let [one, other] = &self.poses(time);
+        let position = |corner: u32| self.position(corner, time);
         match self.side {
             SecondSide::Body(shape) => {
                 points.clear();
                 collision::contacts((self.shape, one), (shape, other), reach, self.dimension, points);
+                if !self.beside.is_empty() {
+                    points.retain(|point| !is_hidden(point, [one, other], self.beside.iter().map(|&corner| position(corner))));
+                }
             }
-            SecondSide::Face(face, paths) => {
-                let position = |corner: u32| paths[corner as usize].position(time);
+            SecondSide::Face(face) => {
                 face.contacts((self.shape, one), (other, position), (reach, self.dimension), points);
             }
         }
@@ -135,9 +152,8 @@ impl PairPaths<'_> {
             SecondSide::Body(shape) => {
                 collision::separations((self.shape, one), (shape, other), reach, self.dimension, found);
             }
-            SecondSide::Face(face, _) => {
-                let (shape, place) = face.solid(other, self.dimension);
-                collision::separations((self.shape, one), (&shape, &place), reach, self.dimension, found);
+            SecondSide::Face(face) => {
+                face.separations((self.shape, one), other, (reach, self.dimension), found);
             }
         }
     }

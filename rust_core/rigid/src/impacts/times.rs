@@ -31,7 +31,7 @@ impl Island {
             let gap = |contact: &GroupContact, time: f64| sides.gap(&contact.point, time, contact.touch.normal);
             let closed = |contact: &GroupContact| contact.held || gap(contact, 0.0) <= CLOSED * pair.size;
             let until = first.unwrap_or(length);
-            let time = if contacts.iter().any(closed) || touches_corner(pair, &sides) {
+            let time = if contacts.iter().any(closed) || touches_hidden(pair, &sides) {
                 let known = until.min(LARGEST_TURN * pair.size / sides.turning());
                 let open = contacts.iter().filter(|contact| !contact.held);
                 let falls = open.filter_map(|each| closes(|at| gap(each, at), (0.0, known), (&each.point, pair.size)));
@@ -59,10 +59,10 @@ impl Island {
     }
 }
 
-/// Whether a body touches a face, of which it may have no contact: it may be at a corner, or at a side of another face.
-fn touches_corner(pair: &BodyPair, sides: &PairPaths) -> bool {
+/// Whether a body touches a face or a corner that may have no contact with it, because other faces or corners have.
+fn touches_hidden(pair: &BodyPair, sides: &PairPaths) -> bool {
     let mut found = Vec::new();
-    if sides.has_face() {
+    if sides.may_hide() {
         sides.separations(0.0, CLOSED * pair.size, &mut found);
     }
     found.iter().any(|each| each.0 <= CLOSED * pair.size)

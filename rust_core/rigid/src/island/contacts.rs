@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Island;
 use crate::collision;
 use crate::contact::{ContactPoint, Touch};
-use crate::face::{FACES, Face, GroupValues};
+use crate::face::{FACES, Face, GroupValues, is_hidden};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
@@ -130,11 +130,17 @@ impl Island {
             points.clear();
             let dimension = if self.planar { 2 } else { 3 };
             let side = (&shapes[first.shape], &poses[one]);
+            let position = |corner: u32| poses.bodies[corner as usize].position;
             if let Some(second) = second {
                 collision::contacts(side, (&shapes[second.shape], &poses[other]), reach, dimension, &mut points);
+                let beside = self.beside.of(other);
+                if !beside.is_empty() {
+                    points.retain(|point| {
+                        !is_hidden(point, [side.1, &poses[other]], beside.iter().map(|&corner| position(corner)))
+                    });
+                }
             } else {
                 let face = &self.faces[other - FACES];
-                let position = |corner: u32| poses.bodies[corner as usize].position;
                 face.contacts(side, (&poses[other], position), (reach, dimension), &mut points);
             }
             place = seek(&self.past, place, pair.key);

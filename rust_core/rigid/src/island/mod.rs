@@ -14,6 +14,7 @@ mod joints;
 mod pieces;
 
 use glam::DVec3;
+use physcore_base::adjacency::Adjacency;
 
 use crate::face::{Face, GroupValues};
 use crate::mover::Mover;
@@ -90,8 +91,9 @@ pub struct Island {
     /// Index of each mover in the world.
     pub members: Vec<usize>,
     pub surfaces: Vec<Surface>,
-    /// Faces of networks, between movers.
+    /// Faces of networks, between movers, and the corners beside each mover in them.
     pub faces: Vec<Face>,
+    pub beside: Adjacency,
     pub pairs: Vec<BodyPair>,
     pub contacts: Vec<GroupContact>,
     pub joints: Vec<HeldJoint>,
@@ -124,6 +126,7 @@ impl Island {
             members: Vec::new(),
             surfaces: Vec::new(),
             faces: Vec::new(),
+            beside: Adjacency::default(),
             pairs: Vec::new(),
             contacts: Vec::new(),
             joints: Vec::new(),
@@ -149,6 +152,7 @@ impl Island {
         self.members.clear();
         self.surfaces.clear();
         self.faces.clear();
+        self.beside = Adjacency::default();
         self.pairs.clear();
         self.contacts.clear();
         self.joints.clear();
@@ -156,6 +160,15 @@ impl Island {
         self.ahead.clear();
         self.meters = Meters::default();
         self.accuracy = Accuracy::FINE;
+    }
+
+    /// Finds the corners beside each mover in the faces.
+    pub fn link_faces(&mut self) {
+        if !self.faces.is_empty() {
+            let sides =
+                self.faces.iter().flat_map(|face| [0, 1, 2].map(|side| [face.corners[side], face.corners[(side + 1) % 3]]));
+            self.beside = Adjacency::of_graph(self.movers.len(), sides.filter(|[one, other]| one != other));
+        }
     }
 
     /// Velocities in the present orientations.

@@ -242,9 +242,7 @@ impl<S: RowSpace> ContactRow<S> {
     pub fn supplied(&self, v: &BodyVelocities<S>) -> f64 {
         let of = |side: usize, sign: f64| {
             let Some(body) = v.bodies.get(self.bodies[side]) else {
-                let corners = v.corners(self.bodies[side], self.arms[side]).map(|(corner, weight)| (&v.bodies[corner], weight));
-                let power = |(body, weight): &(&BodyVelocity<S>, f64)| sign * weight * self.sum().dot(body.linear);
-                return corners.iter().filter(|(body, _)| body.is_fixed()).map(power).sum();
+                return sign * self.sum().dot(v.prescribed(self.bodies[side], self.arms[side]));
             };
             let power = self.sum().dot(body.at(self.arms[side])) + self.impulse.turning.dot(body.angular);
             if body.is_fixed() { sign * power } else { 0.0 }

@@ -55,7 +55,9 @@ impl Row {
     /// Energy supplied by fixed bodies, which move as prescribed [J].
     pub fn supplied(&self, bodies: [usize; 2], v: &BodyVelocities) -> f64 {
         let of = |side: usize, sign: f64| {
-            let body = &v.bodies[bodies[side]];
+            let Some(body) = v.bodies.get(bodies[side]) else {
+                return sign * self.linear.dot(v.prescribed(bodies[side], self.angular[side]));
+            };
             let velocity = self.linear.dot(body.linear) + self.angular[side].dot(body.angular);
             if body.is_fixed() { sign * velocity } else { 0.0 }
         };

@@ -117,6 +117,13 @@ impl<S: RowSpace> BodyVelocities<S> {
         std::array::from_fn(|corner| (corners[corner] as usize, weights[corner]))
     }
 
+    /// Part of the velocity of the point of a face that its fixed corners have, which move as prescribed [m/s].
+    pub fn prescribed(&self, index: usize, at: S::Vector) -> S::Vector {
+        let corners = self.corners(index, at).map(|(corner, weight)| (&self.bodies[corner], weight));
+        let fixed = corners.into_iter().filter(|(corner, _)| corner.is_fixed());
+        fixed.fold(S::Vector::default(), |sum, (corner, weight)| sum + corner.linear * weight)
+    }
+
     /// Velocity of a body at an arm, or of the point of a face at coordinates [m/s].
     #[inline(always)]
     pub fn at(&self, index: usize, arm: S::Vector) -> S::Vector {
@@ -158,8 +165,7 @@ impl<S: RowSpace> BodyVelocities<S> {
 
     /// Movers that an impulse on a body, or at coordinates of a face, acts on.
     pub fn movers(&self, index: usize, arm: S::Vector) -> impl Iterator<Item = usize> + Clone {
-        let (corners, count) =
-            if index < FACES { ([(index, 1.0); 3], 1) } else { (self.corners(index, arm), 3) };
+        let (corners, count) = if index < FACES { ([(index, 1.0); 3], 1) } else { (self.corners(index, arm), 3) };
         corners.into_iter().take(count).map(|(mover, _)| mover)
     }
 

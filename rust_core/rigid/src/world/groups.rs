@@ -101,7 +101,10 @@ impl StepMembers<'_> {
                 island.pairs.push(BodyPair { bodies: local, key, size, thickness: one.min(other), reach: 0.0, found: None });
             }
         }
-        islands.iter_mut().for_each(|island| island.remember(&self.world.state.loads));
+        for island in &mut islands {
+            island.link_faces();
+            island.remember(&self.world.state.loads);
+        }
         islands
     }
 
@@ -111,10 +114,11 @@ impl StepMembers<'_> {
         let free = |index: usize| !self.is_fixed(index);
         let links = pairs.iter().map(|pair| pair.map(|end| end as usize)).chain(self.joints().into_iter().map(|joint| joint.1));
         links.filter(|&[one, other]| free(one) && free(other)).for_each(|[one, other]| roots.join(one, other));
-        for &[_, other] in pairs {
-            let Some(face) = self.face(other as usize).filter(|_| free(other as usize)) else { continue };
+        for [one, other] in pairs.iter().map(|pair| pair.map(|end| end as usize)) {
+            let Some(face) = self.face(other) else { continue };
+            let end = if free(other) { other } else { one };
             let particles = face.face.particles().map(|particle| self.bodies.len() + particle);
-            particles.filter(|&particle| free(particle)).for_each(|particle| roots.join(other as usize, particle));
+            particles.filter(|&particle| free(particle)).for_each(|particle| roots.join(end, particle));
         }
         roots
     }

@@ -234,10 +234,10 @@ impl StepMembers<'_> {
     /// Speed of surface points, given the angular velocity of a body.
     #[inline(always)]
     fn speed_at(&self, index: usize, rate: impl Fn(&Inertia, &Orientation, DVec3) -> f64) -> [f64; 2] {
-        if let Some(face) = self.face(index) {
-            return [self.corners(face).map(|corner| self.speed_bound(corner)).into_iter().fold(0.0, f64::max), 0.0];
-        }
         if index >= self.free() {
+            if let Some(face) = self.face(index) {
+                return [self.corners(face).map(|corner| self.speed_bound(corner)).into_iter().fold(0.0, f64::max), 0.0];
+            }
             let Mover { velocity, spin, arm, .. } = self.world.walls[index - self.free()].mover;
             let turning = arm * spin.length();
             return [velocity.length() + turning, turning];

@@ -1,4 +1,5 @@
-//! Faces of spring networks that meet rigid bodies: the triangles of their surfaces, in 2D the sides at their rims.
+//! Faces of spring networks that meet rigid bodies: the triangles of their surfaces, in 2D the sides at their rims, and the springs of
+//! chains such as ropes.
 //!
 //! Particles that are tied to a body do not meet it by themselves, and the faces at them do not meet any. A face along a spring that
 //! breaks is gone.
@@ -12,20 +13,27 @@ use physcore_rigid::world::{FreeFace, FreePoint};
 use crate::error::Result;
 use crate::forces::springs;
 use crate::scene::Scene;
-use crate::systems::matter::constraints::self_contact;
+use crate::systems::matter::constraints::self_contact::{self, BodySurface};
 
-/// Triangle of a surface, by the places of its corners among the points, with the springs along its sides.
+/// Triangle of a surface or segment of a chain, by the places of its corners among the points, with the springs along its sides. The
+/// third corner of a segment is its second.
 #[derive(Debug, Clone)]
-struct Triangle {
+struct SpringFace {
     corners: [usize; 3],
     springs: Vec<u32>,
     radius: f64,
 }
 
+impl SpringFace {
+    fn is_segment(&self) -> bool {
+        self.corners[1] == self.corners[2]
+    }
+}
+
 /// Faces of all networks of a scene.
 #[derive(Debug, Default)]
 pub struct NetworkFaces {
-    triangles: Vec<Triangle>,
+    declared: Vec<SpringFace>,
     is_planar: bool,
     /// Faces between points, but for those along broken springs.
     faces: Vec<FreeFace>,
@@ -41,11 +49,16 @@ impl NetworkFaces {
         points.iter().enumerate().for_each(|(place, (particle, _))| places[*particle as usize] = Some(place));
         let mut all = Self { is_planar: scene.dimension == 2, ..Self::default() };
         for body in (0..scene.bodies.len()).filter(|&body| scene.bodies[body].item.kind == springs::KIND) {
-            for (corners, springs) in self_contact::surface(scene, body, engine)?.faces {
+            let BodySurface { faces, edges } = self_contact::surface(scene, body, engine)?;
+            let mut count = vec![0; engine.len()];
+            edges.iter().flat_map(|(ends, _)| ends).for_each(|&end| count[end as usize] += 1);
+            let chain = edges.into_iter().filter(|_| count.iter().all(|&count| count <= 2));
+            for (corners, springs) in faces.into_iter().chain(chain.map(|([one, other], springs)| ([one, other, other], springs)))
+            {
                 let of = |corner: u32| places[corner as usize];
                 let [Some(a), Some(b), Some(c)] = corners.map(of) else { continue };
                 let radius = corners.map(|corner| radius[corner as usize]).into_iter().fold(f64::INFINITY, f64::min);
-                all.triangles.push(Triangle { corners: [a, b, c], springs, radius });
+                all.declared.push(SpringFace { corners: [a, b, c], springs, radius });
             }
         }
         all.leave_out_broken(&[]);
@@ -59,18 +72,19 @@ impl NetworkFaces {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        size_of_val(self.triangles.as_slice()) + size_of_val(self.faces.as_slice())
+        size_of_val(self.declared.as_slice()) + size_of_val(self.faces.as_slice())
     }
 
     /// Removes the faces along broken springs.
     pub fn leave_out_broken(&mut self, broken: &[bool]) {
         let is_broken = |&spring: &u32| broken.get(spring as usize) == Some(&true);
-        let whole = self.triangles.iter().enumerate().filter(|(_, triangle)| !triangle.springs.iter().any(is_broken));
+        let whole = self.declared.iter().enumerate().filter(|(_, face)| !face.springs.iter().any(is_broken));
         // Faces along each side, with the place of the side among theirs.
         let mut sides: BTreeMap<[usize; 2], Vec<(usize, usize)>> = BTreeMap::new();
         let mut faces: Vec<FreeFace> = Vec::new();
-        for (index, &Triangle { corners, radius, .. }) in whole {
-            for side in 0..3 {
+        for (index, declared) in whole {
+            let SpringFace { corners, radius, .. } = *declared;
+            for side in 0..if declared.is_segment() { 0 } else { 3 } {
                 let ends = [corners[side], corners[(side + 1) % 3]];
                 sides.entry([ends[0].min(ends[1]), ends[0].max(ends[1])]).or_default().push((faces.len(), side));
             }
@@ -84,7 +98,9 @@ impl NetworkFaces {
                 let face = Face { corners: [from, to, to], beyond: [None; 3], owns: [false; 3], radius };
                 FreeFace { index: 3 * index + side, face }
             };
-            self.faces = rim.map(edge).collect();
+            let segments = faces.iter().filter(|each| self.declared[each.index].is_segment());
+            let segments = segments.map(|each| FreeFace { index: 3 * each.index, ..*each });
+            self.faces = rim.map(edge).chain(segments).collect();
             self.faces.sort_unstable_by_key(|face| face.index);
             return;
         }

@@ -14,7 +14,8 @@ impl RigidBodies {
             notes.push(counted(joints, "joint", "joints"));
         }
         if !self.points.is_empty() {
-            let faces = if self.faces.len() > 0 { format!(" and {}", counted(self.faces.len(), "face", "faces")) } else { String::new() };
+            let faces =
+                if self.faces.len() > 0 { format!(" and {}", counted(self.faces.len(), "face", "faces")) } else { String::new() };
             notes.push(format!("{}{faces} may meet them", counted(self.points.len(), "particle", "particles")));
         }
         if self.world.may_sleep() {
