@@ -224,6 +224,30 @@ def hammock(side: int = 5) -> pc.Scene:
     )
 
 
+def caught() -> pc.Scene:
+    """A ball and a box, smaller than its faces, that are thrown into a cloth in flight."""
+    cloth = pc.cloth(
+        (4, 4),
+        0.2,
+        60.0,
+        damping=0.05,
+        mass=0.02,
+        origin=(-0.3, -0.3, 0.0),
+        axes=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    )
+    ball = pc.RigidBody(pc.Ball(0.05), (0.21, -0.13, 0.06), velocities=(-0.5, 0.2, -1.0), mass=0.1, friction=0.4)
+    box = pc.RigidBody(
+        pc.Cuboid(0.1, 0.08, 0.06),
+        (-0.15, 0.12, 0.08),
+        velocities=(0.3, 0.0, -0.8),
+        angular_velocities=(1.0, -2.0, 0.5),
+        mass=0.15,
+        friction=0.3,
+        restitution=0.5,
+    )
+    return pc.Scene(cloth, ball, box, pc.Gravity((0.0, 0.0, -G)))
+
+
 def flagpole() -> pc.Scene:
     """A flag on a pole that turns as prescribed, in the wind."""
     flag = pc.cloth(

@@ -1,4 +1,4 @@
-"""Warnings of probable mistakes in a scene: charges without a force, fluid within bodies, masses and gaps."""
+"""Warnings of probable mistakes in a scene: charges without a force, fluid within bodies, masses."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import cast
 
 import numpy as np
 
-from physcore.arithmetic import dots, power
 from physcore.errors import SceneWarning, warn
-from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid
 from physcore.scene.items import Force
 from physcore.scene.overlaps import close_pairs
@@ -27,7 +26,6 @@ def warn_of_mistakes(bodies: Sequence[Body], forces: Sequence[Force], path: Call
     rigid = [cast("RigidBodies", body) for body in bodies if body.is_rigid]
     if rigid:
         _warn_of_masses(rigid, path)
-        _warn_of_gaps(rigid, bodies, path)
 
 
 def _warn_of_charges(bodies: Sequence[Body], forces: Sequence[Force], path: Callable[[Body], str]) -> None:
@@ -72,45 +70,6 @@ def _warn_of_masses(rigid: Sequence[RigidBodies], path: Callable[[Body], str]) -
             "a heavy one is thrown about; hold the heavy one with fixed=",
             SceneWarning,
         )
-
-
-def _warn_of_gaps(rigid: Sequence[RigidBodies], bodies: Sequence[Body], path: Callable[[Body], str]) -> None:
-    """Warn if rigid bodies are so small that they pass between the particles of a network."""
-    smallest, body = min(((_radius(each), each) for each in rigid), key=lambda pair: pair[0])
-    for mesh in (each.network for each in bodies):
-        gap = 0.0 if mesh is None else _widest_gap(mesh)
-        if mesh is not None and gap - smallest > mesh.radius.min():
-            warn(
-                f"{path(body)}: passes between the particles of {path(mesh)}, because faces do not meet rigid bodies; "
-                f"it has the volume of a ball of radius {smallest:.3g} m, and a face has room for one of {gap:.3g} m: "
-                f"give {path(mesh)} a radius above {gap - smallest:.3g} m or a finer spacing",
-                SceneWarning,
-            )
-
-
-def _radius(body: RigidBodies) -> float:
-    """The radius of a ball of the volume of a body, or of a disc of its area [m]."""
-    size = body.shape.properties(body.dimension).size
-    return math.sqrt(size / math.pi) if body.dimension == 2 else float(power(0.75 * size / math.pi, 1.0 / 3.0))
-
-
-def _widest_gap(mesh: SpringNetwork) -> float:
-    """The radius of the largest ball that fits between the corners of a face at the start [m]: that of the circle
-    through them, or half of the longest edge if the face is obtuse. In a plane half of an edge at the rim. 0 without
-    faces.
-    """
-    corners = mesh.positions[mesh.faces]
-    edges = np.roll(corners, -1, axis=1) - corners
-    squares = dots(edges, edges)
-    if mesh.dimension == 2:
-        sides = np.sort(np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1), axis=-1).reshape(-1, 2)
-        _, place, count = np.unique(sides, axis=0, return_index=True, return_counts=True)
-        return 0.5 * math.sqrt(squares.ravel()[place[count == 1]].max(initial=0.0))
-    across = np.cross(edges[:, 0], edges[:, 1])
-    longest, doubled = squares.max(axis=1, initial=0.0), dots(across, across)  # the square of twice the area
-    obtuse = 2.0 * longest >= squares.sum(axis=1)
-    diameters = np.where(obtuse, longest, squares.prod(axis=1) / np.where(obtuse, 1.0, doubled))
-    return 0.5 * math.sqrt(diameters.max(initial=0.0))
 
 
 def _shared(fluid: Fluid, positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[tuple[np.ndarray, ...]]:

@@ -5,6 +5,7 @@
 //! friction. The matrix A = J M⁻¹ C, dense, is solved as A + ε with iterative refinement, so that redundant rows share
 //! their load by least change. Source: P. Alart, A. Curnier, Comput. Meth. Appl. Mech. Eng. 92, 353 (1991).
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use crate::lu::{factorize, solution};
@@ -32,16 +33,26 @@ enum Unknown {
 }
 
 /// Equation of an unknown, the direction of its impulse, and the velocity that it yields to a unit of it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct HeldEquation {
     unknown: Unknown,
     bodies: [usize; 2],
     row: Row,
     column: Row,
-    /// Inverse masses of the bodies, and changes of their angular velocities by a unit of the impulse.
-    inverse_masses: [f64; 2],
-    turns: [DVec3; 2],
+    ends: ArrayVec<HeldEnd, 4>,
     yields: f64,
+}
+
+/// Body that an equation acts on, or corner of a face with its weight.
+#[derive(Debug, Clone, Copy)]
+struct HeldEnd {
+    mover: usize,
+    side: usize,
+    weight: f64,
+    inverse_mass: f64,
+    /// Angular part of the equation, and change of the angular velocity by a unit of the impulse.
+    angular: DVec3,
+    turn: DVec3,
 }
 
 impl Rows {
@@ -163,11 +174,25 @@ impl Rows {
     /// Equations of the rows that hold.
     fn held(&self, v: &BodyVelocities) -> Vec<HeldEquation> {
         let mut equations = Vec::new();
-        let mut add = |unknown, bodies: [usize; 2], row, column: Row, yields| {
-            let moved = bodies.map(|body| &v.bodies[body]);
-            let turns = [0, 1].map(|side| moved[side].inverse_inertia * column.angular[side]);
-            let inverse_masses = moved.map(|body| body.inverse_mass);
-            equations.push(HeldEquation { unknown, bodies, row, column, inverse_masses, turns, yields });
+        let mut add = |unknown, bodies: [usize; 2], row: Row, column: Row, yields| {
+            let mut ends = ArrayVec::new();
+            for (side, number) in bodies.into_iter().enumerate() {
+                if let Some(body) = v.bodies.get(number) {
+                    let (angular, turn) = (row.angular[side], body.inverse_inertia * column.angular[side]);
+                    ends.push(HeldEnd { mover: number, side, weight: 1.0, inverse_mass: body.inverse_mass, angular, turn });
+                    continue;
+                }
+                let (angular, turn) = (DVec3::ZERO, DVec3::ZERO);
+                ends.extend(v.corners(number, row.angular[side]).map(|(mover, weight)| HeldEnd {
+                    mover,
+                    side,
+                    weight,
+                    inverse_mass: v.bodies[mover].inverse_mass,
+                    angular,
+                    turn,
+                }));
+            }
+            equations.push(HeldEquation { unknown, bodies, row, column, ends, yields });
         };
         for (index, joint) in self.joints.iter().enumerate() {
             for (place, row) in joint.rows.iter().enumerate() {
@@ -184,10 +209,7 @@ impl Rows {
             if load <= 0.0 {
                 continue;
             }
-            let along = |direction: DVec3, target: f64| {
-                let row = Row::new(direction, contact.arms.map(|arm| arm.cross(direction)));
-                Row { target, ..row }
-            };
+            let along = |direction: DVec3, target: f64| Row { target, ..contact.along(direction) };
             let friction = contact.before.tangential + contact.impulse.tangential;
             let most = contact.friction.sliding * load;
             let slides = most == 0.0 || friction.length() >= (1.0 - 1e-9) * most;
@@ -228,13 +250,11 @@ impl Rows {
 /// Entry of J M⁻¹ C.
 fn coupling(equation: &HeldEquation, other: &HeldEquation) -> f64 {
     let mut sum = 0.0;
-    for (side, body) in equation.bodies.into_iter().enumerate() {
-        for (across, same) in other.bodies.into_iter().enumerate() {
-            if body == same && equation.inverse_masses[side] > 0.0 {
-                let sign = if side == across { 1.0 } else { -1.0 };
-                let linear = equation.inverse_masses[side] * equation.row.linear.dot(other.column.linear);
-                sum += sign * (linear + equation.row.angular[side].dot(other.turns[across]));
-            }
+    for end in &equation.ends {
+        for across in other.ends.iter().filter(|across| across.mover == end.mover && end.inverse_mass > 0.0) {
+            let sign = if end.side == across.side { 1.0 } else { -1.0 };
+            let linear = end.weight * across.weight * end.inverse_mass * equation.row.linear.dot(other.column.linear);
+            sum += sign * (linear + end.angular.dot(across.turn));
         }
     }
     sum

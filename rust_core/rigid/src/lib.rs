@@ -4,8 +4,8 @@
 //! - [`shapes`] and their mass properties;
 //! - contacts of convex parts, planar and spatial, and of whole shapes ([`collision`]);
 //! - pairs of bodies that are near each other ([`broad`]);
-//! - free rotation by splitting, [`rotation`]s, bodies during a step ([`mover`]) and their [`surface`]s, [`joints`], and rows of
-//!   impulses;
+//! - free rotation by splitting, [`rotation`]s, bodies during a step ([`mover`]), [`face`]s of networks, [`surface`]s, [`joints`], and
+//!   rows of impulses;
 //! - steps of a group of bodies: with each impact at its time, or of large groups in sweeps;
 //! - the [`world`] of all bodies, and the springs between them.
 
@@ -16,6 +16,7 @@ pub mod collision;
 pub mod contact;
 mod couple;
 mod direct;
+pub mod face;
 mod ground;
 mod impacts;
 mod island;

@@ -22,6 +22,11 @@ impl Friction {
             torsional: one.torsional.max(other.torsional),
         }
     }
+
+    /// Friction of a body on a face of a network, which takes no moments.
+    pub(crate) fn on_face(body: Option<Self>) -> Self {
+        Friction { sliding: body.unwrap_or_default().sliding, ..Self::default() }
+    }
 }
 
 /// Surface of a mover.

@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 
+use crate::face::movers_of;
 use crate::island::{FirstHalf, GroupContact, Island};
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::{BodyVelocities, BodyVelocity, Bundles, InPlane, InSpace, RowSpace, SIDE, adds_energy};
@@ -65,7 +66,8 @@ impl Island {
         self.joints.iter_mut().for_each(|held| held.held = [true; 2]);
         let ways = self.ways(h);
         for pair in &mut self.pairs {
-            pair.reach = (ways[pair.bodies[0]] + ways[pair.bodies[1]]).min(pair.size);
+            let way = |body: usize| movers_of(body, &self.faces).into_iter().map(|mover| ways[mover]).fold(0.0, f64::max);
+            pair.reach = (way(pair.bodies[0]) + way(pair.bodies[1])).min(pair.size);
         }
         self.renew_contacts(shapes, is_last);
         let is_flat = self.planar && self.joints.is_empty();
@@ -91,9 +93,12 @@ impl Island {
         for _ in 0..PASSED {
             let before = ways.clone();
             for [one, other] in self.pairs.iter().map(|pair| pair.bodies) {
-                for (body, by) in [(one, other), (other, one)] {
-                    if !self.movers[body].is_fixed() {
-                        ways[body] = ways[body].max(before[by]);
+                let [one, other] = [one, other].map(|body| movers_of(body, &self.faces));
+                for (one, other) in one.iter().flat_map(|&one| other.iter().map(move |&other| (one, other))) {
+                    for (body, by) in [(one, other), (other, one)] {
+                        if !self.movers[body].is_fixed() {
+                            ways[body] = ways[body].max(before[by]);
+                        }
                     }
                 }
             }
@@ -161,7 +166,7 @@ impl<S: RowSpace> RowSweep<S> {
 
     /// Takes the velocities of the movers, and adds a body at rest for lanes without a row.
     fn fill(&mut self, island: &Island) {
-        self.v.fill(&island.movers);
+        self.v.fill(&island.movers, &island.faces);
         self.v.bodies.push(BodyVelocity::default());
     }
 

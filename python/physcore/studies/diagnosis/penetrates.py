@@ -184,7 +184,8 @@ def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
                     f"{name} reaches through {scene.path(body)} by {depth:.2g} of its radius: the mesh, of springs of "
                     f"{width:.2g}{meter} and more, is coarse beside it"
                 )
-                cure = f"take a finer mesh, of a spacing of {0.5 * float(radii.min()):.2g}{meter}, or a larger ball"
+                spacing = f"{0.5 * float(radii.min()):.2g}{meter}"
+                cure = f"take a finer mesh, of a spacing of {spacing}, or a RigidBody as the ball, which meets faces"
                 yield Finding("penetrates", cause, cure, depth)
 
 

@@ -5,17 +5,19 @@
 //! Bounces that last less than a step are contacts at rest. Sources for the times: B. Mirtich, "Impulse-based dynamic
 //! simulation of rigid body systems", 1996; of the law: W. J. Stronge, "Impact Mechanics", 2000.
 
+mod paths;
 mod strikes;
 mod times;
 
 use crate::direct;
+use crate::face::largest_of;
 use crate::island::{CLOSED, GroupContact, Island};
 use crate::mover::Mover;
-use crate::rows::BodyVelocities;
 use crate::shapes::SolidShape;
 use crate::sweep_steps::SweepPieces;
 
-pub(crate) use times::{BodyPath, first_zero};
+pub(crate) use paths::BodyPath;
+pub(crate) use times::first_zero;
 
 /// Velocity that is no motion, over the largest speed.
 const REST: f64 = 1e-10;
@@ -74,10 +76,11 @@ impl Island {
         let mut rows = 0;
         let mut time = 0.0;
         for _ in 0..most {
-            let movers = &self.movers;
-            let way = |&body: &usize| h * (movers[body].speed() + h * movers[body].acceleration.length());
+            let (movers, faces) = (&self.movers, &self.faces);
+            let way = |mover: &Mover| h * (mover.speed() + h * mover.acceleration.length());
             for pair in &mut self.pairs {
-                pair.reach = pair.bodies.iter().map(way).sum::<f64>() + CLOSED * pair.size;
+                pair.reach =
+                    pair.bodies.iter().map(|&body| largest_of(body, movers, faces, way)).sum::<f64>() + CLOSED * pair.size;
             }
             self.find_contacts(shapes);
             self.strike(h);
@@ -130,7 +133,7 @@ impl Island {
 
     /// Holds the contacts that are closed and do not open in this step, and the limits that joints have reached.
     fn hold_resting(&mut self, h: f64) {
-        let v = BodyVelocities::of(&self.movers);
+        let v = self.velocities();
         let still = REST * self.speed();
         for index in 0..self.contacts.len() {
             let contact = self.contacts[index];
@@ -144,6 +147,7 @@ impl Island {
 
     /// Bound on the acceleration that presses a contact [m/s²].
     pub fn pressing(&self, contact: &GroupContact) -> f64 {
-        contact.bodies.iter().map(|&body| self.movers[body].acceleration.length()).sum()
+        let acceleration = |mover: &Mover| mover.acceleration.length();
+        contact.bodies.iter().map(|&body| largest_of(body, &self.movers, &self.faces, acceleration)).sum()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::REST;
 use crate::island::{CLOSED, GroupContact, Island};
-use crate::rows::{BodyVelocities, BoundedRow, ContactRow, JointRows, Row, Rows};
+use crate::rows::{BodyVelocities, BoundedRow, ContactRow, JointRows, Rows};
 
 /// Velocity of a contact at rest, over that which forces give in a step.
 const RESTING: f64 = 1e-4;
@@ -40,7 +40,7 @@ impl Island {
     pub(super) fn strike(&mut self, h: f64) {
         let pushed = self.movers.iter().map(|mover| mover.acceleration.length()).fold(0.0, f64::max);
         let still = REST * self.speed() + RESTING * h * pushed;
-        let mut v = BodyVelocities::of(&self.movers);
+        let mut v = self.velocities();
         let mut closed = self.closed_contacts(h, still, &v);
         if !closed.iter().any(|each| each.approach(&v) > still) && !self.strikes_limit(&v, still) {
             return;
@@ -60,7 +60,7 @@ impl Island {
                 } else {
                     // Joints pass impulses on, and take part in each impact.
                     self.strike_together(pair, &rebounds);
-                    v = BodyVelocities::of(&self.movers);
+                    v = self.velocities();
                 }
             }
             if !struck {
@@ -68,13 +68,13 @@ impl Island {
             }
         }
         let rebounds: Vec<f64> = closed.iter().map(|each| each.rebound(&v)).collect();
-        closed.iter().for_each(|each| each.row.apply(&mut self.movers));
+        closed.iter().for_each(|each| each.row.apply(&mut self.movers, &self.faces));
         self.strike_together(&closed, &rebounds);
     }
 
     /// Ends the bounces of contacts: their normal velocities vanish, and with them energy. No other contact closes.
     pub(super) fn settle(&mut self, bouncing: &[usize]) {
-        let start = BodyVelocities::of(&self.movers);
+        let start = self.velocities();
         let (ends, others): (Vec<_>, Vec<_>) =
             (0..self.contacts.len()).filter(|&index| self.contacts[index].held).partition(|index| bouncing.contains(index));
         let row = |&index: &usize| Some((self.contacts[index].pair, self.row(&self.contacts[index], &start)?));
@@ -107,7 +107,7 @@ impl Island {
     /// Resolves the impacts of all contacts together, with these velocities after them. Returns false, and changes nothing, if
     /// that would add energy.
     fn strikes_to(&mut self, struck: &[ClosedContact], targets: &[f64], bounces: &[BoundedRow]) -> bool {
-        let start = BodyVelocities::of(&self.movers);
+        let start = self.velocities();
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
         for held in &self.joints {
             let equations = self.equations(held).into_iter().map(|(row, _)| row);
@@ -125,7 +125,7 @@ impl Island {
         if lost < -error && targets.iter().any(|&target| target > 0.0) {
             return false;
         }
-        rows.apply(&mut self.movers);
+        rows.apply(&mut self.movers, &self.faces);
         self.meters.dissipated += (lost + rows.stopped(&start, &v)).max(0.0);
         self.meters.work += rows.supplied(&start, &v);
         for (held, joint) in self.joints.iter_mut().zip(&rows.joints) {
@@ -176,6 +176,5 @@ fn settle(rows: &mut [ContactRow], v: &mut BodyVelocities, tolerance: f64) {
 
 /// Row that holds the normal velocity of a contact at 0, by impulses of either sign.
 fn equation(row: &ContactRow, v: &BodyVelocities) -> Option<BoundedRow> {
-    let along = Row::new(row.normal, row.arms.map(|arm| arm.cross(row.normal)));
-    BoundedRow::new(row.bodies, along, [f64::NEG_INFINITY, f64::INFINITY], v)
+    BoundedRow::new(row.bodies, row.along(row.normal), [f64::NEG_INFINITY, f64::INFINITY], v)
 }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::Island;
 use crate::collision;
 use crate::contact::{ContactPoint, Touch};
+use crate::face::{FACES, Face, GroupValues, is_hidden};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
@@ -57,9 +58,15 @@ impl ContactSearch {
 }
 
 impl Island {
-    /// Poses of all bodies.
-    pub fn poses(&self) -> Vec<Pose> {
-        self.movers.iter().map(Mover::pose).collect()
+    /// Poses of all bodies and faces.
+    pub fn poses(&self) -> GroupValues<Pose> {
+        let faces = self.faces.iter().map(|face| self.face_pose(face)).collect();
+        GroupValues { bodies: self.movers.iter().map(Mover::pose).collect(), faces }
+    }
+
+    /// Frame of a face.
+    fn face_pose(&self, face: &Face) -> Pose {
+        face.pose(|corner| self.movers[corner as usize].position)
     }
 
     /// Takes over the loads of contacts from the last step, which are in the order of their keys.
@@ -82,24 +89,31 @@ impl Island {
     /// Lets all contacts be found anew.
     pub fn forget_contacts(&mut self) {
         self.pairs.iter_mut().for_each(|pair| pair.found = None);
-        self.poses.clear();
-        self.turned.clear();
-        self.turned.resize(self.movers.len(), 0.0);
+        self.poses = GroupValues::default();
+        for (turned, count) in [(&mut self.turned.bodies, self.movers.len()), (&mut self.turned.faces, self.faces.len())] {
+            turned.clear();
+            turned.resize(count, 0.0);
+        }
     }
 
     /// Finds the contacts within the reach of those pairs that have moved against each other since the last search. Others keep
     /// their points. Unless this is the last sweep of a step, contacts are found a little farther, so that they last.
     pub fn renew_contacts(&mut self, shapes: &[SolidShape], is_last: bool) {
         let poses = self.poses();
-        for (((turned, mover), pose), last) in self.turned.iter_mut().zip(&self.movers).zip(&poses).zip(&self.poses) {
+        let turned = self.turned.bodies.iter_mut().zip(&self.movers);
+        for (((turned, mover), pose), last) in turned.zip(&poses.bodies).zip(&self.poses.bodies) {
             *turned += mover.arm * pose.turn_from(last);
+        }
+        let turned = self.turned.faces.iter_mut().zip(&self.faces);
+        for (((turned, face), pose), last) in turned.zip(&poses.faces).zip(&self.poses.faces) {
+            *turned += face.way_from(pose, last);
         }
         let before = std::mem::replace(&mut self.contacts, std::mem::take(&mut self.known));
         let mut points = Vec::new();
         let (mut known, mut place) = (0, 0);
         for (index, pair) in self.pairs.iter_mut().enumerate() {
             let [one, other] = pair.bodies;
-            let [first, second] = pair.bodies.map(|body| &self.surfaces[body]);
+            let (first, second) = (&self.surfaces[one], self.surfaces.get(other));
             while known < before.len() && before[known].pair < index {
                 known += 1;
             }
@@ -115,8 +129,20 @@ impl Island {
             pair.found = Some(ContactSearch { reach, between, turned });
             points.clear();
             let dimension = if self.planar { 2 } else { 3 };
-            let sides = ((&shapes[first.shape], &poses[one]), (&shapes[second.shape], &poses[other]));
-            collision::contacts(sides.0, sides.1, reach, dimension, &mut points);
+            let side = (&shapes[first.shape], &poses[one]);
+            let position = |corner: u32| poses.bodies[corner as usize].position;
+            if let Some(second) = second {
+                collision::contacts(side, (&shapes[second.shape], &poses[other]), reach, dimension, &mut points);
+                let beside = self.beside.of(other);
+                if !beside.is_empty() {
+                    points.retain(|point| {
+                        !is_hidden(point, [side.1, &poses[other]], beside.iter().map(|&corner| position(corner)))
+                    });
+                }
+            } else {
+                let face = &self.faces[other - FACES];
+                face.contacts(side, (&poses[other], position), (reach, dimension), &mut points);
+            }
             place = seek(&self.past, place, pair.key);
             let past = before[known..].iter().take_while(|contact| contact.pair == index);
             for &point in &points {
@@ -125,15 +151,17 @@ impl Island {
                 // A new contact has the normal with which it was found, unless its points coincide.
                 let fallback = last.map_or_else(|| point.at(places, DVec3::ZERO).normal, |contact| contact.touch.normal);
                 let fallback = if fallback == DVec3::ZERO { between.try_normalize().unwrap_or(DVec3::X) } else { fallback };
-                let touch = point.at(places, fallback);
                 self.contacts.push(GroupContact {
                     pair: index,
                     bodies: pair.bodies,
                     key: (pair.key.0, pair.key.1, point.feature),
                     point,
-                    touch,
-                    friction: Friction::between(first.friction, second.friction),
-                    restitution: first.restitution.max(second.restitution),
+                    touch: touch_of(&point, pair.bodies, &poses, fallback),
+                    friction: second.map_or_else(
+                        || Friction::on_face(first.friction),
+                        |second| Friction::between(first.friction, second.friction),
+                    ),
+                    restitution: second.map_or(first.restitution, |second| first.restitution.max(second.restitution)),
                     load: last.map_or_else(
                         || {
                             let mut own = self.past[place..].iter().take_while(|(key, _)| (key.0, key.1) == pair.key);
@@ -153,7 +181,16 @@ impl Island {
 
     /// Row of a contact at the present poses.
     pub fn row<S: RowSpace>(&self, contact: &GroupContact, v: &BodyVelocities<S>) -> Option<ContactRow<S>> {
-        let arms = contact.bodies.map(|body| contact.touch.point - self.movers[body].position);
+        let [one, other] = contact.bodies;
+        let (point, second) = if let Some(mover) = self.movers.get(other) {
+            (contact.touch.point, contact.touch.point - mover.position)
+        } else {
+            let face = &self.faces[other - FACES];
+            let pose = self.face_pose(face);
+            let coordinates = face.coordinates(&pose, contact.touch.point);
+            (pose.point(coordinates), coordinates)
+        };
+        let arms = [point - self.movers[one].position, second];
         ContactRow::new(contact.bodies, arms, contact.touch.normal, contact.friction, v)
     }
 
@@ -168,18 +205,26 @@ impl Island {
 
 impl GroupContact {
     /// Contact at poses of the bodies of the group.
-    pub fn at(&self, poses: &[Pose]) -> Touch {
-        let [one, other] = self.bodies.map(|body| &poses[body]);
-        self.point.at([one, other], self.touch.normal)
+    pub fn at(&self, poses: &GroupValues<Pose>) -> Touch {
+        touch_of(&self.point, self.bodies, poses, self.touch.normal)
+    }
+
+    /// Whether the second body is a face.
+    fn has_face(&self) -> bool {
+        self.bodies[1] >= FACES
     }
 
     /// Points of a contact that friction holds: in the frames of the two bodies, with the arm from there to the contact [m].
     /// A rounded body is held at its core, so that it rolls.
-    pub fn anchors(&self, poses: &[Pose]) -> [(DVec3, DVec3); 2] {
+    pub fn anchors(&self, poses: &GroupValues<Pose>) -> [(DVec3, DVec3); 2] {
         std::array::from_fn(|side| {
             let pose = &poses[self.bodies[side]];
-            let radius = self.point.radii[side];
+            let mut radius = self.point.radii[side];
+            if self.has_face() && side == 1 {
+                return (pose.rotation.inverse() * (self.touch.point - pose.position), DVec3::ZERO);
+            }
             if radius > 0.0 {
+                radius += if self.has_face() { self.touch.gap + self.point.radii[1] } else { 0.0 };
                 let core = self.touch.point - radius * if side == 0 { 1.0 } else { -1.0 } * self.touch.normal;
                 (pose.local_point(core), self.touch.point - core)
             } else {
@@ -189,15 +234,24 @@ impl GroupContact {
     }
 
     /// Way that the second body's point of contact moved against the first's [m], to these poses.
-    pub fn way(&self, anchors: &[(DVec3, DVec3); 2], poses: &[Pose], middle: &BodyVelocities, length: f64) -> DVec3 {
+    pub fn way(&self, anchors: &[(DVec3, DVec3); 2], poses: &GroupValues<Pose>, middle: &BodyVelocities, length: f64) -> DVec3 {
         let [one, other] = std::array::from_fn(|side| {
             let body = self.bodies[side];
             let (local, arm) = anchors[side];
-            let rolled = length * (middle.bodies[body].at(arm) - middle.bodies[body].at(DVec3::ZERO));
+            let rolled = middle.bodies.get(body).map_or(DVec3::ZERO, |body| length * (body.at(arm) - body.at(DVec3::ZERO)));
             poses[body].point(local) + rolled + arm
         });
         other - one
     }
+}
+
+/// Contact of two bodies at poses of a group. Its point on a face is halfway through the thickness.
+fn touch_of(point: &ContactPoint, bodies: [usize; 2], poses: &GroupValues<Pose>, fallback: DVec3) -> Touch {
+    let mut touch = point.at(bodies.map(|body| &poses[body]), fallback);
+    if bodies[1] >= FACES {
+        touch.point += (0.5 * touch.gap + point.radii[1]) * touch.normal;
+    }
+    touch
 }
 
 /// Place from `place` on of the first load of a pair, or of the next one, in ascending order.

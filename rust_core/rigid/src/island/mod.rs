@@ -14,10 +14,12 @@ mod joints;
 mod pieces;
 
 use glam::DVec3;
+use physcore_base::adjacency::Adjacency;
 
+use crate::face::{Face, GroupValues};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::ContactImpulse;
+use crate::rows::{BodyVelocities, ContactImpulse};
 use crate::surface::Surface;
 use crate::sweeps::GroupSweep;
 
@@ -51,6 +53,7 @@ impl Accuracy {
 /// Pair of bodies that may touch.
 #[derive(Debug, Clone, Copy)]
 pub struct BodyPair {
+    /// Numbers of the bodies; from [`crate::face::FACES`] on that of a face, which is the second.
     pub bodies: [usize; 2],
     /// Indices of the bodies in the world.
     pub key: (u32, u32),
@@ -88,6 +91,9 @@ pub struct Island {
     /// Index of each mover in the world.
     pub members: Vec<usize>,
     pub surfaces: Vec<Surface>,
+    /// Faces of networks, between movers, and the corners beside each mover in them.
+    pub faces: Vec<Face>,
+    pub beside: Adjacency,
     pub pairs: Vec<BodyPair>,
     pub contacts: Vec<GroupContact>,
     pub joints: Vec<HeldJoint>,
@@ -105,8 +111,8 @@ pub struct Island {
     /// Buffer of contacts.
     known: Vec<GroupContact>,
     /// Poses of the bodies when contacts were last renewed, and ways of their surface points by turning until then [m].
-    poses: Vec<Pose>,
-    turned: Vec<f64>,
+    poses: GroupValues<Pose>,
+    turned: GroupValues<f64>,
     /// Loads of the contacts of the last step.
     past: Vec<(ContactKey, ContactImpulse)>,
     first: FirstHalf,
@@ -119,6 +125,8 @@ impl Island {
             movers: Vec::new(),
             members: Vec::new(),
             surfaces: Vec::new(),
+            faces: Vec::new(),
+            beside: Adjacency::default(),
             pairs: Vec::new(),
             contacts: Vec::new(),
             joints: Vec::new(),
@@ -131,8 +139,8 @@ impl Island {
             is_swept: false,
             ahead: Vec::new(),
             known: Vec::new(),
-            poses: Vec::new(),
-            turned: Vec::new(),
+            poses: GroupValues::default(),
+            turned: GroupValues::default(),
             past: Vec::new(),
             first: FirstHalf::default(),
         }
@@ -143,6 +151,8 @@ impl Island {
         self.movers.clear();
         self.members.clear();
         self.surfaces.clear();
+        self.faces.clear();
+        self.beside = Adjacency::default();
         self.pairs.clear();
         self.contacts.clear();
         self.joints.clear();
@@ -150,6 +160,20 @@ impl Island {
         self.ahead.clear();
         self.meters = Meters::default();
         self.accuracy = Accuracy::FINE;
+    }
+
+    /// Finds the corners beside each mover in the faces.
+    pub fn link_faces(&mut self) {
+        if !self.faces.is_empty() {
+            let sides =
+                self.faces.iter().flat_map(|face| [0, 1, 2].map(|side| [face.corners[side], face.corners[(side + 1) % 3]]));
+            self.beside = Adjacency::of_graph(self.movers.len(), sides.filter(|[one, other]| one != other));
+        }
+    }
+
+    /// Velocities in the present orientations.
+    pub fn velocities(&self) -> BodyVelocities {
+        BodyVelocities { faces: self.faces.clone(), ..BodyVelocities::of(&self.movers) }
     }
 
     /// Largest speed of a surface point [m/s].

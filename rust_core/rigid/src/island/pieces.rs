@@ -64,10 +64,10 @@ impl Island {
     /// Takes the first half of a piece of a step of `h` seconds, and its drift. Gaps and errors of joints that are there at the
     /// start are closed within a step, however short the piece is.
     pub fn begin_piece(&mut self, length: f64, h: f64) {
-        let start = BodyVelocities::of(&self.movers);
+        let start = self.velocities();
         let tolerance = self.tolerance(length);
         self.movers.iter_mut().for_each(|mover| mover.kick(0.5 * length));
-        let free = BodyVelocities::of(&self.movers);
+        let free = self.velocities();
         let mut first = FirstHalf::default();
         first.rows.planar = self.planar;
         self.hold_joints((length, h), &free, &mut first);
@@ -92,8 +92,8 @@ impl Island {
             let converged;
             (v, converged) = first.rows.solve(&free, tolerance, self.accuracy.iterations);
             self.movers.copy_from_slice(&kicked);
-            first.rows.apply(&mut self.movers);
-            let middle = BodyVelocities::of(&self.movers);
+            first.rows.apply(&mut self.movers, &self.faces);
+            let middle = self.velocities();
             self.movers.iter_mut().for_each(|mover| mover.drift(length));
             let last = linearization >= if converged { self.accuracy.linearizations } else { UNSOLVED };
             if last || !self.correct(&mut first, &anchors, (&v, &middle), length) {
@@ -112,7 +112,7 @@ impl Island {
     /// Leaves a piece open after its drift.
     fn leave_open(&mut self, mut first: FirstHalf, length: f64, h: f64) {
         // Velocities at the new poses, for the second half.
-        let v = BodyVelocities::of(&self.movers);
+        let v = self.velocities();
         self.renew_touches();
         let slip = |&index: &usize| self.row(&self.contacts[index], &v).map_or_else(Default::default, |row| row.slip_of(&v));
         first.middles = first.contacts.iter().map(slip).collect();
@@ -180,7 +180,7 @@ impl Island {
         if self.is_swept {
             self.add_second_half();
         } else {
-            self.close_piece(&self.first).0.apply(&mut self.movers);
+            self.close_piece(&self.first).0.apply(&mut self.movers, &self.faces);
         }
         let changes = self.movers.iter().zip(&kicked);
         self.ahead = changes.map(|(after, before)| [after.velocity - before.velocity, after.spin - before.spin]).collect();
@@ -204,7 +204,7 @@ impl Island {
         let length = self.open;
         let kicked = self.movers.clone();
         let (rows, v) = self.close_piece(&first);
-        rows.apply(&mut self.movers);
+        rows.apply(&mut self.movers, &self.faces);
         let stopped = rows.stopped(&first.drifted, &v);
         let mut losses = first.lost + stopped;
         for (((row, &index), pushing), &before) in
@@ -230,7 +230,7 @@ impl Island {
 
     /// Impulses of the second half of the open piece, and the velocities after them, from those after the kick.
     fn close_piece(&self, first: &FirstHalf) -> (Rows, BodyVelocities) {
-        let start = BodyVelocities::of(&self.movers);
+        let start = self.velocities();
         let mut rows = Rows { planar: self.planar, ..Rows::default() };
         self.hold_joint_velocities(first, &start, &mut rows);
         for (past, &index) in first.rows.contacts.iter().zip(&first.contacts) {

@@ -17,23 +17,29 @@ pub struct VelocityLanes<S: RowSpace> {
 }
 
 impl<S: RowSpace> VelocityLanes<S> {
-    /// Velocities of bodies by their indices.
+    /// Velocities of bodies by their numbers, and of points of faces at coordinates.
     #[inline(always)]
-    fn gather(indices: &[u32; SIDE], v: &BodyVelocities<S>) -> Self {
+    fn gather(indices: &[u32; SIDE], arms: &LanesOf<S::Vector>, v: &BodyVelocities<S>) -> Self {
         let mut lanes = Self::default();
         for lane in 0..SIDE {
-            let body = &v.bodies[indices[lane] as usize];
+            let Some(body) = v.bodies.get(indices[lane] as usize) else {
+                v.at(indices[lane] as usize, S::Vector::read(arms, lane)).write(&mut lanes.linear, lane);
+                continue;
+            };
             body.linear.write(&mut lanes.linear, lane);
             body.angular.write(&mut lanes.angular, lane);
         }
         lanes
     }
 
-    /// Writes the velocities back.
+    /// Writes the velocities back. The corners of a face take the impulse at its point.
     #[inline(always)]
-    fn scatter(&self, indices: &[u32; SIDE], v: &mut BodyVelocities<S>) {
+    fn scatter(&self, indices: &[u32; SIDE], arms: &LanesOf<S::Vector>, v: &mut BodyVelocities<S>) {
         for lane in 0..SIDE {
-            let body = &mut v.bodies[indices[lane] as usize];
+            let Some(body) = v.bodies.get_mut(indices[lane] as usize) else {
+                v.move_point(indices[lane] as usize, S::Vector::read(arms, lane), S::Vector::read(&self.linear, lane));
+                continue;
+            };
             body.linear = S::Vector::read(&self.linear, lane);
             body.angular = S::Turn::read(&self.angular, lane);
         }
@@ -158,9 +164,9 @@ impl<S: RowSpace> RowBundle<S> {
 
     /// Takes the inverse masses and inertias of the bodies.
     fn equip(&mut self, v: &BodyVelocities<S>) {
-        for (bodies, inverses) in self.bodies.iter().zip(&mut self.inverses) {
+        for ((bodies, arms), inverses) in self.bodies.iter().zip(&self.arms).zip(&mut self.inverses) {
             for (lane, &body) in bodies.iter().enumerate() {
-                let body = &v.bodies[body as usize];
+                let body = v.body(body as usize, S::Vector::read(arms, lane));
                 inverses.mass[lane] = body.inverse_mass;
                 body.inverse_inertia.write(&mut inverses.inertia, lane);
             }
@@ -170,7 +176,7 @@ impl<S: RowSpace> RowBundle<S> {
     /// Velocities of the bodies on both sides.
     #[inline(always)]
     pub fn gather(&self, v: &BodyVelocities<S>) -> [VelocityLanes<S>; 2] {
-        [VelocityLanes::gather(&self.bodies[0], v), VelocityLanes::gather(&self.bodies[1], v)]
+        [0, 1].map(|side| VelocityLanes::gather(&self.bodies[side], &self.arms[side], v))
     }
 
     /// Loads the bodies of a side from lane `first` on.
@@ -210,8 +216,8 @@ impl<S: RowSpace> RowBundle<S> {
             one.store(&bodies[0], first);
             other.store(&bodies[1], first);
         }
-        one.scatter(&self.bodies[0], v);
-        other.scatter(&self.bodies[1], v);
+        one.scatter(&self.bodies[0], &self.arms[0], v);
+        other.scatter(&self.bodies[1], &self.arms[1], v);
     }
 }
 
@@ -245,7 +251,8 @@ impl<S: RowSpace> Bundles<S> {
 
     /// Adds a row behind all earlier ones of its bodies; returns its bundle and lane.
     pub fn add(&mut self, row: &ContactRow<S>, v: &BodyVelocities<S>) -> [usize; 2] {
-        let moved = row.bodies.into_iter().filter(|&body| !v.bodies[body].is_fixed());
+        let movers = [0, 1].into_iter().flat_map(|side| v.movers(row.bodies[side], row.arms[side]));
+        let moved = movers.filter(|&body| !v.bodies[body].is_fixed());
         let first = moved.clone().map(|body| self.last[body]).max().unwrap_or(0);
         let place = self.with_room(first as usize);
         if place == self.all.len() {

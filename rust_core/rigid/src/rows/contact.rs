@@ -3,7 +3,8 @@
 use glam::DVec3;
 use physcore_base::simd::Number;
 
-use super::{BodyVelocities, BodyVelocity, InSpace, Linear, RowAlgebra, RowSpace};
+use super::{BodyVelocities, BodyVelocity, InSpace, Linear, Row, RowAlgebra, RowSpace};
+use crate::face::{self, FACES, Face};
 use crate::mover::Mover;
 use crate::surface::Friction;
 
@@ -56,7 +57,7 @@ impl<S: RowSpace> ContactImpulse<S> {
 #[derive(Debug, Clone, Copy)]
 pub struct ContactRow<S: RowAlgebra = InSpace> {
     pub bodies: [usize; 2],
-    /// Arms from the centers to the point [m].
+    /// Arms from the centers to the point [m]; coordinates of the point of a face.
     pub arms: [S::Vector; 2],
     /// Unit normal n, from the first body to the second.
     pub normal: S::Vector,
@@ -134,7 +135,7 @@ impl<S: RowSpace> ContactRow<S> {
     /// Contact without impulse; None if neither body can be moved.
     pub fn new(bodies: [usize; 2], arms: [DVec3; 2], normal: DVec3, friction: Friction, v: &BodyVelocities<S>) -> Option<Self> {
         let (arms, normal) = (arms.map(S::vector), S::vector(normal));
-        let [one, other] = bodies.map(|body| &v.bodies[body]);
+        let [one, other] = [0, 1].map(|side| v.body(bodies[side], arms[side]));
         let response = |along: S::Vector| one.response(arms[0], along) + other.response(arms[1], along);
         let inverse = normal.dot(response(normal));
         if inverse <= 0.0 {
@@ -169,13 +170,13 @@ impl<S: RowSpace> ContactRow<S> {
     /// Relative velocity of the second body at the point [m/s].
     #[inline(always)]
     pub fn velocity(&self, v: &BodyVelocities<S>) -> S::Vector {
-        self.between([&v.bodies[self.bodies[0]], &v.bodies[self.bodies[1]]])
+        v.at(self.bodies[1], self.arms[1]) - v.at(self.bodies[0], self.arms[0])
     }
 
     /// Relative angular velocity [rad/s].
     #[inline(always)]
     pub fn turning(&self, v: &BodyVelocities<S>) -> S::Turn {
-        v.bodies[self.bodies[1]].angular - v.bodies[self.bodies[0]].angular
+        v.angular(self.bodies[1]) - v.angular(self.bodies[0])
     }
 
     /// Relative velocity at the point and relative angular velocity.
@@ -186,14 +187,14 @@ impl<S: RowSpace> ContactRow<S> {
 
     #[inline(always)]
     fn push(&self, impulse: S::Vector, v: &mut BodyVelocities<S>) {
-        v.bodies[self.bodies[0]].push(self.arms[0], -impulse);
-        v.bodies[self.bodies[1]].push(self.arms[1], impulse);
+        v.push(self.bodies[0], self.arms[0], -impulse);
+        v.push(self.bodies[1], self.arms[1], impulse);
     }
 
     #[inline(always)]
     fn twist(&self, moment: S::Turn, v: &mut BodyVelocities<S>) {
-        v.bodies[self.bodies[0]].twist(-moment);
-        v.bodies[self.bodies[1]].twist(moment);
+        v.twist(self.bodies[0], -moment);
+        v.twist(self.bodies[1], moment);
     }
 
     /// Whether moments resist rolling or torsion.
@@ -240,7 +241,9 @@ impl<S: RowSpace> ContactRow<S> {
     /// Energy supplied by fixed bodies, which move as prescribed [J].
     pub fn supplied(&self, v: &BodyVelocities<S>) -> f64 {
         let of = |side: usize, sign: f64| {
-            let body = &v.bodies[self.bodies[side]];
+            let Some(body) = v.bodies.get(self.bodies[side]) else {
+                return sign * self.sum().dot(v.prescribed(self.bodies[side], self.arms[side]));
+            };
             let power = self.sum().dot(body.at(self.arms[side])) + self.impulse.turning.dot(body.angular);
             if body.is_fixed() { sign * power } else { 0.0 }
         };
@@ -249,11 +252,20 @@ impl<S: RowSpace> ContactRow<S> {
 }
 
 impl ContactRow {
-    /// Adds the impulses to the velocities and angular momenta of the bodies.
-    pub fn apply(&self, movers: &mut [Mover]) {
+    /// Equation for the relative velocity along a direction.
+    pub fn along(&self, direction: DVec3) -> Row {
+        let [one, other] = self.arms.map(|arm| arm.cross(direction));
+        Row::new(direction, [one, if self.bodies[1] < FACES { other } else { self.arms[1] }])
+    }
+
+    /// Adds the impulses to the velocities and angular momenta of the bodies, and of the corners of a face.
+    pub fn apply(&self, movers: &mut [Mover], faces: &[Face]) {
         let impulse = self.sum();
         for (body, arm, sign) in [(self.bodies[0], self.arms[0], -1.0), (self.bodies[1], self.arms[1], 1.0)] {
-            let mover = &mut movers[body];
+            let Some(mover) = movers.get_mut(body) else {
+                face::push(body, arm, impulse, movers, faces);
+                continue;
+            };
             if !mover.is_fixed() {
                 mover.velocity += sign * mover.inverse_mass * impulse;
                 mover.spin += sign * (arm.cross(impulse) + self.impulse.turning);

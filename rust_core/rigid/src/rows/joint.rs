@@ -4,9 +4,10 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::{BodyVelocities, MOST_ROWS};
+use crate::face::{self, Face};
 use crate::mover::Mover;
 
-/// Equation J v = b between two bodies, J v = l·(v₂ − v₁) + a₂·ω₂ − a₁·ω₁.
+/// Equation J v = b between two bodies, J v = l·(v₂ − v₁) + a₂·ω₂ − a₁·ω₁. A face has coordinates in place of a₂.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
     /// Direction l.
@@ -27,13 +28,13 @@ impl Row {
 
     /// Relative velocity J v.
     pub fn velocity(&self, [one, other]: [usize; 2], v: &BodyVelocities) -> f64 {
-        let [one, other] = [&v.bodies[one], &v.bodies[other]];
+        let [one, other] = [v.body(one, self.angular[0]), v.body(other, self.angular[1])];
         self.linear.dot(other.linear - one.linear) + self.angular[1].dot(other.angular) - self.angular[0].dot(one.angular)
     }
 
     /// J M⁻¹ Jᵀ of this row and another one of the same bodies.
     pub fn coupling(&self, row: &Self, [one, other]: [usize; 2], v: &BodyVelocities) -> f64 {
-        let [one, other] = [&v.bodies[one], &v.bodies[other]];
+        let [one, other] = [v.body(one, self.angular[0]), v.body(other, self.angular[1])];
         (one.inverse_mass + other.inverse_mass) * self.linear.dot(row.linear)
             + self.angular[0].dot(one.inverse_inertia * row.angular[0])
             + self.angular[1].dot(other.inverse_inertia * row.angular[1])
@@ -44,7 +45,9 @@ impl Row {
         let first = &mut v.bodies[one];
         first.linear -= first.inverse_mass * impulse * self.linear;
         first.twist(-(impulse * self.angular[0]));
-        let second = &mut v.bodies[other];
+        let Some(second) = v.bodies.get_mut(other) else {
+            return v.push_point(other, self.angular[1], impulse * self.linear);
+        };
         second.linear += second.inverse_mass * impulse * self.linear;
         second.twist(impulse * self.angular[1]);
     }
@@ -52,7 +55,9 @@ impl Row {
     /// Energy supplied by fixed bodies, which move as prescribed [J].
     pub fn supplied(&self, bodies: [usize; 2], v: &BodyVelocities) -> f64 {
         let of = |side: usize, sign: f64| {
-            let body = &v.bodies[bodies[side]];
+            let Some(body) = v.bodies.get(bodies[side]) else {
+                return sign * self.linear.dot(v.prescribed(bodies[side], self.angular[side]));
+            };
             let velocity = self.linear.dot(body.linear) + self.angular[side].dot(body.angular);
             if body.is_fixed() { sign * velocity } else { 0.0 }
         };
@@ -60,9 +65,12 @@ impl Row {
     }
 
     /// Adds the impulse to the velocities and angular momenta of the bodies.
-    pub fn apply(&self, [one, other]: [usize; 2], movers: &mut [Mover]) {
+    pub fn apply(&self, [one, other]: [usize; 2], movers: &mut [Mover], faces: &[Face]) {
         for (body, sign, arm) in [(one, -1.0, self.angular[0]), (other, 1.0, self.angular[1])] {
-            let mover = &mut movers[body];
+            let Some(mover) = movers.get_mut(body) else {
+                face::push(body, arm, self.impulse * self.linear, movers, faces);
+                continue;
+            };
             if !mover.is_fixed() {
                 mover.velocity += sign * self.impulse * mover.inverse_mass * self.linear;
                 mover.spin += sign * self.impulse * arm;

@@ -13,6 +13,7 @@ mod space;
 
 use glam::DVec3;
 
+use crate::face::{FACES, Face, weights};
 use crate::joint_system::JointSystem;
 use crate::mover::Mover;
 
@@ -70,17 +71,18 @@ impl<S: RowAlgebra> BodyVelocity<S> {
     }
 }
 
-/// Velocities of all bodies of a group during a solve.
+/// Velocities of all bodies of a group during a solve. Numbers from [`FACES`] on are those of its faces.
 #[derive(Debug, Clone, Default)]
 pub struct BodyVelocities<S: RowSpace = InSpace> {
     pub bodies: Vec<BodyVelocity<S>>,
+    pub faces: Vec<Face>,
 }
 
 impl BodyVelocities {
-    /// Velocities of movers in their present orientations.
+    /// Velocities of movers in their present orientations, without faces.
     pub fn of(movers: &[Mover]) -> Self {
         let mut velocities = Self::default();
-        velocities.fill(movers);
+        velocities.fill(movers, &[]);
         velocities
     }
 
@@ -92,8 +94,92 @@ impl BodyVelocities {
 }
 
 impl<S: RowSpace> BodyVelocities<S> {
+    /// Body of a row, or the particle that is the point of a face at coordinates.
+    #[inline(always)]
+    pub fn body(&self, index: usize, arm: S::Vector) -> BodyVelocity<S> {
+        self.bodies.get(index).copied().unwrap_or_else(|| self.point(index, arm))
+    }
+
+    /// Point of a face at coordinates, as a particle.
+    #[cold]
+    fn point(&self, index: usize, at: S::Vector) -> BodyVelocity<S> {
+        let mut point = BodyVelocity::<S>::default();
+        for (corner, weight) in self.corners(index, at) {
+            point.linear += self.bodies[corner].linear * weight;
+            point.inverse_mass += weight * weight * self.bodies[corner].inverse_mass;
+        }
+        point
+    }
+
+    /// Corners of a face with their weights at coordinates.
+    pub fn corners(&self, index: usize, at: S::Vector) -> [(usize, f64); 3] {
+        let (corners, weights) = (self.faces[index - FACES].corners, weights(S::widen(at)));
+        std::array::from_fn(|corner| (corners[corner] as usize, weights[corner]))
+    }
+
+    /// Part of the velocity of the point of a face that its fixed corners have, which move as prescribed [m/s].
+    pub fn prescribed(&self, index: usize, at: S::Vector) -> S::Vector {
+        let corners = self.corners(index, at).map(|(corner, weight)| (&self.bodies[corner], weight));
+        let fixed = corners.into_iter().filter(|(corner, _)| corner.is_fixed());
+        fixed.fold(S::Vector::default(), |sum, (corner, weight)| sum + corner.linear * weight)
+    }
+
+    /// Velocity of a body at an arm, or of the point of a face at coordinates [m/s].
+    #[inline(always)]
+    pub fn at(&self, index: usize, arm: S::Vector) -> S::Vector {
+        self.bodies.get(index).map_or_else(|| self.point(index, arm).linear, |body| body.at(arm))
+    }
+
+    /// Angular velocity of a body [rad/s]; 0 of a face.
+    #[inline(always)]
+    pub fn angular(&self, index: usize) -> S::Turn {
+        self.bodies.get(index).map_or_else(S::Turn::default, |body| body.angular)
+    }
+
+    /// Adds an impulse at an arm of a body, or at coordinates of a face.
+    #[inline(always)]
+    pub fn push(&mut self, index: usize, arm: S::Vector, impulse: S::Vector) {
+        match self.bodies.get_mut(index) {
+            Some(body) => body.push(arm, impulse),
+            None => self.push_point(index, arm, impulse),
+        }
+    }
+
+    /// Adds an impulse at coordinates of a face.
+    #[cold]
+    pub fn push_point(&mut self, index: usize, at: S::Vector, impulse: S::Vector) {
+        for (corner, weight) in self.corners(index, at) {
+            let corner = &mut self.bodies[corner];
+            corner.linear += impulse * (weight * corner.inverse_mass);
+        }
+    }
+
+    /// Gives the point of a face at coordinates a velocity [m/s], by an impulse.
+    #[cold]
+    pub fn move_point(&mut self, index: usize, at: S::Vector, velocity: S::Vector) {
+        let point = self.point(index, at);
+        if point.inverse_mass > 0.0 {
+            self.push_point(index, at, (velocity - point.linear) * (1.0 / point.inverse_mass));
+        }
+    }
+
+    /// Movers that an impulse on a body, or at coordinates of a face, acts on.
+    pub fn movers(&self, index: usize, arm: S::Vector) -> impl Iterator<Item = usize> + Clone {
+        let (corners, count) = if index < FACES { ([(index, 1.0); 3], 1) } else { (self.corners(index, arm), 3) };
+        corners.into_iter().take(count).map(|(mover, _)| mover)
+    }
+
+    /// Adds an angular impulse; a face takes none.
+    #[inline(always)]
+    pub fn twist(&mut self, index: usize, moment: S::Turn) {
+        if let Some(body) = self.bodies.get_mut(index) {
+            body.twist(moment);
+        }
+    }
+
     /// Replaces all velocities, inverse masses and inertias by those of movers.
-    pub fn fill(&mut self, movers: &[Mover]) {
+    pub fn fill(&mut self, movers: &[Mover], faces: &[Face]) {
+        faces.clone_into(&mut self.faces);
         self.bodies.clear();
         self.bodies.extend(movers.iter().map(|mover| {
             let inverse_inertia = S::inverse(&mover.inverse_inertia());
@@ -177,12 +263,12 @@ impl Rows {
         -limits.map(|bounded| bounded.work(before, after)).sum::<f64>()
     }
 
-    /// Adds all impulses to the velocities and angular momenta of the bodies.
-    pub fn apply(&self, movers: &mut [Mover]) {
+    /// Adds all impulses to the velocities and angular momenta of the bodies, and of the corners of faces.
+    pub fn apply(&self, movers: &mut [Mover], faces: &[Face]) {
         for joint in &self.joints {
-            joint.rows.iter().for_each(|row| row.apply(joint.bodies, movers));
+            joint.rows.iter().for_each(|row| row.apply(joint.bodies, movers, faces));
         }
-        self.bounds.iter().for_each(|bounded| bounded.row.apply(bounded.bodies, movers));
-        self.contacts.iter().for_each(|contact| contact.apply(movers));
+        self.bounds.iter().for_each(|bounded| bounded.row.apply(bounded.bodies, movers, faces));
+        self.contacts.iter().for_each(|contact| contact.apply(movers, faces));
     }
 }

@@ -142,6 +142,14 @@ impl Part {
         Self::new(vertices, vec![normal, -normal], net, 0.0)
     }
 
+    /// Part with a rounding radius [m].
+    #[must_use]
+    pub fn rounded(mut self, radius: f64) -> Self {
+        self.radius = radius;
+        self.surround();
+        self
+    }
+
     /// Corners of a triangle with two sides; None for other parts.
     pub fn leaf_corners(&self) -> Option<[DVec3; 3]> {
         if self.net.starts.len() == 3 { self.vertices[..].try_into().ok() } else { None }

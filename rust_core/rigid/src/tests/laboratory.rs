@@ -11,7 +11,7 @@ use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
 use crate::shapes::SolidShape;
 use crate::surface::{Friction, Surface};
-use crate::world::{CenterMotion, FixedSolid, RigidWorld, SolidBody, Turn, WORLD, WorldJoint};
+use crate::world::{CenterMotion, FixedSolid, FreeParticles, RigidWorld, SolidBody, Turn, WORLD, WorldJoint};
 
 /// Bodies with their motions.
 pub struct Laboratory {
@@ -102,7 +102,7 @@ impl Laboratory {
                 self.apart += 1;
                 continue;
             }
-            let moved = self.world.drift((h, false), &mut self.motions, &[], &mut [], &SERIAL);
+            let moved = self.world.drift((h, false), &mut self.motions, FreeParticles::default(), &mut [], &SERIAL);
             for (motion, moved) in self.motions.iter_mut().zip(moved) {
                 motion.position += if moved { DVec3::ZERO } else { h * motion.drift };
                 motion.velocity = motion.drift + 0.5 * h * self.gravity;

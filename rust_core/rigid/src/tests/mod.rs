@@ -2,6 +2,7 @@
 
 mod bundles;
 mod energy;
+mod faces;
 mod heap;
 mod joints;
 pub(crate) mod laboratory;

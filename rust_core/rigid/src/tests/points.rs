@@ -10,7 +10,7 @@ use crate::pose::Pose;
 use crate::rotation::Orientation;
 use crate::shapes::SolidShape;
 use crate::surface::Surface;
-use crate::world::{CenterMotion, FreePoint, WorldJoint};
+use crate::world::{CenterMotion, FreeParticles, FreePoint, WorldJoint};
 
 /// A particle that a joint holds in the middle of a box does not touch it, whichever particles take part beside it. The box
 /// turns on freely, by 1 rad, exactly but for the rounding of 240 steps.
@@ -29,7 +29,8 @@ fn a_joined_particle_does_not_touch_its_body() {
     let joint = Joint::new(JointKind::Ball, [&lab.mover(0), &bead], [DVec3::ZERO; 2], DVec3::Z, true);
     lab.world.state.joints.push(WorldJoint::new([0, 2 + 7], joint));
     for _ in 0..240 {
-        let moved = lab.world.drift((h, false), &mut lab.motions, &points, &mut others, &SERIAL);
+        let moved =
+            lab.world.drift((h, false), &mut lab.motions, FreeParticles { points: &points, faces: &[] }, &mut others, &SERIAL);
         assert_eq!(moved, [true, false, false, true]);
         lab.world.finish(h, &mut lab.motions, &mut others, &SERIAL);
     }

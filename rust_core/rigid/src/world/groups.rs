@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::members::StepMembers;
 use super::near::NearPairs;
+use crate::face::FACES;
 use crate::island::{BodyPair, HeldJoint, Island};
 
 impl StepMembers<'_> {
@@ -21,7 +22,11 @@ impl StepMembers<'_> {
         let mut joined: Vec<[u32; 2]> = ends.collect();
         joined.sort_unstable();
         if !joined.is_empty() {
-            pairs.retain(|pair| joined.binary_search(pair).is_err());
+            let is_joined = |one: u32, other: u32| joined.binary_search(&[one, other]).is_ok();
+            pairs.retain(|&[one, other]| match self.face(other as usize) {
+                Some(face) => !self.corners(face).iter().any(|&corner| is_joined(one, corner as u32)),
+                None => !is_joined(one, other),
+            });
         }
         pairs
     }
@@ -63,14 +68,20 @@ impl StepMembers<'_> {
         for (which, index, joint) in order {
             let island = &mut islands[which as usize];
             let ends = if joint { joints[index].1 } else { pairs[index].map(|end| end as usize) };
-            let local = ends.map(|end| {
+            let mut place = |end: usize, island: &mut Island| {
                 if places[end].0 != which {
                     places[end] = (which, island.movers.len() as u32);
                     island.movers.push(self.mover(end));
                     island.members.push(end);
                     island.surfaces.push(self.surface(end));
                 }
-                places[end].1 as usize
+                places[end].1
+            };
+            let local = ends.map(|end| {
+                let Some(face) = self.face(end).filter(|_| !joint) else { return place(end, island) as usize };
+                let face = face.face.map(|corner| Some(place(self.bodies.len() + corner, island)));
+                island.faces.extend(face);
+                FACES + island.faces.len() - 1
             });
             if joint {
                 let world = &self.world.state.joints[joints[index].0];
@@ -84,14 +95,16 @@ impl StepMembers<'_> {
                     reaction: [DVec3::ZERO; 2],
                 });
             } else {
-                let size = ends.map(|end| self.reach(end)).map(|reach| if reach > 0.0 { reach } else { f64::INFINITY });
-                let size = size[0].min(size[1]);
+                let size = self.size(ends[0]).min(self.size(ends[1]));
                 let key = (self.name(ends[0]), self.name(ends[1]));
                 let [one, other] = ends.map(|end| self.thickness(end));
                 island.pairs.push(BodyPair { bodies: local, key, size, thickness: one.min(other), reach: 0.0, found: None });
             }
         }
-        islands.iter_mut().for_each(|island| island.remember(&self.world.state.loads));
+        for island in &mut islands {
+            island.link_faces();
+            island.remember(&self.world.state.loads);
+        }
         islands
     }
 
@@ -101,6 +114,12 @@ impl StepMembers<'_> {
         let free = |index: usize| !self.is_fixed(index);
         let links = pairs.iter().map(|pair| pair.map(|end| end as usize)).chain(self.joints().into_iter().map(|joint| joint.1));
         links.filter(|&[one, other]| free(one) && free(other)).for_each(|[one, other]| roots.join(one, other));
+        for [one, other] in pairs.iter().map(|pair| pair.map(|end| end as usize)) {
+            let Some(face) = self.face(other) else { continue };
+            let end = if free(other) { other } else { one };
+            let particles = face.face.particles().map(|particle| self.bodies.len() + particle);
+            particles.filter(|&particle| free(particle)).for_each(|particle| roots.join(end, particle));
+        }
         roots
     }
 

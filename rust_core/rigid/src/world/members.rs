@@ -1,8 +1,8 @@
-//! Bodies, particles and walls of a step, by one index: bodies, then particles, walls, and the world.
+//! Bodies, particles, walls and faces of a step, by one index: bodies, then particles, walls, faces, and the world.
 
 use glam::DVec3;
 
-use super::{CenterMotion, FreePoint, RigidWorld, WORLD};
+use super::{CenterMotion, FreeFace, FreePoint, RigidWorld, WORLD};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
@@ -43,12 +43,13 @@ impl SpeedBound {
     }
 }
 
-/// Bodies, particles and walls of a step of `h` seconds.
+/// Bodies, particles, walls and faces of a step of `h` seconds.
 #[derive(Clone, Copy)]
 pub(super) struct StepMembers<'a> {
     pub world: &'a RigidWorld,
     pub bodies: &'a [CenterMotion],
     pub points: &'a [FreePoint],
+    pub faces: &'a [FreeFace],
     pub motions: &'a [CenterMotion],
     pub h: f64,
 }
@@ -61,7 +62,22 @@ impl StepMembers<'_> {
 
     /// Number of all but the world.
     pub fn count(&self) -> usize {
+        self.walls() + self.faces.len()
+    }
+
+    /// Number of bodies, particles and walls.
+    fn walls(&self) -> usize {
         self.free() + self.world.walls.len()
+    }
+
+    /// Face at an index; None for others.
+    pub fn face(&self, index: usize) -> Option<&FreeFace> {
+        index.checked_sub(self.walls()).and_then(|face| self.faces.get(face))
+    }
+
+    /// Corners of a face as members.
+    pub fn corners(&self, face: &FreeFace) -> [usize; 3] {
+        face.face.corners.map(|corner| self.bodies.len() + corner)
     }
 
     /// Index of an end of a joint; None for a particle that takes no part.
@@ -81,8 +97,10 @@ impl StepMembers<'_> {
             index as u32
         } else if index < self.free() {
             (bodies + self.points[index - bodies].index) as u32
+        } else if let Some(face) = self.face(index) {
+            u32::MAX - (self.world.walls.len() + 2 + face.index) as u32
         } else {
-            u32::MAX - (self.count() + 1 - index) as u32
+            u32::MAX - (self.walls() + 1 - index) as u32
         }
     }
 
@@ -90,6 +108,8 @@ impl StepMembers<'_> {
     pub fn is_fixed(&self, index: usize) -> bool {
         if index < self.bodies.len() {
             self.world.bodies[index].inverse_mass == 0.0 || self.world.is_asleep(index)
+        } else if let Some(face) = self.face(index) {
+            self.corners(face).iter().all(|&corner| self.is_fixed(corner))
         } else {
             index >= self.free() || self.points[index - self.bodies.len()].inverse_mass == 0.0
         }
@@ -147,8 +167,11 @@ impl StepMembers<'_> {
         mover
     }
 
-    /// Position [m].
+    /// Position [m]; of a face, that of its first corner.
     pub fn position(&self, index: usize) -> DVec3 {
+        if let Some(face) = self.face(index) {
+            return self.position(self.corners(face)[0]);
+        }
         if index < self.bodies.len() {
             self.bodies[index].position
         } else if index < self.free() {
@@ -160,17 +183,34 @@ impl StepMembers<'_> {
 
     /// Largest distance of a surface point from the center [m].
     pub fn reach(&self, index: usize) -> f64 {
+        if let Some(face) = self.face(index) {
+            let corners = self.corners(face).map(|corner| self.position(corner));
+            return face.face.radius + corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f64::max);
+        }
         self.world.shapes[self.surface(index).shape].reach()
     }
 
-    /// Thickness of a member [m]; infinite for a particle.
+    /// Size of a member [m], its largest distance of a surface point from the center; infinite for a particle or a face.
+    pub fn size(&self, index: usize) -> f64 {
+        let reach = if self.face(index).is_some() { 0.0 } else { self.reach(index) };
+        if reach > 0.0 { reach } else { f64::INFINITY }
+    }
+
+    /// Thickness of a member [m]; infinite for a particle or a face.
     pub fn thickness(&self, index: usize) -> f64 {
+        if self.face(index).is_some() {
+            return f64::INFINITY;
+        }
         let shape = &self.world.shapes[self.surface(index).shape];
         if shape.reach() > 0.0 { shape.thickness() } else { f64::INFINITY }
     }
 
     /// Box around a member.
     pub fn bounds(&self, index: usize) -> BoundingBox {
+        if let Some(face) = self.face(index) {
+            let corners = self.corners(face).map(|corner| BoundingBox::around(self.position(corner), face.face.radius));
+            return corners.into_iter().fold(BoundingBox::NOWHERE, BoundingBox::union);
+        }
         self.world.shapes[self.surface(index).shape].bounds(&self.pose(index))
     }
 
@@ -195,6 +235,9 @@ impl StepMembers<'_> {
     #[inline(always)]
     fn speed_at(&self, index: usize, rate: impl Fn(&Inertia, &Orientation, DVec3) -> f64) -> [f64; 2] {
         if index >= self.free() {
+            if let Some(face) = self.face(index) {
+                return [self.corners(face).map(|corner| self.speed_bound(corner)).into_iter().fold(0.0, f64::max), 0.0];
+            }
             let Mover { velocity, spin, arm, .. } = self.world.walls[index - self.free()].mover;
             let turning = arm * spin.length();
             return [velocity.length() + turning, turning];

@@ -18,6 +18,7 @@ mod thrown;
 
 use glam::{DMat3, DVec3};
 
+use crate::face::Face;
 use crate::island::{ContactKey, Island, Meters};
 use crate::mover::Mover;
 use crate::rotation::Orientation;
@@ -50,6 +51,24 @@ pub struct FreePoint {
     pub surface: Surface,
     /// Inverse mass [1/kg]; 0 for a fixed particle.
     pub inverse_mass: f64,
+}
+
+/// Face of a network that may meet bodies.
+#[derive(Debug, Clone, Copy)]
+pub struct FreeFace {
+    /// Index among all faces.
+    pub index: usize,
+    /// Face between particles, by their places among those of the step.
+    pub face: Face<usize>,
+}
+
+/// Particles of a step, and the faces between them.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FreeParticles<'a> {
+    /// Particles, in the order of their indices.
+    pub points: &'a [FreePoint],
+    /// Faces, in the order of their indices.
+    pub faces: &'a [FreeFace],
 }
 
 /// Motion of a center of mass or a particle in a step.

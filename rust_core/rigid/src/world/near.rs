@@ -34,8 +34,9 @@ struct BlockReach {
 /// Pairs of fat boxes.
 #[derive(Debug, Default)]
 pub(super) struct NearPairs {
-    /// Particles for which the boxes were made, by their indices.
+    /// Particles and faces for which the boxes were made, by their indices.
     points: Vec<usize>,
+    faces: Vec<usize>,
     boxes: Vec<BoundingBox>,
     pairs: Vec<[u32; 2]>,
     /// Size of the least body [m].
@@ -122,6 +123,7 @@ impl NearPairs {
     /// Bounds the members of pairs; returns whether all members are within their fat boxes.
     fn holds(&mut self, members: &StepMembers, fastest: f64) -> bool {
         let same = members.points.iter().map(|point| point.index).eq(self.points.iter().copied());
+        let same = same && members.faces.iter().map(|face| face.index).eq(self.faces.iter().copied());
         if !same || self.boxes.len() != members.count() || !self.knows_sleepers(members) {
             return false;
         }
@@ -147,6 +149,8 @@ impl NearPairs {
     fn renew(&mut self, members: &StepMembers, fastest: f64) {
         self.points.clear();
         self.points.extend(members.points.iter().map(|point| point.index));
+        self.faces.clear();
+        self.faces.extend(members.faces.iter().map(|face| face.index));
         let free = (0..members.bodies.len()).filter(|&index| !members.is_fixed(index));
         self.least = free.map(|index| members.reach(index)).fold(f64::INFINITY, f64::min);
         self.bounds.clear();

@@ -19,7 +19,7 @@ pub struct Overlap {
 impl RigidWorld {
     /// Overlaps of bodies with each other and with walls.
     pub fn overlaps(&self, motions: &[CenterMotion]) -> Vec<Overlap> {
-        let members = StepMembers { world: self, bodies: motions, points: &[], motions: &[], h: 0.0 };
+        let members = StepMembers { world: self, bodies: motions, points: &[], faces: &[], motions: &[], h: 0.0 };
         let dimension = if self.planar { 2 } else { 3 };
         let name = |index: usize| self.names.get(index).unwrap_or_else(|| &self.wall_names[index - self.bodies.len()]).clone();
         let mut overlaps = Vec::new();

@@ -176,7 +176,9 @@ impl RigidWorld {
             link(&mut movers.map(|(&member, mover)| (member, mover.is_fixed(), [mover.velocity, mover.spin])));
             let pressed = island.contacts.iter().filter(|contact| contact.load.normal > 0.0).map(|contact| contact.bodies);
             let ends = pressed.chain(island.joints.iter().map(|joint| joint.bodies)).flatten();
-            ends.map(|end| island.members[end]).filter(|&body| body < count).for_each(|body| held[body] = true);
+            ends.filter_map(|end| island.members.get(end).copied())
+                .filter(|&body| body < count)
+                .for_each(|body| held[body] = true);
         }
         for ends in self.springs.pairs() {
             let of = |end: usize| {

@@ -63,7 +63,7 @@ impl RigidWorld {
 
     /// Springs that act in a step, with their forces at its start.
     pub(super) fn begin_springs(&mut self, h: f64, bodies: &[CenterMotion], points: &[FreePoint], motions: &[CenterMotion]) {
-        let members = StepMembers { world: self, bodies, points, motions, h };
+        let members = StepMembers { world: self, bodies, points, faces: &[], motions, h };
         let mut step = SpringStep::default();
         for (index, ends, joint, spring) in self.whole_springs() {
             let [Some(one), Some(other)] = ends.map(|end| members.place(end)) else { continue };

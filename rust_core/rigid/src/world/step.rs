@@ -4,28 +4,29 @@ use glam::DVec3;
 use physcore_base::parallel::{BlockedSlice, Executor};
 
 use super::members::StepMembers;
-use super::{CenterMotion, FreePoint, RigidWorld, Turn};
+use super::{CenterMotion, FreeParticles, RigidWorld, Turn};
 use crate::island::{Accuracy, Island, Meters};
 use crate::mover::Mover;
 use crate::rotation::Inertia;
 use crate::sweep_steps::SweepPieces;
 
 impl RigidWorld {
-    /// Moves bodies and particles through a step of `h` seconds, with their contacts and joints; returns which of them these
+    /// Moves bodies and particles with their faces through a step of `h` seconds, with their contacts and joints; returns which of them these
     /// have moved. If `predicts`, the velocities that are predicted for its end obey contacts and joints.
     pub fn drift(
         &mut self,
         (h, predicts): (f64, bool),
         bodies: &mut [CenterMotion],
-        points: &[FreePoint],
+        particles: FreeParticles,
         motions: &mut [CenterMotion],
         executor: &Executor,
     ) -> Vec<bool> {
+        let FreeParticles { points, faces } = particles;
         self.wake_loaded(h, bodies);
         let (mut near, mut spare) = (std::mem::take(&mut self.near), std::mem::take(&mut self.spare));
         let pairs = loop {
             self.begin_springs(h, bodies, points, motions);
-            let members = StepMembers { world: self, bodies, points, motions, h };
+            let members = StepMembers { world: self, bodies, points, faces, motions, h };
             let pairs = members.pairs(&mut near);
             let disturbed = members.disturbed(&pairs);
             if !self.wake(&disturbed) {
@@ -33,7 +34,7 @@ impl RigidWorld {
             }
         };
         self.hold_sleepers(bodies);
-        let members = StepMembers { world: self, bodies, points, motions, h };
+        let members = StepMembers { world: self, bodies, points, faces, motions, h };
         let islands = members.groups(&pairs, &mut spare);
         (self.near, self.spare, self.islands) = (near, spare, islands);
         let (shapes, solver, obeys) = (&self.shapes, self.solver, predicts || self.has_damped_springs());
@@ -54,7 +55,7 @@ impl RigidWorld {
                 }
             }
         });
-        let members = StepMembers { world: self, bodies, points, motions, h };
+        let members = StepMembers { world: self, bodies, points, faces, motions, h };
         let mut moved: Vec<bool> = (0..members.free()).map(|member| self.is_asleep(member)).collect();
         let mut results = Vec::new();
         for island in &self.islands {

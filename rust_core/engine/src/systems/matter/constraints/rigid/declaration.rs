@@ -12,6 +12,7 @@ use physcore_rigid::world::{
 
 use super::RigidBodies;
 use super::anchors::Ties;
+use super::faces::NetworkFaces;
 use crate::catalog::Space;
 use crate::error::{Error, Result};
 use crate::forces::fluid;
@@ -51,6 +52,7 @@ impl RigidBodies {
         world.state.ties = vec![DVec3::ZERO; ties.count];
         world.let_sleep(sleep_rules(scene, &ties)?);
         let points = points(&mut world, scene, properties, &engine, &ties);
+        let faces = NetworkFaces::declared(scene, &engine, &points, &properties.radius)?;
         let starts = ties.centers(&world, scene, &places);
         let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
         let path = first.item.path.clone();
@@ -63,6 +65,7 @@ impl RigidBodies {
             world,
             particles,
             points,
+            faces,
             joined,
             tied: ties.bodies,
             starts: Vec::new(),
@@ -72,6 +75,7 @@ impl RigidBodies {
             others: Vec::new(),
             moved: Vec::new(),
             near: Vec::new(),
+            near_faces: Vec::new(),
             order: 2,
             overlap: None,
             path,

@@ -5,6 +5,7 @@
 
 mod anchors;
 mod declaration;
+mod faces;
 mod fields;
 mod history;
 mod notes;
@@ -14,11 +15,11 @@ mod ties;
 use glam::DVec3;
 use physcore_rigid::mover::Mover;
 use physcore_rigid::pose::Pose;
-use physcore_rigid::world::{CenterMotion, FreePoint, RigidState, RigidWorld, Turn, WORLD};
+use physcore_rigid::world::{CenterMotion, FreeFace, FreeParticles, FreePoint, RigidState, RigidWorld, Turn, WORLD};
 
 pub use overlaps::{RigidPose, overlaps};
 
-use super::{ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
+use super::{Breakage, ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::catalog::Space;
 use crate::error::{Error, Result};
 use crate::forces::StateView;
@@ -26,6 +27,7 @@ use crate::ledger::{Class, Ledger};
 use crate::matter::{EnergySink, SolidMotion};
 use crate::stability::{Horizon, SpectralBound};
 use crate::systems::FieldInfo;
+use faces::NetworkFaces;
 use ties::TiedBody;
 
 /// Largest accurate angle by which a body turns in a step [rad].
@@ -46,6 +48,8 @@ pub struct RigidBodies {
     particles: Vec<u32>,
     /// Particles that may meet the bodies, with their indices in the engine's order.
     points: Vec<(u32, FreePoint)>,
+    /// Faces between the points.
+    faces: NetworkFaces,
     /// Whether a joint holds each point, so that it always takes part.
     joined: Vec<bool>,
     /// Bodies with the particles that are tied to them. Their motions are those of the common centers of mass.
@@ -62,8 +66,9 @@ pub struct RigidBodies {
     others: Vec<CenterMotion>,
     /// Whether contacts, joints or springs have moved each body in the present step.
     moved: Vec<bool>,
-    /// Points that take part in the present step.
+    /// Points that take part in the present step, and the faces between them.
     near: Vec<usize>,
+    near_faces: Vec<FreeFace>,
     order: u32,
     /// Largest overlap at the start [m].
     overlap: Option<f64>,
@@ -71,19 +76,31 @@ pub struct RigidBodies {
 }
 
 impl RigidBodies {
-    /// Chooses the points that may meet a body within a step of `h` seconds: those whose paths cross the box around all bodies.
+    /// Chooses the points and faces that may meet a body within a step of `h` seconds: those whose paths cross the box around all
+    /// bodies, and the points of these faces.
     fn choose(&mut self, h: f64) {
         self.near.clear();
+        self.near_faces.clear();
         if self.points.is_empty() {
             return;
         }
         let (lower, upper) = self.world.extent(&self.motions, h);
+        let ways: Vec<f64> = self.others.iter().map(|motion| motion.way(h)).collect();
+        let mut is_near = self.joined.clone();
         for (index, motion) in self.others.iter().enumerate() {
-            let reach = DVec3::splat(motion.way(h) + self.world.reach(&self.points[index].1));
-            let inside = (motion.position + reach).cmpge(lower).all() && (motion.position - reach).cmple(upper).all();
-            if inside || self.joined[index] {
-                self.near.push(index);
-            }
+            let reach = DVec3::splat(ways[index] + self.world.reach(&self.points[index].1));
+            is_near[index] |= (motion.position + reach).cmpge(lower).all() && (motion.position - reach).cmple(upper).all();
+        }
+        let faces = self.faces.near((lower, upper), |point| (self.others[point].position, ways[point]));
+        self.near_faces.extend(faces);
+        self.near_faces.iter().flat_map(|each| each.face.particles()).for_each(|point| is_near[point] = true);
+        let mut places = vec![None; self.points.len()];
+        for (point, place) in places.iter_mut().enumerate().filter(|(point, _)| is_near[*point]) {
+            *place = Some(self.near.len());
+            self.near.push(point);
+        }
+        for each in &mut self.near_faces {
+            each.face = each.face.map(|point| places[point]).unwrap_or(each.face);
         }
     }
 
@@ -153,6 +170,7 @@ impl<V: Space> Constraint<V> for RigidBodies {
         self.world.bytes()
             + count * (size_of::<(CenterMotion, [DVec3; 2])>() + 2 * size_of::<Turn>())
             + self.points.len() * size_of::<(FreePoint, CenterMotion)>()
+            + self.faces.bytes()
     }
 
     fn notes(&self) -> Vec<String> {
@@ -231,7 +249,8 @@ impl<V: Space> Constraint<V> for RigidBodies {
         let mut others: Vec<CenterMotion> = self.near.iter().map(|&index| self.others[index]).collect();
         let needs_all = is_seen || !self.tied.is_empty();
         let predicts = step.predicts || needs_all;
-        let moved = self.world.drift((step.h, predicts), &mut self.motions, &points, &mut others, step.executor);
+        let particles = FreeParticles { points: &points, faces: &self.near_faces };
+        let moved = self.world.drift((step.h, predicts), &mut self.motions, particles, &mut others, step.executor);
         if needs_all {
             self.world.predict_free(step.h, &mut self.motions, &moved);
         }
@@ -364,6 +383,10 @@ impl<V: Space> Constraint<V> for RigidBodies {
 
     fn adopt(&mut self, field: &str, values: &[f64]) {
         self.replace(field, values);
+    }
+
+    fn leave_out(&mut self, breakage: &Breakage) {
+        self.faces.leave_out_broken(&breakage.broken);
     }
 }
 

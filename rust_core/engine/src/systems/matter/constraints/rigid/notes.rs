@@ -14,7 +14,9 @@ impl RigidBodies {
             notes.push(counted(joints, "joint", "joints"));
         }
         if !self.points.is_empty() {
-            notes.push(format!("{} may meet them", counted(self.points.len(), "particle", "particles")));
+            let faces =
+                if self.faces.len() > 0 { format!(" and {}", counted(self.faces.len(), "face", "faces")) } else { String::new() };
+            notes.push(format!("{}{faces} may meet them", counted(self.points.len(), "particle", "particles")));
         }
         if self.world.may_sleep() {
             notes.push(format!("{} of them may sleep", self.world.sleepers()));

@@ -114,7 +114,10 @@ fn own_body(item: &Item) -> Result<usize> {
 }
 
 /// Triangles of a body, or its springs if it has none, with particles in the engine's order.
-fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<BodySurface> {
+///
+/// # Errors
+/// If its triangles or springs are wrong.
+pub fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<BodySurface> {
     let first = scene.first(body);
     let networks = scene.bodies[..body].iter().filter(|body| body.item.kind == springs::KIND);
     let spring: usize = networks.map(|body| body.item.tuples::<2>("pairs").map(<[_]>::len)).sum::<Result<usize>>()?;

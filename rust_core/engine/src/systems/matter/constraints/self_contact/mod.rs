@@ -29,8 +29,7 @@ mod tree;
 mod walls;
 mod zones;
 
-use declaration::BodySurface;
-pub use declaration::{bodies, elements};
+pub use declaration::{BodySurface, bodies, elements, surface};
 use limits::StrainLimit;
 use loads::Loads;
 use mesh::{ContactRule, Mesh};
