@@ -5,13 +5,13 @@ use std::thread::available_parallelism;
 
 use crate::band::Band;
 use crate::canvas::Canvas;
-use crate::color::Rgb;
 use crate::eye::{Eye, is_solid};
 use crate::ink::Mixing;
 use crate::light::{Depths, Light, Lighting};
 use crate::liquid::{Drop, Liquid};
 use crate::shadow::{Caster, ShadowMap};
 use crate::shapes::{Disc, Halo, Line, Triangle};
+use crate::sky::Sky;
 use crate::texture::Texture;
 
 /// Queue of shapes for drawing. Shapes with greater depth are drawn first, shapes of equal depth in the order of addition. A
@@ -133,9 +133,9 @@ impl Painting {
         (self.textures.len() - 1) as u16
     }
 
-    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), the reflected color, and the share of its color that
+    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), the reflected sky (3D), and the share of its color that
     /// the liquid emits.
-    pub fn begin_liquid(&mut self, scale: f32, sky: Rgb, glow: f32) {
+    pub fn begin_liquid(&mut self, scale: f32, sky: Sky, glow: f32) {
         self.liquid.begin(scale, sky, glow);
     }
 
