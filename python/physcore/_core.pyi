@@ -166,6 +166,7 @@ class Canvas:
         depths: NDArray[np.float32] | None = None,
         texture: Texture | None = None,
         places: NDArray[np.float32] | None = None,
+        weave: NDArray[np.float32] | None = None,
     ) -> None: ...
     def halos(
         self,

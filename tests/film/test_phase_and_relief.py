@@ -213,8 +213,8 @@ def test_a_system_that_a_style_cannot_draw_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("colormap", [None, "viridis"])
 def test_level_ground_of_a_relief_has_the_colors_of_its_scale(colormap: Any, share: float, tmp_path: Path) -> None:
-    """The lamp's light on it is 1, and nothing shines with gloss 0 and sky 0. A wave is signed: −1 is at the lower end of
-    the scale, 0 in its middle. Haze mixes the middle of the block with the background, by up to a fifth.
+    """The lamp's light on it is 1, and nothing shines with gloss 0 and sky 0. A wave is signed: −1 is at the lower end
+    of the scale, 0 in its middle. Haze mixes the middle of the block with the background, by up to a fifth.
     """
     wave = pc.Wave(pc.Grid((40, 30), 0.1, periodic=True), 0.0, share)
     style = pc.styles.Relief(range=1.0, colormap=colormap, gloss=0.0, sky=0.0)

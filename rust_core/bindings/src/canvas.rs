@@ -105,8 +105,10 @@ impl PyCanvas {
     }
 
     /// Add triangles with corners (T, 3, 2) and corner colors (T, 3, 4). Depths are those of the corners (T, 3), or of the whole
-    /// triangle (T, 1), which then receives no light. A texture requires texture coordinates of the corners.
-    #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None))]
+    /// triangle (T, 1), which then receives no light. A texture requires texture coordinates of the corners; a weave is
+    /// their coordinates (T, 3, 2) across its two sets of threads [threads].
+    #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None, weave=None))]
+    #[expect(clippy::too_many_arguments, reason = "one call for each frame")]
     fn triangles(
         &mut self,
         corners: PyReadonlyArray2<'_, f32>,
@@ -114,11 +116,13 @@ impl PyCanvas {
         depths: Option<PyReadonlyArray2<'_, f32>>,
         texture: Option<PyRef<'_, PyTexture>>,
         places: Option<PyReadonlyArray2<'_, f32>>,
+        weave: Option<PyReadonlyArray2<'_, f32>>,
     ) -> PyResult<()> {
         let count = corners.shape()[0];
         let corners = rows::<f32, 6>(&corners, count, "corners")?;
         let colors = rows::<u8, 12>(&colors, count, "colors")?;
         let places = places.as_ref().map(|places| rows::<f32, 6>(places, count, "places")).transpose()?;
+        let weave = weave.as_ref().map(|weave| rows::<f32, 6>(weave, count, "weave")).transpose()?;
         let lit = depths.as_ref().is_some_and(|depths| depths.shape()[1] != 1);
         let depths: Option<Vec<[f32; 3]>> = match &depths {
             None => None,
@@ -130,7 +134,11 @@ impl PyCanvas {
             let texture_coordinates = places.map_or([[0.0; 2]; 3], |places| thirds(&places[index]));
             let depths = depths.as_ref().map_or([0.0; 3], |depths| depths[index]);
             let triangle = Triangle { corners: thirds(corners), colors: thirds(colors), depths, lit, texture_coordinates };
-            self.painting.triangle(triangle, texture, (depths[0] + depths[1] + depths[2]) / 3.0);
+            let depth = (depths[0] + depths[1] + depths[2]) / 3.0;
+            match weave {
+                Some(weave) => self.painting.woven(triangle, texture, thirds(&weave[index]), depth),
+                None => self.painting.triangle(triangle, texture, depth),
+            }
         }
         Ok(())
     }

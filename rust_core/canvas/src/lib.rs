@@ -29,6 +29,7 @@
 //! - `light` computes shadows (`shadow`) and ambient occlusion from these depths;
 //! - `ground` draws the background in space;
 //! - `texture` covers surfaces;
+//! - `weave` draws threads on them;
 //! - `sky` is what water reflects;
 //! - `liquid` reconstructs liquid surfaces by `smoothing`;
 //! - `heatmap` colors the values of grids;
@@ -80,6 +81,7 @@ mod texture;
 mod trails;
 mod view;
 mod visibility;
+mod weave;
 
 pub use background::Background;
 pub use canvas::Canvas;

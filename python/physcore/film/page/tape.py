@@ -120,10 +120,10 @@ class Tape:
 
     def triangles(
         self, corners: PixelArray, colors: Inks, depths: PixelArray | None = None, texture: Texture | None = None,
-        places: PixelArray | None = None,
+        places: PixelArray | None = None, weave: PixelArray | None = None,
     ) -> None:  # fmt: skip
-        """Add triangles with a color at each corner."""
-        del places
+        """Add triangles with a color at each corner, without their weave."""
+        del places, weave
         if texture is not None:
             self._refuse("a texture")
         deep = None if depths is None else np.broadcast_to(depths, (len(corners), 3)).ravel()
