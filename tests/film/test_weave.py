@@ -63,7 +63,7 @@ def test_threads_stick_out_of_the_torn_edge_only() -> None:
 
 
 def test_fine_threads_do_not_all_hang_loose() -> None:
-    """Four thousand threads cross the diagonal. In a picture where they are 0.1 pixels wide, one in fifteen is drawn."""
+    """Four thousand threads cross the diagonal. Where they are 0.1 pixels wide, one in fifteen is drawn."""
     count = len(frays(SQUARE, 1000.0 * SQUARE, HALVES, np.array([True, False]), 0.1).points)
     assert count == pytest.approx(2 * 4000 / 15, abs=2)
 
