@@ -146,8 +146,8 @@ impl Band<'_> {
 
     /// Draws a triangle enlarged by half a pixel, and stores its depth. The triangle is not enlarged over pixels whose centers
     /// lie in another triangle of about equal depth. Otherwise an edge between two sides would lie alternately on one side and on
-    /// the other. `threads` are the coordinates of a weave at the corners.
-    pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>, threads: Option<&[[f32; 2]; 3]>) {
+    /// the other. `threads` are the coordinates of a weave at the corners, and the number of samples along the side of a pixel.
+    pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>, threads: Option<(&[[f32; 2]; 3], f32)>) {
         const MORE: f32 = 0.5;
         let [a, b, c] = triangle.corners;
         let low = [a[0].min(b[0]).min(c[0]) - MORE - 0.5, a[1].min(b[1]).min(c[1]) - MORE - 0.5];
@@ -157,7 +157,7 @@ impl Band<'_> {
             return;
         };
         let edges = edges(&triangle.corners);
-        let weave = threads.map(|threads| Weave::new(&triangle.corners, doubled, threads));
+        let weave = threads.map(|(threads, times)| Weave::new(&triangle.corners, doubled, threads, times));
         let inks = triangle.colors.map(|ink| ink.map(f32::from));
         let eye = self.eye.filter(|_| triangle.colors.iter().all(|&ink| is_solid(ink)));
         for row in area.top..area.bottom {

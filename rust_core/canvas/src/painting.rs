@@ -32,6 +32,8 @@ pub struct Painting {
     has_depth: bool,
     lens: Lens,
     light: Option<Light>,
+    /// Number of samples along the side of a pixel of the present canvas.
+    samples: f32,
 }
 
 /// Thin lens that blurs shapes in front of and behind the focus, at depth 0; no blur by default.
@@ -169,6 +171,7 @@ impl Painting {
 
     /// Paints all queued shapes and empties the queue; its memory is reused for the next frame.
     pub fn paint(&mut self, canvas: &mut Canvas) {
+        self.samples = canvas.samples() as f32;
         if canvas.samples() > 1 {
             self.magnify(canvas.samples() as f32);
         }
@@ -282,7 +285,7 @@ impl Painting {
             Shape::Triangle(index) => {
                 let (triangle, texture, weave) = &self.triangles[index as usize];
                 let texture = texture.map(|texture| &*self.textures[usize::from(texture)]);
-                band.triangle(triangle, texture, weave.map(|weave| &self.weaves[weave as usize]));
+                band.triangle(triangle, texture, weave.map(|weave| (&self.weaves[weave as usize], self.samples)));
             }
         }
     }

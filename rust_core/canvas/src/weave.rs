@@ -4,8 +4,8 @@ use std::f32::consts::PI;
 
 /// Depth of the weave: relative variation of the brightness.
 const DEPTH: f32 = 0.3;
-/// Standard deviation of the Gaussian that filters the weave [pixels].
-const FILTER: f32 = 0.5;
+/// Standard deviation of the Gaussian that filters the weave [pixels of the picture].
+const FILTER: f32 = 0.6;
 
 /// Plain weave on a triangle in a picture. Let u and v be coordinates across the two sets of threads, in threads. Where thread u
 /// is above, the brightness follows −cos 2πu, else −cos 2πv. With the smooth indicator (1 + sin πu sin πv)/2 of the former it is
@@ -24,8 +24,9 @@ pub(crate) struct Weave {
 }
 
 impl Weave {
-    /// Weave from the pixels and the coordinates of the corners of a triangle with this doubled signed area.
-    pub(crate) fn new([a, b, c]: &[[f32; 2]; 3], doubled: f32, threads: &[[f32; 2]; 3]) -> Self {
+    /// Weave from the pixels and the coordinates of the corners of a triangle with this doubled signed area. `times` is the number of
+    /// samples along the side of a pixel of the picture.
+    pub(crate) fn new([a, b, c]: &[[f32; 2]; 3], doubled: f32, threads: &[[f32; 2]; 3], times: f32) -> Self {
         let per_pixel = |index: usize| {
             let (first, second) = (threads[1][index] - threads[0][index], threads[2][index] - threads[0][index]);
             let right = (first * (c[1] - a[1]) - second * (b[1] - a[1])) / doubled;
@@ -38,7 +39,7 @@ impl Weave {
         // A wave of f periods per pixel keeps exp(−2π² σ² f²) of its amplitude.
         let kept = |u: f32, v: f32| {
             let (x, y) = (u * right[0] + v * right[1], u * down[0] + v * down[1]);
-            (-2.0 * PI * PI * FILTER * FILTER * (x * x + y * y)).exp()
+            (-2.0 * PI * PI * FILTER * FILTER * times * times * (x * x + y * y)).exp()
         };
         let kept = [kept(1.0, 0.0), kept(0.0, 1.0), kept(1.5, 0.5), kept(1.5, -0.5), kept(0.5, 1.5), kept(0.5, -1.5)];
         Self { start, right, down, kept }
@@ -74,7 +75,7 @@ mod tests {
 
     /// Weave with threads of this width along the axes [pixels].
     fn weave(width: f32) -> Weave {
-        Weave::new(&CORNERS, 1e4, &CORNERS.map(|corner| corner.map(|place| place / width)))
+        Weave::new(&CORNERS, 1e4, &CORNERS.map(|corner| corner.map(|place| place / width)), 1.0)
     }
 
     /// Threads of 20 pixels: the upper thread is brightest in the middle of a crossing, and darkest at its sides. It lies across

@@ -15,7 +15,7 @@ CURL = 0.35
 """Largest sideways deviation of the end of a thread, over its length."""
 PARTS = 3
 """Number of straight parts of a thread."""
-SPACED = 1.5
+SPACED = 1.25
 """Least distance of loose threads [pixels]; of finer ones every second is drawn, or fewer."""
 
 
