@@ -10,6 +10,7 @@ __all__ = [
     "Canvas",
     "Gif",
     "Projection",
+    "Sky",
     "Texture",
     "World",
     "advances",
@@ -165,6 +166,7 @@ class Canvas:
         depths: NDArray[np.float32] | None = None,
         texture: Texture | None = None,
         places: NDArray[np.float32] | None = None,
+        weave: NDArray[np.float32] | None = None,
     ) -> None: ...
     def halos(
         self,
@@ -179,7 +181,7 @@ class Canvas:
         centers: NDArray[np.float32],
         radii: NDArray[np.float32],
         colors: NDArray[np.uint8],
-        sky: _Rgb,
+        sky: Sky,
         depths: NDArray[np.float32] | None = None,
         scale: float = 0.0,
         glow: float = 0.0,
@@ -223,6 +225,25 @@ class Canvas:
     ) -> None: ...
     def text(self, text: str, x: int, y: int, height: int, color: _Ink, align: int) -> None: ...
     def pixels(self) -> NDArray[np.uint8]: ...
+
+@final
+class Sky:
+    def __new__(cls, horizon: _Rgb, zenith: _Rgb, up: tuple[float, float, float], brightness: float) -> Sky: ...
+    @property
+    def horizon(self) -> _Rgb: ...
+    @property
+    def zenith(self) -> _Rgb: ...
+    @property
+    def up(self) -> tuple[float, float, float]: ...
+    @property
+    def brightness(self) -> float: ...
+    def reflected(
+        self,
+        colors: NDArray[np.float64],
+        normals: NDArray[np.float64],
+        places: NDArray[np.float64],
+        distance: float,
+    ) -> NDArray[np.float64]: ...
 
 @final
 class Texture:

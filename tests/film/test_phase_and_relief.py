@@ -179,6 +179,8 @@ def test_a_potential_shows_faintly(tmp_path: Path) -> None:
         (lambda: pc.styles.Relief(range=-1.0), r"Relief\.range: must be > 0"),
         (lambda: pc.styles.Relief(gloss=2.0), r"Relief\.gloss: must be ≤ 1"),
         (lambda: pc.styles.Relief(gloss=-0.1), r"Relief\.gloss: must be ≥ 0"),
+        (lambda: pc.styles.Relief(sky=1.5), r"Relief\.sky: must be ≤ 1"),
+        (lambda: pc.styles.Relief(sky="blue"), r"Relief\.sky: must be a number"),
         (lambda: pc.styles.Relief(colormap="rainbow cake"), r"Relief\.colormap: "),
     ],
 )
@@ -211,11 +213,11 @@ def test_a_system_that_a_style_cannot_draw_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("colormap", [None, "viridis"])
 def test_level_ground_of_a_relief_has_the_colors_of_its_scale(colormap: Any, share: float, tmp_path: Path) -> None:
-    """The lamp's light on it is 1, and nothing shines with gloss 0. A wave is signed: −1 is at the lower end of the
-    scale, 0 in its middle. Haze mixes the middle of the block with the background, by up to a fifth.
+    """The lamp's light on it is 1, and nothing shines with gloss 0 and sky 0. A wave is signed: −1 is at the lower end
+    of the scale, 0 in its middle. Haze mixes the middle of the block with the background, by up to a fifth.
     """
     wave = pc.Wave(pc.Grid((40, 30), 0.1, periodic=True), 0.0, share)
-    style = pc.styles.Relief(range=1.0, colormap=colormap, gloss=0.0)
+    style = pc.styles.Relief(range=1.0, colormap=colormap, gloss=0.0, sky=0.0)
     recording = pc.simulate(pc.Scene(wave), 0.02, 100.0, dt=0.001, progress=False)
     (source,) = sources(recording, None, None, {})  # type: ignore[arg-type]
     (painter,) = style.painters(source, recording.scene.systems, DARK)
@@ -229,6 +231,22 @@ def test_level_ground_of_a_relief_has_the_colors_of_its_scale(colormap: Any, sha
     apart = np.linalg.norm((1.0 - haze) * scale.table + haze * np.array(DARK.background) - picture[90, 120], axis=2)
     assert apart.min(axis=0).argmin() / len(scale.table) == pytest.approx(0.5 + 0.5 * share, abs=0.04)
     assert apart.min() < 3.0
+
+
+def test_a_pond_reflects_the_sky_most_at_flat_angles(tmp_path: Path) -> None:
+    """Water reflects 2 % from above and 42 % at 8° (the fifth power of Schlick); the sky is brighter than the pond. A
+    color scale is not covered by reflections unless that is asked for.
+    """
+    wave = pc.Wave(pc.Grid((40, 30), 0.1, periodic=True), 0.0, 0.5)
+
+    def middle(elevation: float, **values: Any) -> float:
+        style, camera = pc.styles.Relief(range=1.0, gloss=0.0, **values), Orbit(elevation=elevation)
+        return float(still(wave, tmp_path, style=style, camera=camera)[90, 120].mean())
+
+    from_above, flat = (middle(angle, sky=1.0) - middle(angle, sky=0.0) for angle in (89.0, 8.0))
+    assert 0.0 < from_above < 0.25 * flat
+    assert middle(30.0) == middle(30.0, sky=1.0) != middle(30.0, sky=0.0)
+    assert middle(30.0, colormap="viridis") == middle(30.0, colormap="viridis", sky=0.0)
 
 
 def test_a_density_rises_from_zero_in_a_relief(tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def _later(pulse: pc.Ricker, start: float, time: float) -> float:
 def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
-    style, camera = pc.styles.Relief(range=0.08, height=0.1), Orbit(-70.0, 36.0, target=(2.0, 1.5, 0.0), extent=3.2)
+    style, camera = pc.styles.Relief(range=0.08, height=0.08), Orbit(-70.0, 27.0, target=(1.97, 1.5, 0.0), extent=3.1)
     pc.film(
         recording,
         path,

@@ -64,7 +64,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "torn_flag.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.2), progress=progress)
-    style = pc.styles.Surface("#ef5a3c", back="#d98a6e")
+    style = pc.styles.Surface("#ef5a3c", back="#d98a6e", weave=0.005)
     camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.75, 0.1, 0.44), extent=1.55)
     pc.film(
         recording,

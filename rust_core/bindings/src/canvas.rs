@@ -8,8 +8,8 @@ use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use physcore_canvas::{
-    Align, CanvasError, Disc, Drop, Exposure, Eye, Ground, Halo, Ink, Lens, Light, Line, Painting, Rgb, Samples, Shading, Trails,
-    Triangle,
+    Align, CanvasError, Disc, Drop, Exposure, Eye, Ground, Halo, Ink, Lens, Light, Line, Painting, Rgb, Samples, Shading, Sky,
+    Trails, Triangle,
 };
 use physcore_engine::parallel::attend;
 use pyo3::exceptions::PyValueError;
@@ -105,8 +105,10 @@ impl PyCanvas {
     }
 
     /// Add triangles with corners (T, 3, 2) and corner colors (T, 3, 4). Depths are those of the corners (T, 3), or of the whole
-    /// triangle (T, 1), which then receives no light. A texture requires texture coordinates of the corners.
-    #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None))]
+    /// triangle (T, 1), which then receives no light. A texture requires texture coordinates of the corners; a weave is
+    /// their coordinates (T, 3, 2) across its two sets of threads [threads].
+    #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None, weave=None))]
+    #[expect(clippy::too_many_arguments, reason = "one call for each frame")]
     fn triangles(
         &mut self,
         corners: PyReadonlyArray2<'_, f32>,
@@ -114,11 +116,13 @@ impl PyCanvas {
         depths: Option<PyReadonlyArray2<'_, f32>>,
         texture: Option<PyRef<'_, PyTexture>>,
         places: Option<PyReadonlyArray2<'_, f32>>,
+        weave: Option<PyReadonlyArray2<'_, f32>>,
     ) -> PyResult<()> {
         let count = corners.shape()[0];
         let corners = rows::<f32, 6>(&corners, count, "corners")?;
         let colors = rows::<u8, 12>(&colors, count, "colors")?;
         let places = places.as_ref().map(|places| rows::<f32, 6>(places, count, "places")).transpose()?;
+        let weave = weave.as_ref().map(|weave| rows::<f32, 6>(weave, count, "weave")).transpose()?;
         let lit = depths.as_ref().is_some_and(|depths| depths.shape()[1] != 1);
         let depths: Option<Vec<[f32; 3]>> = match &depths {
             None => None,
@@ -130,7 +134,11 @@ impl PyCanvas {
             let texture_coordinates = places.map_or([[0.0; 2]; 3], |places| thirds(&places[index]));
             let depths = depths.as_ref().map_or([0.0; 3], |depths| depths[index]);
             let triangle = Triangle { corners: thirds(corners), colors: thirds(colors), depths, lit, texture_coordinates };
-            self.painting.triangle(triangle, texture, (depths[0] + depths[1] + depths[2]) / 3.0);
+            let depth = (depths[0] + depths[1] + depths[2]) / 3.0;
+            match weave {
+                Some(weave) => self.painting.woven(triangle, texture, thirds(&weave[index]), depth),
+                None => self.painting.triangle(triangle, texture, depth),
+            }
         }
         Ok(())
     }
@@ -164,7 +172,7 @@ impl PyCanvas {
         centers: PyReadonlyArray2<'_, f32>,
         radii: PyReadonlyArray1<'_, f32>,
         colors: PyReadonlyArray2<'_, u8>,
-        sky: Rgb,
+        sky: PyRef<'_, PySky>,
         depths: Option<PyReadonlyArray1<'_, f32>>,
         scale: f32,
         glow: f32,
@@ -173,7 +181,7 @@ impl PyCanvas {
         let centers = rows::<f32, 2>(&centers, count, "centers")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
         let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
-        self.painting.begin_liquid(if depths.is_some() { scale } else { 0.0 }, sky, glow);
+        self.painting.begin_liquid(if depths.is_some() { scale } else { 0.0 }, sky.sky, glow);
         for (index, ((&center, &radius), &color)) in centers.iter().zip(radii).zip(colors).enumerate() {
             self.painting.drop(Drop { center, radius, color, depth: depths.map_or(0.0, |depths| depths[index]) });
         }
@@ -351,6 +359,71 @@ impl PyCanvas {
         };
         *self = py.detach(|| attend(1, &interrupted, move |_| job())).map_err(|error| exception(py, error))?;
         Ok(())
+    }
+}
+
+/// Sky that water reflects.
+#[pyclass(name = "Sky", module = "physcore._core", frozen)]
+pub struct PySky {
+    sky: Sky,
+}
+
+#[pymethods]
+impl PySky {
+    /// Create a sky.
+    ///
+    /// - `horizon`, `zenith`: colors.
+    /// - `up`: unit vector to the zenith, right, up and toward the eye.
+    /// - `brightness`: relative to white in the picture.
+    #[new]
+    fn new(horizon: Rgb, zenith: Rgb, up: [f32; 3], brightness: f32) -> Self {
+        Self { sky: Sky { horizon, zenith, up, brightness } }
+    }
+
+    #[getter]
+    fn horizon(&self) -> Rgb {
+        self.sky.horizon
+    }
+
+    #[getter]
+    fn zenith(&self) -> Rgb {
+        self.sky.zenith
+    }
+
+    #[getter]
+    fn up(&self) -> [f32; 3] {
+        self.sky.up
+    }
+
+    #[getter]
+    fn brightness(&self) -> f32 {
+        self.sky.brightness
+    }
+
+    /// Colors (N, 3) of a surface with the reflected sky. Its own colors, unit normals and points are given along the axes of the
+    /// camera. The eye is at this distance from the origin.
+    fn reflected<'py>(
+        &self,
+        py: Python<'py>,
+        colors: PyReadonlyArray2<'py, f64>,
+        normals: PyReadonlyArray2<'py, f64>,
+        places: PyReadonlyArray2<'py, f64>,
+        distance: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let count = colors.shape()[0];
+        let (colors, normals) = (rows::<f64, 3>(&colors, count, "colors")?, rows::<f64, 3>(&normals, count, "normals")?);
+        let places = rows::<f64, 3>(&places, count, "places")?;
+        let single = |vector: &[f64; 3]| vector.map(|component| component as f32);
+        let mut lit = vec![[0.0; 3]; count];
+        py.detach(|| {
+            for (((lit, color), normal), &[x, y, z]) in lit.iter_mut().zip(colors).zip(normals).zip(places) {
+                let way = if distance.is_finite() { [-x, -y, distance - z] } else { [0.0, 0.0, 1.0] };
+                let length = way.iter().map(|component| component * component).sum::<f64>().sqrt();
+                let toward = way.map(|component| (component / length) as f32);
+                *lit = self.sky.reflected(single(color), single(normal), toward, 1.0).map(f64::from);
+            }
+        });
+        PyArray1::from_vec(py, lit.into_flattened()).reshape([count, 3])
     }
 }
 

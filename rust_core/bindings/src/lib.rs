@@ -44,7 +44,7 @@ mod _core {
     }
 
     #[pymodule_export]
-    use super::canvas::{PyCanvas, PyTexture, coverage, heatmap, missing_signs, text_width};
+    use super::canvas::{PyCanvas, PySky, PyTexture, coverage, heatmap, missing_signs, text_width};
     #[pymodule_export]
     use super::curve::spline_points;
     #[pymodule_export]

@@ -12,6 +12,7 @@ use crate::eye::{Eye, OPEN, at_center, beside_center, is_center, is_solid};
 use crate::ink::{LANES, Mixing, Paint, Shade};
 use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp, ramps};
 use crate::texture::Texture;
+use crate::weave::Weave;
 
 /// Rectangle of pixels: columns and rows from `left`, `top` to `right`, `bottom`, the latter excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,8 +146,8 @@ impl Band<'_> {
 
     /// Draws a triangle enlarged by half a pixel, and stores its depth. The triangle is not enlarged over pixels whose centers
     /// lie in another triangle of about equal depth. Otherwise an edge between two sides would lie alternately on one side and on
-    /// the other.
-    pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
+    /// the other. `threads` are the coordinates of a weave at the corners, and the number of samples along the side of a pixel.
+    pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>, threads: Option<(&[[f32; 2]; 3], f32)>) {
         const MORE: f32 = 0.5;
         let [a, b, c] = triangle.corners;
         let low = [a[0].min(b[0]).min(c[0]) - MORE - 0.5, a[1].min(b[1]).min(c[1]) - MORE - 0.5];
@@ -156,6 +157,7 @@ impl Band<'_> {
             return;
         };
         let edges = edges(&triangle.corners);
+        let weave = threads.map(|(threads, times)| Weave::new(&triangle.corners, doubled, threads, times));
         let inks = triangle.colors.map(|ink| ink.map(f32::from));
         let eye = self.eye.filter(|_| triangle.colors.iter().all(|&ink| is_solid(ink)));
         for row in area.top..area.bottom {
@@ -183,7 +185,8 @@ impl Band<'_> {
                     }
                     let [red, green, blue, alpha] = mean(&inks, weights);
                     let texel = texture.map_or([255.0; 3], |texture| texture.at(mean(&triangle.texture_coordinates, weights)));
-                    let lit = |channel: f32, texel: f32| (channel * texel * (1.0 / 255.0) + 0.5) as u8;
+                    let bright = weave.as_ref().map_or(1.0, |weave| weave.at(x, y)) * (1.0 / 255.0);
+                    let lit = |channel: f32, texel: f32| (channel * texel * bright + 0.5) as u8;
                     let color = [lit(red, texel[0]), lit(green, texel[1]), lit(blue, texel[2]), (alpha + 0.5) as u8];
                     Paint::new(color, 1.0).blend(pixel, coverage);
                 }

@@ -141,7 +141,7 @@ impl Canvas {
     /// Draws a triangle, enlarged by half a pixel.
     pub fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
         let triangle = triangle.scaled(self.samples as f32);
-        self.whole().triangle(&triangle, texture);
+        self.whole().triangle(&triangle, texture, None);
     }
 
     /// Draws a halo.

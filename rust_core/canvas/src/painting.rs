@@ -5,13 +5,13 @@ use std::thread::available_parallelism;
 
 use crate::band::Band;
 use crate::canvas::Canvas;
-use crate::color::Rgb;
 use crate::eye::{Eye, is_solid};
 use crate::ink::Mixing;
 use crate::light::{Depths, Light, Lighting};
 use crate::liquid::{Drop, Liquid};
 use crate::shadow::{Caster, ShadowMap};
 use crate::shapes::{Disc, Halo, Line, Triangle};
+use crate::sky::Sky;
 use crate::texture::Texture;
 
 /// Queue of shapes for drawing. Shapes with greater depth are drawn first, shapes of equal depth in the order of addition. A
@@ -21,7 +21,10 @@ pub struct Painting {
     discs: Vec<Disc>,
     /// Lines, with the depths of their ends.
     lines: Vec<(Line, [f32; 2])>,
-    triangles: Vec<(Triangle, Option<u16>)>,
+    /// Triangles with their textures and weaves.
+    triangles: Vec<(Triangle, Option<u16>, Option<u32>)>,
+    /// Coordinates of threads at the corners of woven triangles.
+    weaves: Vec<[[f32; 2]; 3]>,
     halos: Vec<Halo>,
     textures: Vec<Arc<Texture>>,
     liquid: Liquid,
@@ -29,6 +32,8 @@ pub struct Painting {
     has_depth: bool,
     lens: Lens,
     light: Option<Light>,
+    /// Number of samples along the side of a pixel of the present canvas.
+    samples: f32,
 }
 
 /// Thin lens that blurs shapes in front of and behind the focus, at depth 0; no blur by default.
@@ -118,7 +123,17 @@ impl Painting {
     /// Adds a triangle; `depth` as for [`Painting::disc`], `texture` as returned by [`Painting::texture`].
     pub fn triangle(&mut self, triangle: Triangle, texture: Option<u16>, depth: f32) {
         self.add(depth, Shape::Triangle(self.triangles.len() as u32));
-        self.triangles.push((triangle, texture));
+        self.triangles.push((triangle, texture, None));
+    }
+
+    /// Adds a triangle of cloth, with coordinates across its two sets of threads at the corners [threads]; otherwise as
+    /// [`Painting::triangle`].
+    pub fn woven(&mut self, triangle: Triangle, texture: Option<u16>, threads: [[f32; 2]; 3], depth: f32) {
+        self.triangle(triangle, texture, depth);
+        if let Some((_, _, weave)) = self.triangles.last_mut() {
+            *weave = Some(self.weaves.len() as u32);
+            self.weaves.push(threads);
+        }
     }
 
     /// Adds a halo; `depth` as for [`Painting::disc`].
@@ -133,9 +148,9 @@ impl Painting {
         (self.textures.len() - 1) as u16
     }
 
-    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), the reflected color, and the share of its color that
+    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), the reflected sky (3D), and the share of its color that
     /// the liquid emits.
-    pub fn begin_liquid(&mut self, scale: f32, sky: Rgb, glow: f32) {
+    pub fn begin_liquid(&mut self, scale: f32, sky: Sky, glow: f32) {
         self.liquid.begin(scale, sky, glow);
     }
 
@@ -156,6 +171,7 @@ impl Painting {
 
     /// Paints all queued shapes and empties the queue; its memory is reused for the next frame.
     pub fn paint(&mut self, canvas: &mut Canvas) {
+        self.samples = canvas.samples() as f32;
         if canvas.samples() > 1 {
             self.magnify(canvas.samples() as f32);
         }
@@ -178,6 +194,7 @@ impl Painting {
         self.discs.clear();
         self.lines.clear();
         self.triangles.clear();
+        self.weaves.clear();
         self.halos.clear();
         self.textures.clear();
         self.order.clear();
@@ -188,7 +205,7 @@ impl Painting {
     fn magnify(&mut self, times: f32) {
         self.discs.iter_mut().for_each(|disc| *disc = disc.scaled(times));
         self.lines.iter_mut().for_each(|(line, _)| *line = line.scaled(times));
-        self.triangles.iter_mut().for_each(|(triangle, _)| *triangle = triangle.scaled(times));
+        self.triangles.iter_mut().for_each(|(triangle, ..)| *triangle = triangle.scaled(times));
         self.halos.iter_mut().for_each(|halo| *halo = halo.scaled(times));
         self.liquid.magnify(times);
         self.light = self.light.map(|light| Light { reach: times * light.reach, ..light });
@@ -266,8 +283,9 @@ impl Painting {
             }
             Shape::Halo(index) => band.halo(self.halos[index as usize]),
             Shape::Triangle(index) => {
-                let (triangle, texture) = &self.triangles[index as usize];
-                band.triangle(triangle, texture.map(|texture| &*self.textures[usize::from(texture)]));
+                let (triangle, texture, weave) = &self.triangles[index as usize];
+                let texture = texture.map(|texture| &*self.textures[usize::from(texture)]);
+                band.triangle(triangle, texture, weave.map(|weave| (&self.weaves[weave as usize], self.samples)));
             }
         }
     }

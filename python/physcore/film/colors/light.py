@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from physcore._core import Sky
 from physcore.checks import FloatArray
 
 LAMP = (-0.42, 0.62, 0.66)
@@ -18,6 +19,16 @@ SHADOW, OCCLUSION = 0.5, 0.75
 """Fractions of the light removed by a shadow, and by complete ambient occlusion."""
 REACH = 0.05
 """Radius of the search for ambient occlusion, as a fraction of a picture's shorter side."""
+HORIZON, ZENITH = (255, 236, 210), (70, 140, 230)
+"""Colors of the sky that water reflects."""
+BRIGHTNESS = 5.0
+"""Brightness of that sky, relative to white in a picture."""
+
+
+def sky_above(axes: FloatArray, strength: float = 1.0) -> Sky:
+    """The sky over a scene in 3D, from the axes (3, 3) of a camera. `strength` is a factor of its brightness."""
+    right, up, toward = axes[:, 2].tolist()
+    return Sky(HORIZON, ZENITH, (right, up, toward), strength * BRIGHTNESS)
 
 
 def lit(colors: FloatArray, normals: FloatArray) -> FloatArray:

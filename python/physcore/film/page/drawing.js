@@ -127,6 +127,14 @@ class Drawing {
     gl.uniform3f(now.uniforms.low, 0, 0, 0);
     gl.uniform3f(now.uniforms.span, 1, 1, 1);
   }
+  // The sky that water reflects; none without one.
+  sky(sky) {
+    const gl = this.gl, {uniforms} = this.now, [horizon, zenith, high, [brightness]] = sky || [[0, 0, 0], [0, 0, 0], [0, 0, 1], [0]];
+    gl.uniform3f(uniforms.horizon, ...horizon.map(each => each / 255));
+    gl.uniform3f(uniforms.zenith, ...zenith.map(each => each / 255));
+    gl.uniform3f(uniforms.high, ...apply(this.turn, high));
+    gl.uniform1f(uniforms.brightness, brightness);
+  }
   // Points an attribute at some columns of an array.
   attribute(name, key, label, data, columns, from, count, divisor) {
     const gl = this.gl, location = this.now.attributes[name];
@@ -271,6 +279,7 @@ class Drawing {
     if (track.deep) this.attribute("normal", track.id, "normal", normals(places, faces), 3, 0, 3, 0);
     this.inks(track, frame, 0);
     gl.uniform1i(this.now.uniforms.closed, track.closed);
+    this.sky(track.sky);
     gl.uniform4f(this.now.uniforms.back, ...(track.back || [0, 0, 0]).map(each => each / 255), track.back ? 1 : 0);
     gl.uniform1i(this.now.uniforms.textured, Boolean(track.texture));
     this.texture(track.id, "texels", 0, ...(track.texture || [1, 1]), track.texture ? track.fixed("texels").at(0) : WHITE, "color");
@@ -290,6 +299,7 @@ class Drawing {
     this.attribute("normal", track.id, "normal", track.fixed("normals").at(0), 3, 0, 3, 0);
     this.attribute("tone", track.id, "tone", track.fixed("tones").at(0), 1, 0, 1, 0);
     gl.uniform1i(this.now.uniforms.closed, 1);
+    this.sky(null);
     gl.uniform1i(this.now.uniforms.textured, 0);
     this.texture("none", "texels", 0, 1, 1, WHITE, "color");
     gl.enable(gl.CULL_FACE);

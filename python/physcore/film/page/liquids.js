@@ -46,7 +46,7 @@ Object.assign(Drawing.prototype, {
       const {uniforms} = this.now;
       gl.uniform1i(uniforms.thick, 1);
       gl.uniform1i(uniforms.behind, 2);
-      gl.uniform3f(uniforms.sky, ...track.sky.map(each => each / 255));
+      this.sky(track.sky);
     });
     gl.depthMask(false);
   },

@@ -53,6 +53,16 @@ vec4 fogged(vec4 ink, vec3 to) {
   return vec4(mix(ink.rgb, background, far), ink.a);
 }
 `;
+// The sky that water reflects, as in rust_core/canvas/src/sky.rs.
+const SKY = `
+uniform vec3 horizon, zenith, high;
+uniform float brightness;   // 0: no reflection
+vec3 reflected(vec3 shown, vec3 normal, vec3 toward, float part) {
+  float cosine = clamp(dot(normal, toward), 0.0, 1.0), mirrored = part * min(brightness * (0.02 + 0.98 * pow(1.0 - cosine, 5.0)), 0.85);
+  float upward = dot(2.0 * cosine * normal - toward, high);
+  return mix(shown, mix(horizon, zenith, sqrt(min(abs(upward), 1.0))), mirrored);
+}
+`;
 const ROUND = `${COMMON}
 in vec2 corner; in vec3 one, other; in float length_; in vec4 ink;
 flat out vec4 color; flat out float radius; flat out vec2 ball; out vec2 from;
@@ -152,7 +162,7 @@ void main() {
   color = vec4(min(ink.rgb * tone, vec3(1.0)), ink.a); leaning = turn * rotated(q, normal); place = to; texel = vec2(0.0);
   gl_Position = screen(to);
 }`;
-const LIT = `${COMMON}
+const LIT = `${COMMON}${SKY}
 in vec4 color; in vec3 leaning, place; in vec2 texel; out vec4 result;
 uniform vec4 back;          // color of the back; alpha 0: that of the front, darker
 uniform bool textured, closed;
@@ -168,7 +178,8 @@ void main() {
   n.z = max(n.z, 0.0);
   float up = 0.5 + 0.5 * n.y, light = 0.3 + 0.16 * up + 0.72 * max((dot(n, LAMP) + 0.2) / 1.2, 0.0);
   shown = min((shown + (1.0 - shown) * 0.3 * up * pow(1.0 - n.z, 2.0)) * light, vec3(1.0)) * (away ? 0.9 : 1.0);
-  result = fogged(vec4(shown, color.a), place);
+  vec3 toward = eye.w > 0.0 ? normalize(vec3(0.0, 0.0, 1.0 / eye.w) - place) : vec3(0.0, 0.0, 1.0);
+  result = fogged(vec4(brightness > 0.0 ? reflected(shown, n, toward, 1.0) : shown, color.a), place);
 }`;
 const FLAT = `${COMMON}
 in vec3 one; in vec2 spot; out vec2 at;
@@ -293,11 +304,10 @@ void main() {
   }
   result = sum / weights;
 }`;
-const SEA = `${COMMON}
+const SEA = `${COMMON}${SKY}
 in vec2 at; out vec4 result;
 uniform sampler2D picture, thick, behind;
 uniform float range, steep, ball, glow; // pixels of the screen per meter, and the radius of a drop [pixels]
-uniform vec3 sky;
 ${PLACING}
 float gentler(float before, float here, float after) {
   float p = after - here, q = here - before;
@@ -315,12 +325,13 @@ void main() {
   vec3 normal = normalize(vec3(clamp(slope, -3.0, 3.0), 1.0));
   float light = dot(normal, LAMP), shining = pow(max(dot(normal, normalize(LAMP + vec3(0.0, 0.0, 1.0))), 0.0), 64.0);
   float passes = exp(-0.05 * pow(80.0, opacity) * amount);
-  float mirrored = (1.0 - glow) * (0.02 + 0.45 * pow(1.0 - normal.z, 3.0)) * min(amount / 0.2, 1.0), thin = min(0.7 * amount, 1.0);
+  float thin = min(0.7 * amount, 1.0);
   float diffuse = mix(0.62 + 0.12 * (0.5 + 0.5 * normal.y) + 0.38 * light, 1.0, glow);
   vec2 bent = min(0.35 * amount * ball, 24.0 * pixel) * normal.xy;
   vec3 seen = texture(behind, (gl_FragCoord.xy - bent) / vec2(textureSize(behind, 0))).rgb;
   vec3 body = mix(own.rgb * diffuse, seen * pow(max(own.rgb, vec3(0.02)), vec3(0.1 * amount)), passes);
-  result = vec4(mix(body, sky, mirrored) + (1.0 - glow) * 200.0 / 255.0 * shining * thin * thin, min(amount / 0.2, 1.0));
+  body = reflected(body, normal, vec3(0.0, 0.0, 1.0), (1.0 - glow) * min(amount / 0.2, 1.0));
+  result = vec4(body + (1.0 - glow) * 200.0 / 255.0 * shining * thin * thin, min(amount / 0.2, 1.0));
   gl_FragDepth = 0.5 + 0.5 * deepness(own.a);
 }`;
 // Shadows of everything in 3D on the ground, softened.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore._core import Texture, text_width
+from physcore._core import Sky, Texture, text_width
 from physcore.checks import FloatArray, IntArray
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
@@ -85,13 +85,13 @@ class Tape:
         self._add_round("halo", centers, radii, colors, depths, shadow=bool(shadow))
 
     def liquid(
-        self, centers: PixelArray, radii: PixelArray, colors: Inks, sky: Color, depths: PixelArray | None = None,
+        self, centers: PixelArray, radii: PixelArray, colors: Inks, sky: Sky, depths: PixelArray | None = None,
         scale: float = 0.0, glow: float = 0.0,
     ) -> None:  # fmt: skip
         """Add the drops of a liquid, which join."""
         del scale
         full = opaque(colors[:, :3]) if depths is None else colors
-        self._add_round("liquid", centers, radii, full, depths, glow=float(glow), sky=[*sky])
+        self._add_round("liquid", centers, radii, full, depths, glow=float(glow), sky=_parts_of(sky))
 
     def lines(self, ends: PixelArray, widths: PixelArray, colors: Inks, depths: PixelArray | None = None) -> None:
         """Add lines with round ends."""
@@ -120,10 +120,10 @@ class Tape:
 
     def triangles(
         self, corners: PixelArray, colors: Inks, depths: PixelArray | None = None, texture: Texture | None = None,
-        places: PixelArray | None = None,
+        places: PixelArray | None = None, weave: PixelArray | None = None,
     ) -> None:  # fmt: skip
-        """Add triangles with a color at each corner."""
-        del places
+        """Add triangles with a color at each corner, without their weave."""
+        del places, weave
         if texture is not None:
             self._refuse("a texture")
         deep = None if depths is None else np.broadcast_to(depths, (len(corners), 3)).ravel()
@@ -210,7 +210,7 @@ class Tape:
 
     def surface(
         self, points: FloatArray, faces: IntArray, colors: FloatArray, *, closed: bool, back: FloatArray | None,
-        texture: tuple[Inks, PixelArray] | None = None,
+        texture: tuple[Inks, PixelArray] | None = None, sky: Sky | None = None,
     ) -> None:  # fmt: skip
         """Add a surface, which is lit in 3D: points (N, D) [m] with colors (N, 3), and triangles (T, 3).
 
@@ -219,12 +219,15 @@ class Tape:
             closed: whether its inside is never seen.
             back: the color of the back (3,); None: as the front.
             texture: pixels (H, W, 3) that multiply the colors, and their coordinates (N, 2) at the points.
+            sky: the sky that it reflects as water does; None: it reflects none.
         """
         assert self._view is not None  # `look` comes first
         deep = not self._view.flat
         place = self._from_eye(points) if deep else self._view.project(points)[0]
         ink = np.round(np.clip(colors, 0.0, 255.0)).astype(np.uint8)
         fixed: dict[str, Any] = {"closed": closed, "back": None if back is None else back.tolist()}
+        if sky is not None:
+            fixed["sky"] = _parts_of(sky)
         if texture is not None:
             pixels = texture[0][:: -(-texture[0].shape[0] // TEXELS), :: -(-texture[0].shape[1] // TEXELS)]
             fixed |= {"texels": opaque(pixels.reshape(-1, 3)), "texture": [*pixels.shape[1::-1]], "spots": texture[1]}
@@ -331,6 +334,11 @@ class Tape:
         way = ((center - start) @ normal) / (toward @ normal)
         points: list[list[float]] = (start + way[:, np.newaxis] * toward).tolist()
         return points
+
+
+def _parts_of(sky: Sky) -> list[list[float]]:
+    """The values of a sky: the colors at its horizon and zenith, the direction to the zenith, and the brightness."""
+    return [[*sky.horizon], [*sky.zenith], [*sky.up], [sky.brightness]]
 
 
 def _mean_density(points: PixelArray, spread: float, middle: tuple[float, float]) -> float:

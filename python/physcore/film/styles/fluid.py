@@ -13,7 +13,8 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import WHOLE, ColormapName, ramp
-from physcore.film.colors.themes import Theme, mixed
+from physcore.film.colors.light import sky_above
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places
 from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.typical import Typical
@@ -35,10 +36,10 @@ SMALLEST = 0.7
 """Least radius of a disc [pixels]."""
 FLAT_REACH, DEEP_REACH = 1.7, 1.15
 """Reach of a particle of a smooth surface in 2D and in 3D, over the spacing."""
-SKY = (235, 240, 245)
-"""The color of the sky, mixed with the background, that a surface reflects."""
 OPACITY = (0.35, 0.9)
 """Default opacity of a fluid colored by a quantity, and of one with chosen colors."""
+MIRROR = 0.4
+"""Strength of the sky that a surface of particles reflects; its ripples are partly those of the particles."""
 FOAM = 0.6
 """Fraction of the color scale above which fast water is foam."""
 NEVER = 1e-12
@@ -47,7 +48,8 @@ NEVER = 1e-12
 
 @dataclass(frozen=True)
 class Fluid(BodyStyle):
-    """Fluid as a smooth surface through its particles. In 3D the surface is lit, and clear where the fluid is thin.
+    """Fluid as a smooth surface through its particles. In 3D the surface is lit, reflects the sky, and is
+    clear where the fluid is thin.
 
         pc.film(recording, "milk.gif", style=pc.styles.Fluid("white"))
         pc.film(recording, "layers.gif", style=pc.styles.Fluid({"oil": "gold", "water": "#2a7fdb"}, opacity=0.5))
@@ -115,7 +117,6 @@ class FluidPainter(Painter):
         self.style, self._style, self._theme = style, style, theme
         self._where = places(parts)
         self._table = ramp(style.colormap, "water", theme.part, "Fluid.colormap")
-        self._sky = mixed(theme.background, SKY, 0.5)
         bodies = [cast("fluid.Fluid", part.body) for part in parts]
         sizes = [len(body) for body in bodies]
         self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
@@ -170,8 +171,9 @@ class FluidPainter(Painter):
         ink = self._inks(frame, depth, view)
         radii = np.maximum(scale * self._radius, np.float32(SMALLEST))
         if self._style.surface:
+            sky = sky_above(np.eye(3) if view.flat else view.axes, MIRROR)
             reach = (FLAT_REACH if view.flat else DEEP_REACH) * 2.0 / FULL * radii
-            canvas.liquid(centers, np.maximum(reach, 2.0), ink, self._sky, depth, view.scale, self._style.glow)
+            canvas.liquid(centers, np.maximum(reach, 2.0), ink, sky, depth, view.scale, self._style.glow)
             return
         canvas.discs(centers, radii, ink, depth, 0.0 if view.flat else SHADING)
 

@@ -8,12 +8,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from physcore._core import Canvas
+from physcore._core import Canvas, Sky
 from physcore.checks import BoolArray, FloatArray, IntArray, number
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import STEPS, WHOLE, ColormapName, look_up, sequential
-from physcore.film.colors.light import LAMP
+from physcore.film.colors.light import LAMP, sky_above
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.page.tape import Tape
 from physcore.film.resampling import cubic
@@ -38,6 +38,8 @@ SHARPNESS = 40.0
 """Exponent of the specular reflection. Source: J. F. Blinn, Computer Graphics 11 (2), 192 (1977)."""
 STEEP = 0.5
 """Least end of the scale, as a fraction of the largest value of the film."""
+DEEP, SHALLOW = (6.0, 52.0, 84.0), (70.0, 190.0, 200.0)
+"""Colors of water in a trough and in a crest."""
 SHADE = 0.45
 """Brightness of the sides of the block."""
 
@@ -56,6 +58,7 @@ class Relief(SystemStyle):
         colormap: "viridis", "inferno", …, or a map of Matplotlib; None: colors of water, from deep to shallow.
         range: the value at the end of the scale; None: the largest value of most frames.
         gloss: strength of the lamp's reflection, 0 to 1.
+        sky: strength of the sky's reflection, 0 to 1; None: 1 with the colors of water, 0 with a colormap.
         on: the system or systems drawn in this style; None: all with fields on a grid in 2D.
 
     Raises:
@@ -67,6 +70,7 @@ class Relief(SystemStyle):
     colormap: ColormapName | None = None
     range: float | None = None
     gloss: float = GLOSS
+    sky: float | None = None
 
     dimensions: ClassVar[tuple[int, ...]] = (2,)
     raises: ClassVar[bool] = True
@@ -77,6 +81,8 @@ class Relief(SystemStyle):
         if self.colormap is not None:
             sequential(self.colormap, (0.0, 1.0), "Relief.colormap")
         self._set(gloss=number(self.gloss, "Relief.gloss", least=0.0, most=1.0))
+        if self.sky is not None:
+            self._set(sky=number(self.sky, "Relief.sky", least=0.0, most=1.0))
 
     def can_draw(self, item: System) -> bool:
         """Whether an item is on a 2D grid."""
@@ -101,11 +107,12 @@ class ReliefPainter(GridPainter):
         self._sizes: FloatArray = np.array(self._grid.upper) - self._grid.origin
         self._height = RISE * float(self._sizes.max()) if style.height is None else style.height
         if style.colormap is None:
-            deep, shallow = mixed(theme.background, theme.bodies[0], 0.8), mixed(theme.bodies[0], (255, 255, 255), 0.45)
-            shares = np.linspace(0.0, 1.0, STEPS)[:, np.newaxis]
-            self._table: FloatArray = (1.0 - shares) * np.array(deep, float) + shares * np.array(shallow, float)
+            # Crests are thin, and let more light through.
+            shares = np.linspace(0.0, 1.0, STEPS)[:, np.newaxis] ** 1.5
+            self._table: FloatArray = (1.0 - shares) * np.array(DEEP) + shares * np.array(SHALLOW)
         else:
             self._table = sequential(style.colormap, WHOLE, "Relief.colormap")
+        self._mirror = float(style.colormap is None) if style.sky is None else style.sky
         self._solid = np.array(mixed(theme.solid, theme.background, 0.2), dtype=float)
 
     def typical(self) -> Typical:
@@ -161,23 +168,27 @@ class ReliefPainter(GridPainter):
         del pixels
         heights = self._heights(frame)
         places = np.concatenate([self._plane, heights[..., np.newaxis]], axis=-1).reshape(-1, 3)
-        light, gloss = self._light(heights, view)
-        shine = 255.0 * (gloss * ~self._is_solid)[..., np.newaxis]
-        colors = self._colors(heights) * light[..., np.newaxis] + shine
-        self._add(canvas, view, places, colors.reshape(-1, 3), self._faces)
+        normals, solid = self._normals(heights, view), self._is_solid.reshape(-1, 1)
+        colors = self._colors(heights).reshape(-1, 3) * _light(normals, view)[:, np.newaxis]
+        shown, sky = colors, self._sky(view)
+        if sky is not None:
+            seen = places @ view.axes.T - view.center
+            shown = np.where(solid, colors, sky.reflected(colors, normals, seen, view.distance))
+        shine = 255.0 * self._style.gloss * _shine(normals)[:, np.newaxis]
+        self._add(canvas, view, places, np.where(solid, shown, shown + shine), self._faces)
         for side in self._sides:
             edge = places[side]
             outward = np.cross(edge[-1] - edge[0], (0.0, 0.0, 1.0))
             if outward @ view.axes[2] > 0.0:
-                self._add_side(canvas, view, edge, colors.reshape(-1, 3)[side])
+                self._add(canvas, view, *self._side(edge, colors[side]))
 
     def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
         """Put the surface and all sides of the block on a tape; the page lights them."""
-        del view, pixels
+        del pixels
         heights = self._heights(frame)
         places = np.concatenate([self._plane, heights[..., np.newaxis]], axis=-1).reshape(-1, 3)
         colors = self._colors(heights).reshape(-1, 3)
-        tape.surface(places, self._faces, colors, closed=False, back=None)
+        tape.surface(places, self._faces, colors, closed=False, back=None, sky=self._sky(view))
         for side in self._sides:
             points, shades, faces = self._side(places[side], colors[side])
             tape.surface(points, faces, shades, closed=True, back=None)
@@ -188,11 +199,6 @@ class ReliefPainter(GridPainter):
         scale = look_up(self._table, np.clip(share, 0.0, 1.0))
         colors: FloatArray = np.where(self._is_solid[..., np.newaxis], self._solid, scale)
         return colors
-
-    def _add_side(self, canvas: Canvas, view: View, edge: FloatArray, colors: FloatArray) -> None:
-        """Queue a side of the block, from an edge of its surface down."""
-        points, shades, faces = self._side(edge, colors)
-        self._add(canvas, view, points, shades, faces)
 
     def _side(self, edge: FloatArray, colors: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
         """A side of the block, below an edge (N, 3) of the surface with colors (N, 3): points, colors, triangles."""
@@ -225,18 +231,17 @@ class ReliefPainter(GridPainter):
         heights: FloatArray = (self._height / self.top) * (along @ self.values(frame) @ across.T)
         return np.where(self._is_solid, 0.0, heights)
 
-    def _light(self, heights: FloatArray, view: View) -> tuple[FloatArray, FloatArray]:
-        """The diffuse light at each node of the mesh, and the specular reflection there."""
+    def _normals(self, heights: FloatArray, view: View) -> FloatArray:
+        """The unit normals (N, 3) at the nodes of the mesh, along the axes of the camera."""
         steps = self._sizes / np.array(self._squares)
         slopes = np.gradient(heights, *steps.tolist())
-        normals = np.stack([-slopes[0], -slopes[1], np.ones_like(heights)], axis=-1) @ view.axes.T
+        normals = np.stack([-slopes[0], -slopes[1], np.ones_like(heights)], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-        halfway = np.array(LAMP) + np.array([0.0, 0.0, 1.0])
-        halfway /= np.linalg.norm(halfway)
-        # The light is normalized to 1 on level ground, where colors are those of the scale.
-        level = max(float(view.axes[:, 2] @ LAMP), 0.1)
-        light = AMBIENT + (1.0 - AMBIENT) * np.maximum(normals @ LAMP, 0.0) / level
-        return light, self._style.gloss * np.maximum(normals @ halfway, 0.0) ** SHARPNESS
+        return np.ascontiguousarray(normals @ view.axes.T)
+
+    def _sky(self, view: View) -> Sky | None:
+        """The sky that the surface reflects; None: it reflects none."""
+        return sky_above(view.axes, self._mirror) if self._mirror > 0.0 else None
 
     @cached_property
     def _squares(self) -> tuple[int, int]:
@@ -284,3 +289,20 @@ class ReliefPainter(GridPainter):
         """The nodes of the mesh along each edge, counterclockwise, so that the block is on the left."""
         index = np.arange(self._is_solid.size).reshape(self._is_solid.shape)
         return [index[:, 0], index[-1, :], index[::-1, -1], index[0, ::-1]]
+
+
+def _light(normals: FloatArray, view: View) -> FloatArray:
+    """The diffuse light (N,) on a surface with unit normals (N, 3). It is 1 on level ground, where colors are those of
+    the scale.
+    """
+    level = max(float(view.axes[:, 2] @ LAMP), 0.1)
+    light: FloatArray = AMBIENT + (1.0 - AMBIENT) * np.maximum(normals @ LAMP, 0.0) / level
+    return light
+
+
+def _shine(normals: FloatArray) -> FloatArray:
+    """The specular reflection (N,) of the lamp on a surface with unit normals (N, 3)."""
+    halfway = np.array(LAMP) + np.array([0.0, 0.0, 1.0])
+    halfway /= np.linalg.norm(halfway)
+    shine: FloatArray = np.maximum(normals @ halfway, 0.0) ** SHARPNESS
+    return shine

@@ -22,6 +22,7 @@ from physcore.film.page.tape import Tape
 from physcore.film.shapes.creases import around, corner_normals, face_normals
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight
 from physcore.film.styles.coloring import Coloring, checked
+from physcore.film.styles.frays import frays
 from physcore.film.styles.rim import paint_rim, thickness_of
 from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.styles.torn import has_tears, intact, sides
@@ -35,6 +36,10 @@ RIM = 0.75
 """Brightness of the rim of a surface, which faces sideways."""
 BACK = 0.9
 """Brightness of the back of a surface, relative to its front."""
+FRAY = 0.9
+"""Brightness of loose threads, relative to the cloth."""
+FRAYS = (0.8, 3.0)
+"""Least and greatest width of loose threads [pixels]."""
 NEVER = 1e-9
 """Least end of the color scale: smaller strains are rounding errors [1]."""
 UPWARD = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
@@ -83,6 +88,8 @@ class Surface(BodyStyle):
         back: the color of the back in 3D, the side from which corners are in clockwise order; None: as the front.
         thickness: the width of the rim of a cloth in 3D [m], at least zero; None: the thickness of its SelfContact, or
             no rim.
+        weave: distance of the threads of a woven cloth [m], which are seen where they are wider than a pixel, and hang
+            loose where the cloth has torn; None: no threads. They run as the sides of a texture. Pages show none.
         on: as in Style; each body must have faces.
 
     Raises:
@@ -96,6 +103,7 @@ class Surface(BodyStyle):
     back: str | Color | None = None
     thickness: float | None = None
     colormap: ColormapName | None = None
+    weave: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -103,7 +111,7 @@ class Surface(BodyStyle):
             self._set(back=color(self.back, "Surface.back"))
         self._set(color=checked(self.color, "Surface.color", ("body", "strain")))
         ramp(self.colormap, "viridis", WHOLE, "Surface.colormap")
-        self._set_positive("range")
+        self._set_positive("range", "weave")
         if self.thickness is not None:
             self._set(thickness=number(self.thickness, "Surface.thickness", least=0.0))
         if self.texture is not None and not isinstance(self.texture, Picture):
@@ -161,6 +169,12 @@ class SurfacePainter(Painter):
         self._coloring = None if self._by_strain else Coloring(chosen, table, "Surface.color", source, parts, theme)
         everywhere = np.zeros((count, 2), dtype=np.float32)
         everywhere[self._where] = np.concatenate(spots)
+        self._threads: FloatArray | None = None
+        if style.weave is not None:
+            self._threads = np.zeros((count, 2))
+            self._threads[self._where] = (
+                np.concatenate([flattened(part.body.positions) for part in parts]) / style.weave
+            )
         self._everywhere, self._spots = everywhere, everywhere[self._faces].reshape(-1, 6)
         self.top, self._typical = style.range or NEVER, Typical()
         if self._coloring is not None:
@@ -227,10 +241,36 @@ class SurfacePainter(Painter):
             None if depth is None else np.ascontiguousarray(depth[faces]),
             self._texture,
             spots,
+            None if self._threads is None else self._threads[faces].reshape(-1, 6).astype(np.float32),
         )
+        if self._threads is not None and self._sides is not None:
+            self._paint_frays(canvas, frame, view, self._threads, shown)
         if self._thickness.any() and not view.flat:
             rim = inks(np.clip(RIM * self._colors(frame), 0.0, 255.0), self._theme, farness)
             paint_rim(canvas, frame.positions, faces, self._thickness, rim, view)
+
+    def _paint_frays(
+        self, canvas: Canvas, frame: SourceFrame, view: View, threads: FloatArray, shown: BoolArray
+    ) -> None:
+        """Queue the loose threads where the cloth has torn."""
+        width = float(self._style.weave or 0.0) * view.scale
+        loose = frays(frame.positions, threads, self._faces, shown, width)
+        count, nodes, dimension = loose.points.shape
+        points, depth, _ = view.project(loose.points.reshape(-1, dimension))
+        colors = FRAY * self._colors(frame)[self._faces[loose.faces, 0]]
+        if not view.flat:
+            normals = face_normals(frame.positions, self._faces[loose.faces]) @ view.axes.T
+            normals *= np.where(normals[:, 2] < 0.0, -1.0, 1.0)[:, np.newaxis]
+            colors = lit(colors, normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, np.newaxis])
+        ends, steps = points.reshape(count, nodes, 2), nodes - 1
+        deep = None if depth is None else depth.reshape(count, nodes)
+        farness = None if deep is None else np.repeat(view.farness(deep[:, 0]), steps)
+        canvas.lines(
+            np.concatenate([ends[:, :-1], ends[:, 1:]], axis=2).reshape(-1, 4),
+            np.full(count * steps, np.clip(width, *FRAYS), dtype=np.float32),
+            inks(np.repeat(colors, steps, axis=0), self._theme, farness),
+            None if deep is None else np.stack([deep[:, :-1], deep[:, 1:]], axis=2).reshape(-1, 2),
+        )
 
     def record(self, tape: Tape, frame: SourceFrame, view: View, pixels: float) -> None:
         """Put the triangles on a tape; the page lights them."""
@@ -320,7 +360,15 @@ def spread(positions: FloatArray) -> NDArray[np.float32]:
 
     The projection is along the thinnest direction of the body, upright, from the side of the default camera.
     """
-    centered = positions - positions.mean(axis=0)
+    centered = flattened(positions)
+    low, high = centered.min(axis=0), centered.max(axis=0)
+    places: NDArray[np.float32] = ((centered - low) / np.maximum(high - low, 1e-300)).astype(np.float32)
+    return places
+
+
+def flattened(positions: FloatArray) -> FloatArray:
+    """Positions (N, 2) [m] along the thinnest direction of a body, to the right and up from its middle."""
+    centered: FloatArray = positions - positions.mean(axis=0)
     if positions.shape[1] == 3:
         normal = np.linalg.svd(centered, full_matrices=False)[2][-1] if len(positions) > 2 else np.array(UPWARD[0])
         normal = normal if normal @ Orbit().axes[2] > 0.0 else -normal
@@ -328,9 +376,7 @@ def spread(positions: FloatArray) -> NDArray[np.float32]:
         upward = upward - (upward @ normal) * normal
         upward /= np.linalg.norm(upward)
         centered = np.stack([centered @ np.cross(upward, normal), centered @ upward], axis=1)
-    low, high = centered.min(axis=0), centered.max(axis=0)
-    places: NDArray[np.float32] = ((centered - low) / np.maximum(high - low, 1e-300)).astype(np.float32)
-    return places
+    return centered
 
 
 def _pixels(given: object) -> NDArray[np.uint8]:

@@ -9,10 +9,11 @@
 use std::ops::Range;
 
 use crate::band::Band;
-use crate::color::{Ink, Rgb};
+use crate::color::Ink;
 use crate::eye::Eye;
 use crate::ink::LAMP;
 use crate::shadow::Caster;
+use crate::sky::Sky;
 use crate::smoothing::{avoid_edges, blur_plane};
 use crate::view::opaque;
 
@@ -74,7 +75,8 @@ const HELD: f32 = 0.5;
 #[derive(Debug, Default)]
 pub struct Liquid {
     drops: Vec<Drop>,
-    sky: Rgb,
+    /// Sky that the liquid reflects in 3D.
+    sky: Option<Sky>,
     /// Share of its color that the liquid emits, 0 to 1.
     glow: f32,
     /// Pixels per unit of depth; 0 in 2D.
@@ -118,10 +120,10 @@ impl Liquid {
     /// Begins a frame, before any drop.
     ///
     /// - `scale`: pixels per unit of depth (0 in 2D).
-    /// - `sky`: color reflected at grazing angles.
+    /// - `sky`: sky that the liquid reflects in 3D.
     /// - `glow`: share of its color that the liquid emits.
-    pub fn begin(&mut self, scale: f32, sky: Rgb, glow: f32) {
-        (self.scale, self.sky, self.glow) = (scale, sky, glow.clamp(0.0, 1.0));
+    pub fn begin(&mut self, scale: f32, sky: Sky, glow: f32) {
+        (self.scale, self.sky, self.glow) = (scale, Some(sky), glow.clamp(0.0, 1.0));
     }
 
     /// Number of drops.
@@ -280,7 +282,7 @@ impl Liquid {
     /// - the background, refracted and tinted by the liquid (Beer–Lambert law);
     /// - light of the lamp and the sky, scattered in the liquid;
     /// - a highlight;
-    /// - the reflected sky at grazing angles.
+    /// - the reflected sky.
     fn lit(&self, row: usize, column: usize, behind: &[[u8; 4]]) -> (Ink, f32) {
         let pixel = row * self.width + column;
         let steepest = 3.0;
@@ -296,20 +298,22 @@ impl Liquid {
         let amount = self.amount[pixel];
         let optical = SCATTERS[0] * (SCATTERS[1] / SCATTERS[0]).powf(opacity) * amount;
         let passes = (-optical).exp();
-        let mirrored = (1.0 - self.glow) * (0.02 + 0.45 * (1.0 - nz).powi(3)) * (amount / BRIM).min(1.0);
+        let mirrored = (1.0 - self.glow) * (amount / BRIM).min(1.0);
         let highlight = (1.0 - self.glow) * HIGHLIGHT * shining.powi(64) * (0.7 * amount).min(1.0) * (0.7 * amount).min(1.0);
         let diffuse = 0.62 + 0.12 * (0.5 - 0.5 * ny) + 0.38 * light;
         let diffuse = diffuse + (1.0 - diffuse) * self.glow;
         let bent = (BENDS * amount * self.mean_radius()).min(FARTHEST);
         let seen = self.behind(row as f32 - ny * bent, column as f32 - nx * bent, behind);
-        let channel = |index: usize| {
+        let body = std::array::from_fn(|index| {
             let tinted = (color[index] / 255.0).max(0.02).powf(TINTS * amount);
-            let body = f32::from(seen[index]) * tinted * passes + color[index] * diffuse * (1.0 - passes);
-            (body + (f32::from(self.sky[index]) - body) * mirrored + highlight).clamp(0.0, 255.0) as u8
-        };
+            f32::from(seen[index]) * tinted * passes + color[index] * diffuse * (1.0 - passes)
+        });
+        // The y axis of pixels points down.
+        let lit = self.sky.map_or(body, |sky| sky.reflected(body, [nx, -ny, nz], [0.0, 0.0, 1.0], mirrored));
+        let [red, green, blue] = lit.map(|channel| (channel + highlight).clamp(0.0, 255.0) as u8);
         let [dx, dy] = self.slope(&self.amount, row, column, |_, _| true);
         let steepness = (dx * dx + dy * dy).sqrt().max(1e-3);
-        ([channel(0), channel(1), channel(2), 255], (0.5 + (amount - BRIM) / steepness).clamp(0.0, 1.0))
+        ([red, green, blue, 255], (0.5 + (amount - BRIM) / steepness).clamp(0.0, 1.0))
     }
 
     /// Mean support radius of the drops [pixels].

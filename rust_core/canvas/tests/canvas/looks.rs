@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use physcore_canvas::{Canvas, Disc, Drop, Halo, Lens, Line, Painting, Texture, Trails, Triangle};
+use physcore_canvas::{Canvas, Disc, Drop, Halo, Lens, Line, Painting, Sky, Texture, Trails, Triangle};
 use proptest::prelude::*;
 
 const SIDE: usize = 96;
@@ -11,6 +11,11 @@ const PI: f64 = std::f64::consts::PI;
 
 fn plain(gray: u8) -> Canvas {
     Canvas::new(SIDE, SIDE, [gray; 3]).expect("a valid size")
+}
+
+/// Sky of one gray.
+fn sky(gray: u8) -> Sky {
+    Sky { horizon: [gray; 3], zenith: [gray; 3], up: [0.0, 1.0, 0.0], brightness: 1.0 }
 }
 
 /// Sum of the light of all pixels.
@@ -119,7 +124,7 @@ proptest! {
         painting.triangle(Triangle { corners: [a, b, c], colors: [WHITE; 3], depths: [values[6]; 3], lit: deep, texture_coordinates: [a, b, c] }, None, values[6]);
         painting.halo(Halo { center: a, radius: values[4].abs().min(1e4), color: WHITE, shadow: false }, values[7]);
         painting.disc(Disc { center: b, radius: values[4].abs().min(1e3), color: WHITE, shading: 0.5, softness: 1.0 }, values[5]);
-        painting.begin_liquid(if deep { 1.0 } else { 0.0 }, [255; 3], 0.0);
+        painting.begin_liquid(if deep { 1.0 } else { 0.0 }, sky(255), 0.0);
         painting.drop(Drop { center: c, radius: values[6].abs().min(1e3), depth: values[7], color: WHITE });
         painting.drop(Drop { center: [20.0, 30.0], radius: 6.0, depth: 0.0, color: WHITE });
         painting.paint(&mut canvas);
@@ -185,7 +190,7 @@ fn block(spacing: f32, depth: f32, painting: &mut Painting) {
 #[test]
 fn drops_flow_together_in_the_plane() {
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
-    painting.begin_liquid(0.0, [255; 3], 0.0);
+    painting.begin_liquid(0.0, sky(255), 0.0);
     block(6.0, 0.0, &mut painting);
     painting.paint(&mut canvas);
     let covered = canvas.pixels().iter().filter(|pixel| pixel[2] > 100).count() as f64;
@@ -199,7 +204,7 @@ fn drops_flow_together_in_the_plane() {
 #[test]
 fn balls_flow_together_into_a_smooth_surface_that_hides_what_is_behind() {
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
-    painting.begin_liquid(1.0, [255; 3], 0.0);
+    painting.begin_liquid(1.0, sky(255), 0.0);
     block(6.0, 0.0, &mut painting);
     let red = |x: f32| Disc { center: [x, 48.0], radius: 3.0, color: [255, 0, 0, 255], shading: 0.0, softness: 1.0 };
     painting.disc(red(40.0), 50.0);
@@ -212,13 +217,36 @@ fn balls_flow_together_into_a_smooth_surface_that_hides_what_is_behind() {
     assert!(row.iter().all(|value| (value - mean).abs() < 0.1 * mean), "{row:?}");
 }
 
+/// A ball of drops reflects more of the sky where its surface turns away. At 24/28 of its radius the reflectance is 2.3 times
+/// that of its middle; the filter of the front flattens it there.
+#[test]
+fn a_liquid_in_space_reflects_the_sky_at_its_rim() {
+    let painted = |gray: u8| {
+        let (mut painting, mut canvas) = (Painting::default(), plain(0));
+        painting.begin_liquid(1.0, Sky { brightness: 4.0, ..sky(gray) }, 0.0);
+        for index in 0..17_u16.pow(3) {
+            let way = [index % 17, index / 17 % 17, index / 289].map(|step| 3.0 * (f32::from(step) - 8.0));
+            if way.iter().map(|part| part * part).sum::<f32>() < 24.0 * 24.0 {
+                let center = [48.0 + way[0], 48.0 + way[1]];
+                painting.drop(Drop { center, radius: 4.0, depth: way[2], color: [40, 90, 200, 255] });
+            }
+        }
+        painting.paint(&mut canvas);
+        canvas
+    };
+    let (night, day) = (painted(0), painted(255));
+    let more = |x: usize| i32::from(at(&day, x, 48)[0]) - i32::from(at(&night, x, 48)[0]);
+    let rim = (60..SIDE).map(more).max().unwrap_or_default();
+    assert!(more(48) > 0 && 4 * rim > 5 * more(48), "{} {rim}", more(48));
+}
+
 /// A single drop of clear water is spray: smaller than a drop inside, and white. Milk and drops inside keep their color.
 #[test]
 fn single_drops_of_a_clear_liquid_are_small_and_white() {
     let drop = |center: [f32; 2], opacity| Drop { center, radius: 8.0, depth: 0.0, color: [200, 40, 40, opacity] };
     let painted = |opacity: u8, crowd: bool| {
         let (mut painting, mut canvas) = (Painting::default(), plain(0));
-        painting.begin_liquid(1.0, [0; 3], 0.0);
+        painting.begin_liquid(1.0, sky(0), 0.0);
         let around = if crowd { 4 } else { 0 };
         for (i, j) in (0..=around).flat_map(|i: u8| (0..=around).map(move |j: u8| (i, j))) {
             let [x, y] = [i, j].map(|index| 48.0 + 8.0 * (f32::from(index) - 0.5 * f32::from(around)));
@@ -241,7 +269,7 @@ fn single_drops_of_a_clear_liquid_are_small_and_white() {
 fn only_a_liquid_that_glows_lights_its_surroundings() {
     let beside = |glow: f32| {
         let (mut painting, mut canvas) = (Painting::default(), plain(0));
-        painting.begin_liquid(1.0, [0; 3], glow);
+        painting.begin_liquid(1.0, sky(0), glow);
         block(4.0, 0.0, &mut painting);
         painting.paint(&mut canvas);
         [80, 84, 88].map(|x| at(&canvas, x, 48)[2])

@@ -1,7 +1,7 @@
 //! Tests of supersampling: a picture with several samples per pixel equals a larger picture reduced, with smaller steps in
 //! outlines.
 
-use physcore_canvas::{Align, Canvas, Disc, Drop, Eye, Ground, Halo, Light, Line, Painting, Triangle};
+use physcore_canvas::{Align, Canvas, Disc, Drop, Eye, Ground, Halo, Light, Line, Painting, Sky, Triangle};
 
 const SIDE: usize = 80;
 const GROUND: [u8; 3] = [20, 24, 30];
@@ -36,7 +36,7 @@ fn scene(canvas: &mut Canvas, times: f32) {
     let triangle =
         Triangle { corners, colors: [[250, 220, 30, 255]; 3], depths: [0.0; 3], lit: true, texture_coordinates: [[0.0; 2]; 3] };
     painting.triangle(triangle, None, 0.0);
-    painting.begin_liquid(20.0 * times, [200; 3], 0.0);
+    painting.begin_liquid(20.0 * times, Sky { horizon: [200; 3], zenith: [200; 3], up: [0.0, 1.0, 0.0], brightness: 1.0 }, 0.0);
     for index in 0..20 {
         let center = place(15.0 + 2.0 * index as f32, 60.0 + (index % 3) as f32);
         painting.drop(Drop { center, radius: 5.0 * times, depth: 0.0, color: [60, 120, 220, 200] });
