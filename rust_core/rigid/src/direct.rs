@@ -22,6 +22,9 @@ const MOST_FAILURES: usize = 3;
 /// Shift ε over the largest diagonal entry, and number of refinements.
 const SHIFT: f64 = 1e-9;
 const REFINEMENTS: usize = 3;
+/// Impulse of a contact over the mass of the group times the velocity that it shall change, above which the matrix counts as
+/// singular. The directions of contacts amplify impulses by less; ε leaves singular ones amplified by its inverse.
+const AMPLIFIED: f64 = 1e2;
 
 /// Unknown impulse.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +33,13 @@ enum Unknown {
     Bound(usize),
     Normal(usize, DVec3),
     Tangent(usize, DVec3),
+}
+
+impl Unknown {
+    /// Whether the impulse is that of a contact.
+    fn is_of_contact(self) -> bool {
+        matches!(self, Self::Normal(..) | Self::Tangent(..))
+    }
 }
 
 /// Equation of an unknown, the direction of its impulse, and the velocity that it yields to a unit of it.
@@ -157,11 +167,20 @@ impl Rows {
         (0..count).for_each(|i| matrix[i * count + i] += SHIFT * largest + equations[i].yields);
         let Some(order) = factorize(&mut matrix, count) else { return false };
         let mut sums = vec![0.0; count];
-        for _ in 0..REFINEMENTS {
+        let mass: f64 = v.bodies.iter().filter(|body| !body.is_fixed()).map(|body| 1.0 / body.inverse_mass).sum();
+        for refinement in 0..REFINEMENTS {
             let lack =
                 |(each, sum): (&HeldEquation, &f64)| each.row.target - each.row.velocity(each.bodies, v) - each.yields * sum;
             let lacks: Vec<f64> = equations.iter().zip(&sums).map(lack).collect();
             let changes = solution(&matrix, &order, &lacks);
+            let of_contacts = |values: &[f64]| {
+                let contacts = equations.iter().zip(values).filter(|(equation, _)| equation.unknown.is_of_contact());
+                contacts.map(|(_, value)| value.abs()).fold(0.0, f64::max)
+            };
+            let fastest = lacks.iter().copied().map(f64::abs).fold(0.0, f64::max);
+            if of_contacts(&changes) > AMPLIFIED * mass * fastest {
+                return refinement > 0;
+            }
             for ((equation, change), sum) in equations.iter().zip(changes).zip(&mut sums) {
                 *sum += change;
                 equation.column.push(change, equation.bodies, v);

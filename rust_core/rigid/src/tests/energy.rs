@@ -184,3 +184,29 @@ fn pairs_that_are_kept_change_no_bits() {
     };
     assert!(of(false) == of(true));
 }
+
+/// With μ = 1 at both walls of a corner, a disc can be jammed there by impulses of any size, which balance each other. Bodies that
+/// press on it leave it free of them. In a step of 1/480 s a square spins by 0.04 rad: the error of the energy is about
+/// half the square of that.
+#[test]
+fn a_disc_in_a_corner_is_not_jammed() {
+    let mut lab = Laboratory::new(2, DVec3::new(0.0, -9.81, 0.0));
+    let side = 0.08_f64.sqrt();
+    for (item, mass, friction, position, velocity) in [
+        (round("Disc", 0.2), 1.0, 0.0, [0.25, 0.25], [0.0, 0.0]),
+        (rectangle(side, side), 1.0, 0.0, [0.25, 0.75], [2.0, 2.0]),
+        (round("Disc", 0.19375), 1.0, 0.0, [0.75, 0.75], [0.0, -1.0]),
+        (round("Disc", 0.1), 0.375, 1.0, [0.75, 0.25], [0.75, 0.0]),
+    ] {
+        let vector = |[x, y]: [f64; 2]| DVec3::new(x, y, 0.0);
+        lab.add(&item, (mass, friction, 0.0), (vector(position), Orientation::planar(0.0)), (vector(velocity), DVec3::ZERO));
+    }
+    for (normal, place) in [(DVec3::X, DVec3::ZERO), (-DVec3::X, DVec3::X), (DVec3::Y, DVec3::ZERO), (-DVec3::Y, DVec3::Y)] {
+        lab.add_wall(normal, place, 1.0, 1.0);
+    }
+    let start = lab.balance();
+    lab.step(1.0 / 480.0, 240);
+    let change = (lab.balance() - start).abs();
+    assert!(change < 1e-3 * start, "{change} of {start}");
+    assert!(lab.overlap() < 1e-5, "{}", lab.overlap());
+}
