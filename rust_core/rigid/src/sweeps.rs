@@ -48,8 +48,8 @@ pub struct RowSweep<S: RowSpace> {
     touching: Vec<Touching<S>>,
     /// Whether a contact strikes.
     strikes: bool,
-    /// Iterations of the first half of a piece where a contact strikes, over those of others, beside those of the second half: as
-    /// many as all pieces of a single sweep would take. Pushing bodies apart that overlap adds energy.
+    /// Iterations of the first half of a piece where a contact strikes, over those of others: as many as all pieces of a single
+    /// sweep would take. Pushing bodies apart that overlap adds energy.
     repeats: usize,
     /// Velocities, and those at the start of a half if there are joints.
     v: BodyVelocities<S>,
@@ -311,8 +311,8 @@ impl<S: RowSpace> RowSweep<S> {
         }
     }
 
-    /// Adds the energy that contacts and limits dissipate in a half of a piece; takes the velocities of contacts for the start of
-    /// the next, at the end of a piece also the loads. Returns the energy gained by pushing overlapping bodies apart [J].
+    /// Adds the energy that contacts and limits dissipate in a half of a piece. Takes the velocities of contacts for the start of
+    /// the next, and at the end of a piece the loads. Returns the energy gained by pushing overlapping bodies apart [J].
     fn meter<const ENDS: bool>(&mut self, length: f64) -> f64 {
         let mut start = std::mem::take(&mut self.start);
         self.lost += self.stopped(&mut start);

@@ -243,7 +243,7 @@ impl<S: RowSpace, const ENDS: bool> Pass<S> for HalfEnergies<'_, S, ENDS> {
             if ENDS {
                 // The impulse that ends an approach is that of an impact.
                 let ends = approaches * row.impulse.normal * row.normal.dot(before.0);
-                gained = gained + (pushed(&row, before.0) - ends).masked(pushes);
+                gained += (pushed(&row, before.0) - ends).masked(pushes);
                 let load = row.before.plus(&row.impulse).scaled(P::constant(1.0) / length);
                 contact.load.store::<P>(&load, first);
             } else {

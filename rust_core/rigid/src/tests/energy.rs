@@ -186,8 +186,8 @@ fn pairs_that_are_kept_change_no_bits() {
 }
 
 /// A disc falls on a tower of others in a large group. The lower contacts overlap, and yield to the impact: they dissipate their
-/// part of its energy. The balance errs by what lifts the discs out of their overlaps, g h² for each above in pieces of length h,
-/// and by the way of a piece that the disc falls too far or not far enough.
+/// part of its energy. The balance errs by the work that lifts the discs out of their overlaps: g h² for each above, in pieces of
+/// length h. It errs too by the way of a piece, by which the disc falls too far or not far enough.
 #[test]
 fn an_impact_on_a_tower_is_booked() {
     let (height, below, step) = (1.0, 4_u8, 1.0 / 120.0);

@@ -89,8 +89,8 @@ fn a_heap_falls_without_drift() {
     }
 }
 
-/// Cuboids that have come to rest in a box, as a large group, neither sink nor gain energy: in a second at most the work that
-/// moves them by a thousandth of half their thickness.
+/// Cuboids have come to rest in a box, as a large group. In a second, what sinks and what the balance gains is at most the work
+/// that moves all by a thousandth of half their thickness.
 #[test]
 fn heaps_at_rest_neither_creep_nor_gain_energy() {
     let (mut gained, mut sunk, mut most) = (0.0, 0.0, 0.0);
