@@ -33,7 +33,8 @@ class ContactSolver:
 
     Args:
         substeps: equal parts of a step of a large group whose bodies are slow, at least 1.
-        iterations: sweeps over all contacts and joints in each half of a part, at least 1.
+        iterations: sweeps over all contacts and joints in each half of a part, at least 1. Where bodies strike each
+            other, the first half takes all but one of both.
         sequential: number of bodies of the largest group that is computed accurately, at least 0; particles that meet
             the bodies do not count.
 

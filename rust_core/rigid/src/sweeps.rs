@@ -22,6 +22,10 @@ use touching::{Begin, Clear, Gain, HalfEnergies, Resume, Softness, Touching, Und
 /// until the next step.
 const PASSED: usize = 2;
 
+/// Iterations of the second half of a piece where a contact strikes. The others are added to the first half, where what is left of
+/// an impact makes bodies overlap.
+const LAST: usize = 1;
+
 /// Contacts of a group during a step: in the plane if it has no joints.
 #[derive(Debug, Clone)]
 pub enum GroupSweep {
@@ -46,14 +50,15 @@ pub struct RowSweep<S: RowSpace> {
     /// Whether a contact strikes.
     strikes: bool,
     /// Iterations of the first half of a piece where a contact strikes, over those of others: as many as all pieces of a single
-    /// sweep would take. What is left of an impact makes bodies overlap, and pushing them apart adds energy.
+    /// sweep would take. Pushing bodies apart that overlap adds energy.
     repeats: usize,
     /// Velocities, and those at the start of a half if there are joints.
     v: BodyVelocities<S>,
     start: BodyVelocities<S>,
-    /// Energies of a piece that contacts and limits dissipate, and that is supplied [J].
+    /// Energies of a piece that contacts and limits dissipate, that is supplied, and that overlaps gain [J].
     lost: f64,
     work: f64,
+    pushed: f64,
     /// Whether a fixed body moves.
     is_driven: bool,
 }
@@ -188,9 +193,10 @@ impl<S: RowSpace> RowSweep<S> {
         self.rows.pass(&mut self.v, &mut begin, false);
         self.strikes = begin.strikes;
         self.start_impulses(are_strange);
-        self.relax(island.accuracy.iterations * if self.strikes { self.repeats } else { 1 });
+        let iterations = island.accuracy.iterations;
+        self.relax(if self.strikes { iterations * (self.repeats + 1) - LAST } else { iterations });
         self.lost = 0.0;
-        self.meter::<false>(length);
+        self.pushed = self.meter::<false>(length);
         self.work = self.supplied();
     }
 
@@ -228,7 +234,7 @@ impl<S: RowSpace> RowSweep<S> {
         }
         self.rows.pass(&mut self.v, &mut Resume { touching: &self.touching }, false);
         self.start_impulses(false);
-        self.relax(island.accuracy.iterations);
+        self.relax(if self.strikes { LAST } else { island.accuracy.iterations });
         first
     }
 
@@ -239,7 +245,7 @@ impl<S: RowSpace> RowSweep<S> {
             island.keep_joint_loads(&first, &self.joints.rows, length);
             island.keep_reactions(&first, &self.joints.rows);
         }
-        island.meters.pushed += self.meter::<true>(length);
+        island.meters.pushed += self.pushed + self.meter::<true>(length);
         island.meters.work += self.work + self.supplied();
         // A sum below 0 is an error of the piece, which is left to the drift.
         island.meters.dissipated += self.lost.max(0.0);
@@ -310,8 +316,8 @@ impl<S: RowSpace> RowSweep<S> {
         }
     }
 
-    /// Adds the energy that contacts and limits dissipate in a half of a piece; takes the velocities of contacts for the start of
-    /// the next. At the end of a piece, takes the loads, and returns the energy gained by pushing overlapping bodies apart [J].
+    /// Adds the energy that contacts and limits dissipate in a half of a piece. Takes the velocities of contacts for the start of
+    /// the next, and at the end of a piece the loads. Returns the energy gained by pushing overlapping bodies apart [J].
     fn meter<const ENDS: bool>(&mut self, length: f64) -> f64 {
         let mut start = std::mem::take(&mut self.start);
         self.lost += self.stopped(&mut start);

@@ -123,6 +123,12 @@ impl<S: RowAlgebra> ContactRow<S> {
         S::Number::constant(0.5) * sum
     }
 
+    /// Impulse under which a contact that yields stays at rest [N·s].
+    #[inline(always)]
+    pub fn borne(&self) -> S::Number {
+        (S::Number::constant(1.0) / self.yields - S::Number::constant(1.0)) * self.masses[0] * self.least
+    }
+
     /// Work beyond that of a gap which the impulses open, and the absolute value of the work [J].
     #[inline(always)]
     pub fn gain(&self, before: (S::Vector, S::Turn), after: (S::Vector, S::Turn)) -> [S::Number; 2] {

@@ -135,8 +135,8 @@ pub(super) fn add_face(couple: &Couple, gap: FaceGap, manifold: &Manifold, conta
     }
 }
 
-/// Adds the contacts along the normal of two edges: of the faces beside them if one is nearly flat, so that an edge that rests
-/// on a face does not rock over the border, else of the edges.
+/// Adds the contacts along the normal of two edges: of the faces beside them if one is nearly flat, else of the edges. An edge
+/// that lies across the border of a face would rock over it.
 pub(super) fn add_edges(couple: &Couple, gap: EdgeGap, contacts: &mut Vec<ContactPoint>) {
     let normals = [gap.normal, -couple.other_in[0].local_vector(gap.normal)];
     let faces = [0, 1].map(|body| {

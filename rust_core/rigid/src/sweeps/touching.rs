@@ -50,6 +50,8 @@ pub(super) struct Touching<S: RowSpace> {
     strikes: [f64; SIDE],
     closes: [f64; SIDE],
     pushes: [f64; SIDE],
+    /// Impulses in half a piece that overlaps bear at rest [N·s].
+    borne: [f64; SIDE],
     /// Mean forces of the last piece.
     load: ImpulseLanes<S>,
 }
@@ -68,6 +70,7 @@ impl<S: RowSpace> Default for Touching<S> {
             strikes: zeros,
             closes: zeros,
             pushes: zeros,
+            borne: zeros,
             load: ImpulseLanes::default(),
         }
     }
@@ -224,20 +227,29 @@ impl<S: RowSpace, const ENDS: bool> Pass<S> for HalfEnergies<'_, S, ENDS> {
             let approaches = one.masked(least.less(zero - row.normal.dot(before.0)));
             let strikes = P::load(&contact.strikes[first..]) + P::load(&contact.closes[first..]) + approaches;
             let strikes = zero.less(strikes);
-            (P::load(&self.lost[first..]) + lost(&row, strikes, before, after)).store(&mut self.lost[first..]);
+            let pushes = zero.less(P::load(&contact.pushes[first..]));
+            if !ENDS {
+                row.borne().masked(pushes).store(&mut contact.borne[first..]);
+            }
+            // An overlap that grows gives back the work of what it bears at rest; the damper dissipates the rest.
+            let damped = (row.impulse.normal - P::load(&contact.borne[first..])).max(zero);
+            let sinks = (P::constant(-0.5) * row.normal.dot(before.0 + after.0)).max(zero);
+            let yielded = P::select(strikes, zero, damped * sinks).masked(pushes);
+            let lost = lost(&row, strikes, before, after) + yielded;
+            (P::load(&self.lost[first..]) + lost).store(&mut self.lost[first..]);
             after.0.store(&mut contact.slip.0, first);
             after.1.store(&mut contact.slip.1, first);
+            let mut gained = yielded;
             if ENDS {
-                let pushes = zero.less(P::load(&contact.pushes[first..]));
                 // The impulse that ends an approach is that of an impact.
                 let ends = approaches * row.impulse.normal * row.normal.dot(before.0);
-                let gained = (pushed(&row, before.0) - ends).masked(pushes);
-                (P::load(&self.pushed[first..]) + gained).store(&mut self.pushed[first..]);
+                gained += (pushed(&row, before.0) - ends).masked(pushes);
                 let load = row.before.plus(&row.impulse).scaled(P::constant(1.0) / length);
                 contact.load.store::<P>(&load, first);
             } else {
                 (P::load(&contact.gap[first..]) + length * row.normal.dot(after.0)).store(&mut contact.gap[first..]);
             }
+            (P::load(&self.pushed[first..]) + gained).store(&mut self.pushed[first..]);
         }
     }
 }

@@ -210,3 +210,26 @@ fn a_disc_in_a_corner_is_not_jammed() {
     assert!(change < 1e-3 * start, "{change} of {start}");
     assert!(lab.overlap() < 1e-5, "{}", lab.overlap());
 }
+
+/// A disc falls on a tower of others in a large group. The lower contacts overlap, and yield to the impact: they dissipate their
+/// part of its energy. The balance errs by the work that lifts the discs out of their overlaps: g h² for each above, in pieces of
+/// length h. It errs too by the way of a piece, by which the disc falls too far or not far enough.
+#[test]
+fn an_impact_on_a_tower_is_booked() {
+    let (height, below, step) = (1.0, 4_u8, 1.0 / 120.0);
+    let mut lab = Laboratory::new(2, DOWN);
+    lab.world.solver.sequential = 0;
+    lab.world.solver.iterations = 100;
+    lab.add_plane(DVec3::Y, 0.5, 0.0);
+    for k in 0..=below {
+        let top = if k == below { height } else { 0.0 };
+        lab.add(&round("Disc", 0.1), (1.0, 0.5, 0.0), at(0.0, 0.1 + 0.2 * f64::from(k) + top, 0.0), REST);
+    }
+    let start = lab.balance();
+    lab.step(step, 120);
+    let (discs, piece) = (f64::from(below + 1), step / lab.world.solver.substeps as f64);
+    let most = G * (discs * discs * G * piece * piece + piece * (2.0 * G * height).sqrt());
+    let error = lab.balance() - start;
+    assert!(lab.meters.dissipated > 0.99 * G * height, "{}", lab.meters.dissipated);
+    assert!(error.abs() < most, "{error} J, at most {most} J of {} J", G * height);
+}

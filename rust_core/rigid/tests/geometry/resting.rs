@@ -35,8 +35,8 @@ fn a_body_rests_on_a_plane_and_on_a_copy_of_itself_by_its_corners() {
     }
 }
 
-/// A cuboid that stands on an edge, across the border of the face below, and leans a little inward or outward: whichever part of
-/// the edge is lowest, both ends of what lies on the face are contacts, and they have the same features.
+/// A cuboid stands on an edge, across the border of the face below, and leans a little inward or outward. Whichever end is lower,
+/// both ends of what lies on the face are contacts, with the same features.
 #[test]
 fn an_edge_that_lies_across_the_border_of_a_face_touches_it_at_both_ends() {
     let body = shape(&item("Cuboid", &[("a", 0.4), ("b", 0.3), ("c", 0.3)]), 3);
