@@ -7,8 +7,8 @@
 //!     x = Σ wᵢ xᵢ,   v = Σ wᵢ vᵢ,   vᵢ ← vᵢ + wᵢ J / mᵢ,   1/m = Σ wᵢ² / mᵢ
 //!
 //! In rows a face stands in place of the second body, and coordinates in place of an arm. The particles at the corners meet bodies
-//! by themselves. Of the faces along an edge, one has its contacts. A body that slides from one face to the next must feel no edge
-//! between them: contacts at edges and corners count only if no point of a face beside them is nearer to the body.
+//! by themselves. Of the faces along an edge, one has its contacts. Bodies slide over faces as over a plane: contacts at edges and
+//! corners count only if no point of a face beside them is nearer.
 
 use std::ops::Index;
 
@@ -27,14 +27,14 @@ pub const FACES: usize = 1 << 31;
 /// Weight below which a point is at the side of a face, and least weight of a point of a face.
 const SIDE: f64 = 1e-9;
 const OUTSIDE: f64 = -1e-6;
-/// Sine of the angle by which the normal of a contact at a side or a corner may lean over a face there, and of the largest one from
-/// the normal of a face within it.
+/// Sine of the angle by which the normal of a contact at a side or a corner may lean over a face there.
 const LEANING: f64 = 1e-3;
+/// Sine of the largest angle between the normal of a contact within a face and that of the face.
 const SLANTED: f64 = 0.7;
 
 /// Triangle between particles, or an edge, whose third corner is its second. Indices are those of movers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Face<I = u32> {
+pub struct NetFace<I = u32> {
     /// Corners, of a triangle in order.
     pub corners: [I; 3],
     /// Corner beyond each side, of the face across it; sides begin at the corners.
@@ -52,7 +52,7 @@ pub fn weights(point: DVec3) -> [f64; 3] {
 }
 
 /// Movers of a body by its number: itself, or the corners of a face.
-pub fn movers_of(body: usize, faces: &[Face]) -> ArrayVec<usize, 3> {
+pub fn movers_of(body: usize, faces: &[NetFace]) -> ArrayVec<usize, 3> {
     match body.checked_sub(FACES) {
         Some(face) => faces[face].corners.map(|corner| corner as usize).into(),
         None => ArrayVec::from_iter([body]),
@@ -60,25 +60,25 @@ pub fn movers_of(body: usize, faces: &[Face]) -> ArrayVec<usize, 3> {
 }
 
 /// Largest value of the movers of a body.
-pub fn largest_of(body: usize, movers: &[Mover], faces: &[Face], of: impl Fn(&Mover) -> f64) -> f64 {
+pub fn largest_of(body: usize, movers: &[Mover], faces: &[NetFace], of: impl Fn(&Mover) -> f64) -> f64 {
     movers_of(body, faces).into_iter().map(|mover| of(&movers[mover])).fold(0.0, f64::max)
 }
 
 /// Adds an impulse at coordinates of a face, by its number, to the velocities of its corners.
-pub fn push(face: usize, at: DVec3, impulse: DVec3, movers: &mut [Mover], faces: &[Face]) {
+pub fn push(face: usize, at: DVec3, impulse: DVec3, movers: &mut [Mover], faces: &[NetFace]) {
     for (corner, weight) in faces[face - FACES].corners.into_iter().zip(weights(at)) {
         let mover = &mut movers[corner as usize];
         mover.velocity += weight * mover.inverse_mass * impulse;
     }
 }
 
-impl<I: Copy + PartialEq> Face<I> {
+impl<I: Copy + PartialEq> NetFace<I> {
     /// Face with other indices; None if an index of a corner has none.
-    pub fn map<J>(&self, mut of: impl FnMut(I) -> Option<J>) -> Option<Face<J>> {
+    pub fn map<J>(&self, mut of: impl FnMut(I) -> Option<J>) -> Option<NetFace<J>> {
         let [a, b, c] = self.corners;
         let corners = [of(a)?, of(b)?, of(c)?];
         let beyond = self.beyond.map(|corner| corner.and_then(&mut of));
-        Some(Face { corners, beyond, owns: self.owns, radius: self.radius })
+        Some(NetFace { corners, beyond, owns: self.owns, radius: self.radius })
     }
 
     /// Corners of the face, and those beyond its sides.

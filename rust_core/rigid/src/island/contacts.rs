@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Island;
 use crate::collision;
 use crate::contact::{ContactPoint, Touch};
-use crate::face::{FACES, Face, GroupValues, is_hidden};
+use crate::face::{FACES, GroupValues, NetFace, is_hidden};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
@@ -65,7 +65,7 @@ impl Island {
     }
 
     /// Frame of a face.
-    fn face_pose(&self, face: &Face) -> Pose {
+    fn face_pose(&self, face: &NetFace) -> Pose {
         face.pose(|corner| self.movers[corner as usize].position)
     }
 

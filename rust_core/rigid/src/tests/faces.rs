@@ -5,7 +5,7 @@ use physcore_base::parallel::SERIAL;
 use physcore_base::scene::Item;
 
 use super::laboratory::{Laboratory, cuboid, round, turned};
-use crate::face::Face;
+use crate::face::NetFace;
 use crate::shapes::SolidShape;
 use crate::surface::Surface;
 use crate::world::{CenterMotion, FreeFace, FreeParticles, FreePoint};
@@ -30,7 +30,7 @@ impl Net {
         }
         let has = |corners: &[usize; 3], ends: [usize; 2]| ends.iter().all(|end| corners.contains(end));
         for (index, &corners) in triangles.iter().enumerate() {
-            let mut face = Face { corners, beyond: [None; 3], owns: [true; 3], radius };
+            let mut face = NetFace { corners, beyond: [None; 3], owns: [true; 3], radius };
             for side in 0..3 {
                 let ends = [corners[side], corners[(side + 1) % 3]];
                 let mut others = triangles.iter().enumerate().filter(|(other, corners)| *other != index && has(corners, ends));
@@ -93,8 +93,8 @@ fn ball_above(place: [f64; 2], (friction, restitution): (f64, f64), velocity: DV
     Net::new(lab, &SQUARE, 0.3, &HALVES, 0.0)
 }
 
-/// A ball that falls on a face between its particles bounces once: Newton's law for the point that it hits, of mass
-/// 1/m = Σ w²/m, so that velocity and loss are those of an impact of two masses, to the rounding of a few operations.
+/// A ball that falls on a face between its particles bounces once. The point that it hits has the mass 1/m = Σ w²/m. Velocity and
+/// loss are those of an impact of two masses, to the rounding of a few operations.
 #[test]
 fn a_ball_bounces_off_a_face() {
     for (place, weights) in [([0.5, -0.25], [0.25, 0.375, 0.375]), ([0.0, 0.0], [0.5, 0.0, 0.5])] {
