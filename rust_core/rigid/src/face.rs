@@ -28,9 +28,11 @@ pub const FACES: usize = 1 << 31;
 const SIDE: f64 = 1e-9;
 const OUTSIDE: f64 = -1e-6;
 /// Sine of the angle by which the normal of a contact at a side or a corner may lean over a face there.
-const LEANING: f64 = 1e-3;
+const LEANING: f64 = 0.3;
 /// Sine of the largest angle between the normal of a contact within a face and that of the face.
 const SLANTED: f64 = 0.7;
+/// Depth of an overlap that counts whatever its normal is, over the size of the body.
+const DEEP: f64 = 1e-4;
 
 /// Triangle between particles, or an edge, whose third corner is its second. Indices are those of movers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,19 +183,20 @@ impl<I: Copy + PartialEq> NetFace<I> {
             if is_corner || weights.iter().any(|&weight| weight < OUTSIDE) {
                 return false;
             }
-            let toward = -contact.at([body.1, pose], DVec3::ZERO).normal;
+            let touch = contact.at([body.1, pose], DVec3::ZERO);
+            let (toward, is_deep) = (-touch.normal, touch.gap < -DEEP * body.0.reach());
             let DMat3 { x_axis, y_axis, z_axis } = pose.rotation;
             if self.is_edge() {
-                return toward.project_onto(x_axis).length() < SLANTED;
+                return is_deep || toward.project_onto(x_axis).length() < SLANTED;
             }
             let Some(side) = (0..3).find(|side| weights[(side + 2) % 3] <= SIDE) else {
-                return toward.reject_from(z_axis).length() < SLANTED;
+                return is_deep || toward.reject_from(z_axis).length() < SLANTED;
             };
             let corners = [DVec3::ZERO, x_axis, y_axis];
             let along = corners[(side + 1) % 3] - corners[side];
             let leans = |corner: DVec3| leans(toward, (corner - corners[side]).reject_from(along));
             let beyond = self.beyond[side].map(|corner| position(corner) - pose.position);
-            self.owns[side] && !leans(corners[(side + 2) % 3]) && !beyond.is_some_and(leans)
+            self.owns[side] && (is_deep || !leans(corners[(side + 2) % 3]) && !beyond.is_some_and(leans))
         });
     }
 }
@@ -204,9 +207,14 @@ fn leans(direction: DVec3, way: DVec3) -> bool {
 }
 
 /// Whether a contact of a body with a particle leans over faces at it, with the corners of these beside it.
-pub fn is_hidden(contact: &ContactPoint, [body, particle]: [&Pose; 2], mut beside: impl Iterator<Item = DVec3>) -> bool {
-    let toward = -contact.at([body, particle], DVec3::ZERO).normal;
-    beside.any(|corner| leans(toward, corner - particle.position))
+pub fn is_hidden(
+    contact: &ContactPoint,
+    (shape, body): (&SolidShape, &Pose),
+    particle: &Pose,
+    mut beside: impl Iterator<Item = DVec3>,
+) -> bool {
+    let touch = contact.at([body, particle], DVec3::ZERO);
+    touch.gap >= -DEEP * shape.reach() && beside.any(|corner| leans(-touch.normal, corner - particle.position))
 }
 
 /// Values of the bodies of a group, and of its faces.

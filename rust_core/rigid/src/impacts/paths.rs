@@ -136,7 +136,9 @@ impl PairPaths<'_> {
                 points.clear();
                 collision::contacts((self.shape, one), (shape, other), reach, self.dimension, points);
                 if !self.beside.is_empty() {
-                    points.retain(|point| !is_hidden(point, [one, other], self.beside.iter().map(|&corner| position(corner))));
+                    points.retain(|point| {
+                        !is_hidden(point, (self.shape, one), other, self.beside.iter().map(|&corner| position(corner)))
+                    });
                 }
             }
             SecondSide::Face(face) => {

@@ -135,9 +135,7 @@ impl Island {
                 collision::contacts(side, (&shapes[second.shape], &poses[other]), reach, dimension, &mut points);
                 let beside = self.beside.of(other);
                 if !beside.is_empty() {
-                    points.retain(|point| {
-                        !is_hidden(point, [side.1, &poses[other]], beside.iter().map(|&corner| position(corner)))
-                    });
+                    points.retain(|point| !is_hidden(point, side, &poses[other], beside.iter().map(|&corner| position(corner))));
                 }
             } else {
                 let face = &self.faces[other - FACES];
