@@ -48,8 +48,8 @@ def test_a_ball_smaller_than_the_cells_of_a_net_bounces(place):
 def test_a_ball_and_the_faces_of_a_free_cloth_keep_their_momenta():
     """A ball flies into the middle of a coarse triangle. 2400 steps round a momentum of 0.3 kg·m/s.
 
-    Impulses on particles, which do not turn, act beside them by the gaps of contacts of 1e-6 of the ball: angular momentum
-    changes by 1e-9.
+    Impulses on particles, which do not turn, act beside them by the gaps of contacts of 1e-6 of the ball: angular
+    momentum changes by 1e-9.
     """
     cloth = pc.cloth((4, 4), 0.2, 100.0, mass=0.02, damping=0.02, origin=(-0.3, -0.3, 0.0), axes=FLAT)
     ball = pc.RigidBody(pc.Ball(0.03), (0.03, -0.04, 0.1), velocity=(0.4, 0.1, -3.0), mass=0.1, friction=0.3)

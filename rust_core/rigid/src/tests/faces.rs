@@ -178,8 +178,8 @@ fn slope(item: &Item, height: f64, friction: f64) -> Net {
 }
 
 /// A box slides, or sticks, and a ball rolls down a slope of faces as down a plane: no side or corner that they cross is felt. To rounding
-/// in small groups. In large ones overlaps of up to 1e-6 of the size are pushed apart, and a ball meets sides and corners ahead, which
-/// its contacts look for as far as it moves in a step: they lift it by up to 1e-3 m.
+/// in small groups. In large ones overlaps of up to 1e-6 of the size are pushed apart. A ball there meets sides and corners ahead, as
+/// far as it moves in a step: they lift it by up to 1e-3 m.
 #[test]
 fn a_slope_of_faces_is_a_slope() {
     let h = 1e-3;
