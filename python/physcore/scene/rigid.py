@@ -40,7 +40,8 @@ class RigidBodies(Body):
         recording[boxes].angles  # (F, 2)
 
     Rigid bodies meet each other, boundaries, particles and fluids. The coefficient of friction of a contact is
-    √(μ₁ μ₂), its restitution is max(e₁, e₂). A particle takes both from the body that it meets.
+    √(μ₁ μ₂), its restitution is max(e₁, e₂). Particles, and the faces of cloth between them, take both from the body
+    that they meet.
 
     A position is that of the center of mass. In 2D a body has an angle, and all quantities are per meter of depth. In
     3D a body has an orientation, a unit quaternion (w, x, y, z) that turns the axes of the shape into those of the

@@ -7,8 +7,8 @@
 //!     x = Σ wᵢ xᵢ,   v = Σ wᵢ vᵢ,   vᵢ ← vᵢ + wᵢ J / mᵢ,   1/m = Σ wᵢ² / mᵢ
 //!
 //! In rows a face stands in place of the second body, and coordinates in place of an arm. The particles at the corners meet bodies
-//! by themselves. Of the faces along an edge, one has its contacts. A body that slides from one face to the next must feel no edge
-//! between them: contacts at edges and corners count only if no point of a face beside them is nearer to the body.
+//! by themselves. Of the faces along an edge, one has its contacts. Bodies slide over faces as over a plane: contacts at edges and
+//! corners count only if no point of a face beside them is nearer.
 
 use std::ops::Index;
 
@@ -27,14 +27,16 @@ pub const FACES: usize = 1 << 31;
 /// Weight below which a point is at the side of a face, and least weight of a point of a face.
 const SIDE: f64 = 1e-9;
 const OUTSIDE: f64 = -1e-6;
-/// Sine of the angle by which the normal of a contact at a side or a corner may lean over a face there, and of the largest one from
-/// the normal of a face within it.
-const LEANING: f64 = 1e-3;
+/// Sine of the angle by which the normal of a contact at a side or a corner may lean over a face there.
+const LEANING: f64 = 0.3;
+/// Sine of the largest angle between the normal of a contact within a face and that of the face.
 const SLANTED: f64 = 0.7;
+/// Depth of an overlap that counts whatever its normal is, over the size of the body.
+const DEEP: f64 = 1e-4;
 
 /// Triangle between particles, or an edge, whose third corner is its second. Indices are those of movers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Face<I = u32> {
+pub struct NetFace<I = u32> {
     /// Corners, of a triangle in order.
     pub corners: [I; 3],
     /// Corner beyond each side, of the face across it; sides begin at the corners.
@@ -52,7 +54,7 @@ pub fn weights(point: DVec3) -> [f64; 3] {
 }
 
 /// Movers of a body by its number: itself, or the corners of a face.
-pub fn movers_of(body: usize, faces: &[Face]) -> ArrayVec<usize, 3> {
+pub fn movers_of(body: usize, faces: &[NetFace]) -> ArrayVec<usize, 3> {
     match body.checked_sub(FACES) {
         Some(face) => faces[face].corners.map(|corner| corner as usize).into(),
         None => ArrayVec::from_iter([body]),
@@ -60,25 +62,25 @@ pub fn movers_of(body: usize, faces: &[Face]) -> ArrayVec<usize, 3> {
 }
 
 /// Largest value of the movers of a body.
-pub fn largest_of(body: usize, movers: &[Mover], faces: &[Face], of: impl Fn(&Mover) -> f64) -> f64 {
+pub fn largest_of(body: usize, movers: &[Mover], faces: &[NetFace], of: impl Fn(&Mover) -> f64) -> f64 {
     movers_of(body, faces).into_iter().map(|mover| of(&movers[mover])).fold(0.0, f64::max)
 }
 
 /// Adds an impulse at coordinates of a face, by its number, to the velocities of its corners.
-pub fn push(face: usize, at: DVec3, impulse: DVec3, movers: &mut [Mover], faces: &[Face]) {
+pub fn push(face: usize, at: DVec3, impulse: DVec3, movers: &mut [Mover], faces: &[NetFace]) {
     for (corner, weight) in faces[face - FACES].corners.into_iter().zip(weights(at)) {
         let mover = &mut movers[corner as usize];
         mover.velocity += weight * mover.inverse_mass * impulse;
     }
 }
 
-impl<I: Copy + PartialEq> Face<I> {
+impl<I: Copy + PartialEq> NetFace<I> {
     /// Face with other indices; None if an index of a corner has none.
-    pub fn map<J>(&self, mut of: impl FnMut(I) -> Option<J>) -> Option<Face<J>> {
+    pub fn map<J>(&self, mut of: impl FnMut(I) -> Option<J>) -> Option<NetFace<J>> {
         let [a, b, c] = self.corners;
         let corners = [of(a)?, of(b)?, of(c)?];
         let beyond = self.beyond.map(|corner| corner.and_then(&mut of));
-        Some(Face { corners, beyond, owns: self.owns, radius: self.radius })
+        Some(NetFace { corners, beyond, owns: self.owns, radius: self.radius })
     }
 
     /// Corners of the face, and those beyond its sides.
@@ -181,19 +183,20 @@ impl<I: Copy + PartialEq> Face<I> {
             if is_corner || weights.iter().any(|&weight| weight < OUTSIDE) {
                 return false;
             }
-            let toward = -contact.at([body.1, pose], DVec3::ZERO).normal;
+            let touch = contact.at([body.1, pose], DVec3::ZERO);
+            let (toward, is_deep) = (-touch.normal, touch.gap < -DEEP * body.0.reach());
             let DMat3 { x_axis, y_axis, z_axis } = pose.rotation;
             if self.is_edge() {
-                return toward.project_onto(x_axis).length() < SLANTED;
+                return is_deep || toward.project_onto(x_axis).length() < SLANTED;
             }
             let Some(side) = (0..3).find(|side| weights[(side + 2) % 3] <= SIDE) else {
-                return toward.reject_from(z_axis).length() < SLANTED;
+                return is_deep || toward.reject_from(z_axis).length() < SLANTED;
             };
             let corners = [DVec3::ZERO, x_axis, y_axis];
             let along = corners[(side + 1) % 3] - corners[side];
             let leans = |corner: DVec3| leans(toward, (corner - corners[side]).reject_from(along));
             let beyond = self.beyond[side].map(|corner| position(corner) - pose.position);
-            self.owns[side] && !leans(corners[(side + 2) % 3]) && !beyond.is_some_and(leans)
+            self.owns[side] && (is_deep || !leans(corners[(side + 2) % 3]) && !beyond.is_some_and(leans))
         });
     }
 }
@@ -204,9 +207,14 @@ fn leans(direction: DVec3, way: DVec3) -> bool {
 }
 
 /// Whether a contact of a body with a particle leans over faces at it, with the corners of these beside it.
-pub fn is_hidden(contact: &ContactPoint, [body, particle]: [&Pose; 2], mut beside: impl Iterator<Item = DVec3>) -> bool {
-    let toward = -contact.at([body, particle], DVec3::ZERO).normal;
-    beside.any(|corner| leans(toward, corner - particle.position))
+pub fn is_hidden(
+    contact: &ContactPoint,
+    (shape, body): (&SolidShape, &Pose),
+    particle: &Pose,
+    mut beside: impl Iterator<Item = DVec3>,
+) -> bool {
+    let touch = contact.at([body, particle], DVec3::ZERO);
+    touch.gap >= -DEEP * shape.reach() && beside.any(|corner| leans(-touch.normal, corner - particle.position))
 }
 
 /// Values of the bodies of a group, and of its faces.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::collision;
 use crate::contact::ContactPoint;
-use crate::face::{FACES, Face, is_hidden};
+use crate::face::{FACES, NetFace, is_hidden};
 use crate::island::{BodyPair, Island};
 use crate::mover::Mover;
 use crate::pose::Pose;
@@ -59,7 +59,7 @@ pub(super) struct PairPaths<'a> {
 /// Second body of a pair.
 enum SecondSide<'a> {
     Body(&'a SolidShape),
-    Face(&'a Face),
+    Face(&'a NetFace),
 }
 
 impl Island {
@@ -136,7 +136,9 @@ impl PairPaths<'_> {
                 points.clear();
                 collision::contacts((self.shape, one), (shape, other), reach, self.dimension, points);
                 if !self.beside.is_empty() {
-                    points.retain(|point| !is_hidden(point, [one, other], self.beside.iter().map(|&corner| position(corner))));
+                    points.retain(|point| {
+                        !is_hidden(point, (self.shape, one), other, self.beside.iter().map(|&corner| position(corner)))
+                    });
                 }
             }
             SecondSide::Face(face) => {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Island;
 use crate::collision;
 use crate::contact::{ContactPoint, Touch};
-use crate::face::{FACES, Face, GroupValues, is_hidden};
+use crate::face::{FACES, GroupValues, NetFace, is_hidden};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
@@ -65,7 +65,7 @@ impl Island {
     }
 
     /// Frame of a face.
-    fn face_pose(&self, face: &Face) -> Pose {
+    fn face_pose(&self, face: &NetFace) -> Pose {
         face.pose(|corner| self.movers[corner as usize].position)
     }
 
@@ -135,9 +135,7 @@ impl Island {
                 collision::contacts(side, (&shapes[second.shape], &poses[other]), reach, dimension, &mut points);
                 let beside = self.beside.of(other);
                 if !beside.is_empty() {
-                    points.retain(|point| {
-                        !is_hidden(point, [side.1, &poses[other]], beside.iter().map(|&corner| position(corner)))
-                    });
+                    points.retain(|point| !is_hidden(point, side, &poses[other], beside.iter().map(|&corner| position(corner))));
                 }
             } else {
                 let face = &self.faces[other - FACES];

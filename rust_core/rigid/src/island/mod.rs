@@ -16,7 +16,7 @@ mod pieces;
 use glam::DVec3;
 use physcore_base::adjacency::Adjacency;
 
-use crate::face::{Face, GroupValues};
+use crate::face::{GroupValues, NetFace};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactImpulse};
@@ -92,7 +92,7 @@ pub struct Island {
     pub members: Vec<usize>,
     pub surfaces: Vec<Surface>,
     /// Faces of networks, between movers, and the corners beside each mover in them.
-    pub faces: Vec<Face>,
+    pub faces: Vec<NetFace>,
     pub beside: Adjacency,
     pub pairs: Vec<BodyPair>,
     pub contacts: Vec<GroupContact>,

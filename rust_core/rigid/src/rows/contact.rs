@@ -4,7 +4,7 @@ use glam::DVec3;
 use physcore_base::simd::Number;
 
 use super::{BodyVelocities, BodyVelocity, InSpace, Linear, Row, RowAlgebra, RowSpace};
-use crate::face::{self, FACES, Face};
+use crate::face::{self, FACES, NetFace};
 use crate::mover::Mover;
 use crate::surface::Friction;
 
@@ -265,7 +265,7 @@ impl ContactRow {
     }
 
     /// Adds the impulses to the velocities and angular momenta of the bodies, and of the corners of a face.
-    pub fn apply(&self, movers: &mut [Mover], faces: &[Face]) {
+    pub fn apply(&self, movers: &mut [Mover], faces: &[NetFace]) {
         let impulse = self.sum();
         for (body, arm, sign) in [(self.bodies[0], self.arms[0], -1.0), (self.bodies[1], self.arms[1], 1.0)] {
             let Some(mover) = movers.get_mut(body) else {

@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::{BodyVelocities, MOST_ROWS};
-use crate::face::{self, Face};
+use crate::face::{self, NetFace};
 use crate::mover::Mover;
 
 /// Equation J v = b between two bodies, J v = l·(v₂ − v₁) + a₂·ω₂ − a₁·ω₁. A face has coordinates in place of a₂.
@@ -65,7 +65,7 @@ impl Row {
     }
 
     /// Adds the impulse to the velocities and angular momenta of the bodies.
-    pub fn apply(&self, [one, other]: [usize; 2], movers: &mut [Mover], faces: &[Face]) {
+    pub fn apply(&self, [one, other]: [usize; 2], movers: &mut [Mover], faces: &[NetFace]) {
         for (body, sign, arm) in [(one, -1.0, self.angular[0]), (other, 1.0, self.angular[1])] {
             let Some(mover) = movers.get_mut(body) else {
                 face::push(body, arm, self.impulse * self.linear, movers, faces);

@@ -13,7 +13,7 @@ mod space;
 
 use glam::DVec3;
 
-use crate::face::{FACES, Face, weights};
+use crate::face::{FACES, NetFace, weights};
 use crate::joint_system::JointSystem;
 use crate::mover::Mover;
 
@@ -75,7 +75,7 @@ impl<S: RowAlgebra> BodyVelocity<S> {
 #[derive(Debug, Clone, Default)]
 pub struct BodyVelocities<S: RowSpace = InSpace> {
     pub bodies: Vec<BodyVelocity<S>>,
-    pub faces: Vec<Face>,
+    pub faces: Vec<NetFace>,
 }
 
 impl BodyVelocities {
@@ -178,7 +178,7 @@ impl<S: RowSpace> BodyVelocities<S> {
     }
 
     /// Replaces all velocities, inverse masses and inertias by those of movers.
-    pub fn fill(&mut self, movers: &[Mover], faces: &[Face]) {
+    pub fn fill(&mut self, movers: &[Mover], faces: &[NetFace]) {
         faces.clone_into(&mut self.faces);
         self.bodies.clear();
         self.bodies.extend(movers.iter().map(|mover| {
@@ -264,7 +264,7 @@ impl Rows {
     }
 
     /// Adds all impulses to the velocities and angular momenta of the bodies, and of the corners of faces.
-    pub fn apply(&self, movers: &mut [Mover], faces: &[Face]) {
+    pub fn apply(&self, movers: &mut [Mover], faces: &[NetFace]) {
         for joint in &self.joints {
             joint.rows.iter().for_each(|row| row.apply(joint.bodies, movers, faces));
         }

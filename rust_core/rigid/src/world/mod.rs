@@ -18,7 +18,7 @@ mod thrown;
 
 use glam::{DMat3, DVec3};
 
-use crate::face::Face;
+use crate::face::NetFace;
 use crate::island::{ContactKey, Island, Meters};
 use crate::mover::Mover;
 use crate::rotation::Orientation;
@@ -59,7 +59,7 @@ pub struct FreeFace {
     /// Index among all faces.
     pub index: usize,
     /// Face between particles, by their places among those of the step.
-    pub face: Face<usize>,
+    pub face: NetFace<usize>,
 }
 
 /// Particles of a step, and the faces between them.

@@ -1,13 +1,12 @@
-//! Faces of spring networks that meet rigid bodies: the triangles of their surfaces, in 2D the sides at their rims, and the springs of
-//! chains such as ropes.
+//! Faces of spring networks that meet rigid bodies.
 //!
-//! Particles that are tied to a body do not meet it by themselves, and the faces at them do not meet any. A face along a spring that
+//! These are the triangles of surfaces, in 2D the sides at their rims, and the springs of chains such as ropes. Particles that are tied to a body do not meet it by themselves, and the faces at them do not meet any. A face along a spring that
 //! breaks is gone.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use physcore_rigid::face::Face;
+use physcore_rigid::face::NetFace;
 use physcore_rigid::world::{FreeFace, FreePoint};
 
 use crate::error::Result;
@@ -88,14 +87,14 @@ impl NetworkFaces {
                 let ends = [corners[side], corners[(side + 1) % 3]];
                 sides.entry([ends[0].min(ends[1]), ends[0].max(ends[1])]).or_default().push((faces.len(), side));
             }
-            faces.push(FreeFace { index, face: Face { corners, beyond: [None; 3], owns: [false; 3], radius } });
+            faces.push(FreeFace { index, face: NetFace { corners, beyond: [None; 3], owns: [false; 3], radius } });
         }
         if self.is_planar {
             let rim = sides.values().filter_map(|along| if let [only] = along[..] { Some(only) } else { None });
             let edge = |(place, side): (usize, usize)| {
-                let FreeFace { index, face: Face { corners, radius, .. } } = faces[place];
+                let FreeFace { index, face: NetFace { corners, radius, .. } } = faces[place];
                 let [from, to] = [corners[side], corners[(side + 1) % 3]];
-                let face = Face { corners: [from, to, to], beyond: [None; 3], owns: [false; 3], radius };
+                let face = NetFace { corners: [from, to, to], beyond: [None; 3], owns: [false; 3], radius };
                 FreeFace { index: 3 * index + side, face }
             };
             let segments = faces.iter().filter(|each| self.declared[each.index].is_segment());

@@ -76,8 +76,8 @@ pub struct RigidBodies {
 }
 
 impl RigidBodies {
-    /// Chooses the points and faces that may meet a body within a step of `h` seconds: those whose paths cross the box around all
-    /// bodies, and the points of these faces.
+    /// Chooses the points and faces that may meet a body within a step of `h` seconds, and the points of these faces. Their paths
+    /// cross the box around all bodies.
     fn choose(&mut self, h: f64) {
         self.near.clear();
         self.near_faces.clear();
