@@ -9,13 +9,13 @@ use glam::DVec3;
 
 use crate::island::{FirstHalf, GroupContact, Island};
 use crate::rotation::{Inertia, Orientation};
-use crate::rows::{BodyVelocities, BodyVelocity, Bundles, InPlane, InSpace, RowSpace, SIDE, adds_energy};
+use crate::rows::{BodyVelocities, BodyVelocity, Bundles, ContactRow, InPlane, InSpace, RowSpace, SIDE, adds_energy};
 use crate::shapes::SolidShape;
 use crate::sweep_steps::SweepPieces;
 
 mod touching;
 
-use touching::{Begin, Clear, Gain, HalfEnergies, Resume, Softness, Touching, Undo};
+use touching::{Begin, Clear, Gain, HalfEnergies, Resume, Softness, Touching, Undo, Weigh};
 
 /// Number of impacts in a row that pass the speed of a body on in a step. What is left of it after more may make bodies overlap
 /// until the next step.
@@ -148,15 +148,19 @@ impl<S: RowSpace> RowSweep<S> {
         self.strikes = false;
         let is_near = |contact: &GroupContact| contact.touch.gap <= island.pairs[contact.pair].reach;
         for (index, contact) in island.contacts.iter().enumerate().filter(|(_, contact)| is_near(contact)) {
-            let Some(row) = island.row(contact, &self.v) else { continue };
+            if contact.bodies.iter().all(|&body| self.v.bodies[body].is_fixed()) {
+                continue;
+            }
+            let row = ContactRow::unweighed(contact.bodies, island.arms(contact), contact.touch.normal, contact.friction);
             let [bundle, lane] = self.rows.add(&row, &self.v);
             if bundle == self.touching.len() {
                 self.touching.push(Touching::default());
             }
             let size = island.pairs[contact.pair].size;
-            self.touching[bundle].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
+            self.touching[bundle].set(lane, (index, contact), (island.pressing(contact), size));
         }
         self.rows.equip(&self.v);
+        self.rows.pass(&mut self.v, &mut Weigh { touching: &mut self.touching }, false);
     }
 
     /// Takes the velocities of the movers, and adds a body at rest for lanes without a row.

@@ -7,7 +7,7 @@ use crate::collision;
 use crate::contact::{ContactPoint, Touch};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow};
 use crate::shapes::SolidShape;
 use crate::surface::Friction;
 
@@ -42,6 +42,8 @@ pub struct GroupContact {
 pub struct ContactSearch {
     /// Largest gap of the contacts that were found [m].
     reach: f64,
+    /// Lower bound of the distance of the bodies, 0 if there is none [m].
+    clearance: f64,
     /// Vector from the first body to the second [m], and ways of their surface points by turning before [m].
     between: DVec3,
     turned: f64,
@@ -52,7 +54,7 @@ impl ContactSearch {
     /// a length [m].
     fn lasts(&self, between: DVec3, turned: f64, (reach, most): (f64, f64)) -> bool {
         let moved = between.distance(self.between) + (turned - self.turned);
-        moved <= most && reach + moved <= self.reach
+        reach + moved < self.clearance || (moved <= most && reach + moved <= self.reach)
     }
 }
 
@@ -112,11 +114,11 @@ impl Island {
                 continue;
             }
             let reach = if is_last { pair.reach } else { pair.reach + slack };
-            pair.found = Some(ContactSearch { reach, between, turned });
             points.clear();
             let dimension = if self.planar { 2 } else { 3 };
             let sides = ((&shapes[first.shape], &poses[one]), (&shapes[second.shape], &poses[other]));
-            collision::contacts(sides.0, sides.1, reach, dimension, &mut points);
+            let clearance = collision::contacts(sides.0, sides.1, reach, dimension, &mut points).unwrap_or(0.0);
+            pair.found = Some(ContactSearch { reach, clearance, between, turned });
             place = seek(&self.past, place, pair.key);
             let past = before[known..].iter().take_while(|contact| contact.pair == index);
             for &point in &points {
@@ -152,9 +154,13 @@ impl Island {
     }
 
     /// Row of a contact at the present poses.
-    pub fn row<S: RowSpace>(&self, contact: &GroupContact, v: &BodyVelocities<S>) -> Option<ContactRow<S>> {
-        let arms = contact.bodies.map(|body| contact.touch.point - self.movers[body].position);
-        ContactRow::new(contact.bodies, arms, contact.touch.normal, contact.friction, v)
+    pub fn row(&self, contact: &GroupContact, v: &BodyVelocities) -> Option<ContactRow> {
+        ContactRow::new(contact.bodies, self.arms(contact), contact.touch.normal, contact.friction, v)
+    }
+
+    /// Arms from the centers of the bodies to a contact at the present poses [m].
+    pub fn arms(&self, contact: &GroupContact) -> [DVec3; 2] {
+        contact.bodies.map(|body| contact.touch.point - self.movers[body].position)
     }
 
     /// Evaluates all contacts at the present poses.
@@ -215,11 +221,14 @@ mod tests {
     /// Bodies keep their contacts while they turn or move against each other by no more than a length, and reach no farther.
     #[test]
     fn contacts_last_as_long_as_bodies_hardly_move() {
-        let search = ContactSearch { reach: 0.25, between: DVec3::X, turned: 0.5 };
+        let search = ContactSearch { reach: 0.25, clearance: 0.0, between: DVec3::X, turned: 0.5 };
         let most = 0.125;
         assert!(search.lasts(DVec3::X, 0.5, (0.25, most)));
         assert!(search.lasts(DVec3::X + 0.0625 * DVec3::Y, 0.5625, (0.125, most)));
         assert!(!search.lasts(DVec3::X + 0.0625 * DVec3::Y, 0.625, (0.0, most)));
         assert!(!search.lasts(DVec3::X + 0.125 * DVec3::Y, 0.5, (0.1875, most)));
+        let apart = ContactSearch { clearance: 1.0, ..search };
+        assert!(apart.lasts(DVec3::X + 0.5 * DVec3::Y, 0.625, (0.25, most)));
+        assert!(!apart.lasts(DVec3::X + 0.5 * DVec3::Y, 0.75, (0.25, most)));
     }
 }
