@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use crate::island::{FirstHalf, GroupContact, Island};
+use crate::mover::drift_all;
 use crate::rotation::{Inertia, Orientation};
 use crate::rows::{BodyVelocities, BodyVelocity, Bundles, ContactRow, InPlane, InSpace, RowSpace, SIDE, adds_energy};
 use crate::shapes::SolidShape;
@@ -91,12 +92,11 @@ impl Island {
         for _ in 0..PASSED {
             let before = ways.clone();
             for [one, other] in self.pairs.iter().map(|pair| pair.bodies) {
-                for (body, by) in [(one, other), (other, one)] {
-                    if !self.movers[body].is_fixed() {
-                        ways[body] = ways[body].max(before[by]);
-                    }
-                }
+                ways[one] = ways[one].max(before[other]);
+                ways[other] = ways[other].max(before[one]);
             }
+            let fixed = self.movers.iter().zip(&mut ways).zip(&before).filter(|((mover, _), _)| mover.is_fixed());
+            fixed.for_each(|((_, way), own)| *way = *own);
         }
         ways
     }
@@ -197,7 +197,7 @@ impl<S: RowSpace> RowSweep<S> {
     fn drift(&mut self, island: &mut Island, length: f64, last: bool) {
         if S::in_space(&mut self.v).is_some() {
             take_velocities(island, &self.v);
-            island.movers.iter_mut().for_each(|mover| mover.drift(length));
+            drift_all(&mut island.movers, length);
             self.fill(island);
             self.rows.equip(&self.v);
         } else {
