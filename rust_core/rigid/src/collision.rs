@@ -13,29 +13,40 @@ use crate::{planar, spatial, thinning};
 type Placed<'a> = (&'a SolidShape, &'a Pose);
 
 /// Adds the contacts whose gap is at most `reach` [m] between two shapes at their poses. The reach of a fast body may be many
-/// times its size.
-pub fn contacts(first: Placed, second: Placed, reach: f64, dimension: usize, points: &mut Vec<ContactPoint>) {
+/// times its size. Returns a lower bound of the distance of the shapes [m] if it finds one.
+pub fn contacts(first: Placed, second: Placed, reach: f64, dimension: usize, points: &mut Vec<ContactPoint>) -> Option<f64> {
     let poses = [first.1, second.1];
     let width = second.0.features;
     let of_pair = |parts: [&Part; 2], points: &mut Vec<ContactPoint>| {
         if parts.iter().all(|part| part.vertices.len() == 1) {
             points.extend(couple::of_round(parts, poses, reach, width));
-        } else if !couple::is_apart(parts, poses, reach) {
-            let couple = Couple::new(parts, poses, reach, width);
-            if dimension == 2 { planar::contacts(&couple, points) } else { spatial::contacts(&couple, points) }
+            return None;
         }
+        let clearance = couple::clearance(parts, poses);
+        if clearance > reach {
+            return Some(clearance);
+        }
+        let couple = Couple::new(parts, poses, reach, width);
+        if dimension == 2 {
+            planar::contacts(&couple, points);
+            return None;
+        }
+        Some(spatial::contacts(&couple, points))
     };
     match [first, second].map(|(shape, _)| (shape.single(), shape.is_ground())) {
-        [(Some(one), _), (Some(other), _)] => of_pair([one, other], points),
+        [(Some(one), _), (Some(other), _)] => return of_pair([one, other], points),
         [(_, true), (_, true)] => {}
         [(_, true), _] => GroundContact::each(first, second, 0, reach, |ground| ground.add_contacts(reach, width, points)),
         [_, (_, true)] => GroundContact::each(second, first, 1, reach, |ground| ground.add_contacts(reach, width, points)),
         _ => {
             let start = points.len();
-            each_pair(first, second, reach, |parts| of_pair(parts, points));
+            each_pair(first, second, reach, |parts| {
+                of_pair(parts, points);
+            });
             thinning::thin(points, start, poses, dimension);
         }
     }
+    None
 }
 
 /// Calls `visit` with the pairs of parts of two shapes whose boxes are within `reach` [m].
@@ -63,7 +74,7 @@ pub fn separations(first: Placed, second: Placed, reach: f64, dimension: usize, 
         [true, false] => GroundContact::each(first, second, 0, reach, |ground| found.push(ground.distance())),
         [false, true] => GroundContact::each(second, first, 1, reach, |ground| found.push(ground.distance())),
         _ => each_pair(first, second, reach, |parts| {
-            if !couple::is_apart(parts, poses, reach) {
+            if couple::clearance(parts, poses) <= reach {
                 found.push(distance(parts, poses, dimension));
             }
         }),

@@ -22,12 +22,11 @@ pub(crate) fn of_round(parts: [&Part; 2], poses: [&Pose; 2], reach: f64, width: 
     (distance <= limit * limit && limit >= 0.0).then_some(ContactPoint { points, radii, normal: Normal::Points, feature })
 }
 
-/// Whether balls around two parts are farther apart than a reach [m].
+/// Distance of the balls around two parts [m], or minus the depth of their overlap.
 #[inline]
-pub(crate) fn is_apart(parts: [&Part; 2], poses: [&Pose; 2], reach: f64) -> bool {
+pub(crate) fn clearance(parts: [&Part; 2], poses: [&Pose; 2]) -> f64 {
     let [(one, r1), (other, r2)] = parts.map(|part| part.ball);
-    let limit = r1 + r2 + reach;
-    (poses[1].point(other) - poses[0].point(one)).length_squared() > limit * limit
+    poses[1].point(other).distance(poses[0].point(one)) - r1 - r2
 }
 
 /// Two convex parts of bodies.

@@ -1,30 +1,50 @@
 //! LU factorization of small dense matrices.
 
+use physcore_base::simd::{Isa, Kernel, dispatch_wide};
+
 /// LU factorization with row pivoting, in place; returns the order of the rows, or None for a matrix that is not finite.
 pub fn factorize(matrix: &mut [f64], count: usize) -> Option<Vec<usize>> {
-    let mut order: Vec<usize> = (0..count).collect();
-    let mut behind = vec![0.0; count];
-    for pivot in 0..count {
-        let size = |row: &usize| matrix[row * count + pivot].abs();
-        let best = (pivot..count).max_by(|&one, &other| size(&order[one]).total_cmp(&size(&order[other])))?;
-        order.swap(pivot, best);
-        let row = order[pivot];
-        let value = matrix[row * count + pivot];
-        if value == 0.0 || !value.is_finite() {
-            return None;
-        }
-        let behind = &mut behind[pivot + 1..];
-        behind.copy_from_slice(&matrix[row * count + pivot + 1..][..count - pivot - 1]);
-        for &other in &order[pivot + 1..] {
-            let [first, others @ ..] = &mut matrix[other * count + pivot..][..count - pivot] else { continue };
-            let factor = *first / value;
-            if factor != 0.0 {
-                *first = factor;
-                others.iter_mut().zip(&*behind).for_each(|(entry, behind)| *entry -= factor * behind);
+    dispatch_wide(Factorizing { matrix, count })
+}
+
+/// Factorization with the vector instructions of the processor.
+struct Factorizing<'a> {
+    matrix: &'a mut [f64],
+    count: usize,
+}
+
+impl Kernel for Factorizing<'_> {
+    type Output = Option<Vec<usize>>;
+
+    #[inline(always)]
+    fn run<I: Isa>(self, _isa: I) -> Self::Output {
+        let Self { matrix, count } = self;
+        let mut order: Vec<usize> = (0..count).collect();
+        let mut behind = vec![0.0; count];
+        for pivot in 0..count {
+            let size = |row: &usize| matrix[row * count + pivot].abs();
+            let best = (pivot..count).max_by(|&one, &other| size(&order[one]).total_cmp(&size(&order[other])))?;
+            order.swap(pivot, best);
+            let row = order[pivot];
+            let value = matrix[row * count + pivot];
+            if value == 0.0 || !value.is_finite() {
+                return None;
+            }
+            let behind = &mut behind[pivot + 1..];
+            behind.copy_from_slice(&matrix[row * count + pivot + 1..][..count - pivot - 1]);
+            for &other in &order[pivot + 1..] {
+                let [first, others @ ..] = &mut matrix[other * count + pivot..][..count - pivot] else { continue };
+                let factor = *first / value;
+                if factor != 0.0 {
+                    *first = factor;
+                    for place in 0..others.len() {
+                        others[place] -= factor * behind[place];
+                    }
+                }
             }
         }
+        Some(order)
     }
-    Some(order)
 }
 
 /// Solution of the factorized system.

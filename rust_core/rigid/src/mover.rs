@@ -1,9 +1,11 @@
 //! Bodies and particles during a step.
 
 use glam::{DMat3, DVec3};
+use physcore_base::simd::{Isa, Kernel, LANES, dispatch_wide};
 
 use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
+use crate::splitting::FreeTurns;
 
 /// Body, particle or wall during a step.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +69,8 @@ impl Mover {
 
     /// Bound on the speed of surface points [m/s].
     pub fn speed(&self) -> f64 {
-        self.velocity.length() + self.angular_velocity().length() * self.arm
+        let rate = if self.is_fixed() { self.spin.length() } else { self.inertia.rate(&self.orientation, self.spin) };
+        self.velocity.length() + rate * self.arm
     }
 
     /// Applies the forces for `h` seconds.
@@ -96,6 +99,56 @@ impl Mover {
     /// Energy of rotation [J]; 0 of a fixed body.
     pub fn rotational_energy(&self) -> f64 {
         if self.is_fixed() { 0.0 } else { 0.5 * self.spin.dot(self.angular_velocity()) }
+    }
+}
+
+/// Moves bodies for `h` seconds without forces, side by side; the bits are those of [`Mover::drift`].
+pub fn drift_all(movers: &mut [Mover], h: f64) {
+    dispatch_wide(Drifting { movers, h });
+}
+
+/// Drift of bodies side by side.
+struct Drifting<'a> {
+    movers: &'a mut [Mover],
+    h: f64,
+}
+
+impl Kernel for Drifting<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(mut self, _isa: I) {
+        let mut lanes = FreeTurns::new();
+        let (mut members, mut count) = ([0; LANES], 0);
+        for index in 0..self.movers.len() {
+            let mover = &mut self.movers[index];
+            if mover.is_fixed() || mover.inertia.is_planar() {
+                mover.drift(self.h);
+                continue;
+            }
+            lanes.set(count, &mover.inertia.free_turn(&mover.orientation, mover.spin, self.h));
+            members[count] = index;
+            count += 1;
+            if count == LANES {
+                lanes.turn();
+                count = 0;
+                self.take(&lanes, &members);
+            }
+        }
+        lanes.turn();
+        self.take(&lanes, &members[..count]);
+    }
+}
+
+impl Drifting<'_> {
+    /// Takes the orientations of the bodies in the lanes, and moves these.
+    #[inline(always)]
+    fn take(&mut self, lanes: &FreeTurns, members: &[usize]) {
+        for (lane, &member) in members.iter().enumerate() {
+            let mover = &mut self.movers[member];
+            mover.orientation = mover.inertia.orientation_of(lanes.orientation(lane));
+            mover.position += self.h * mover.velocity;
+        }
     }
 }
 

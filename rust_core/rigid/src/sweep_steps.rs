@@ -27,9 +27,9 @@ impl SweepPieces {
 }
 
 impl Island {
-    /// Number of sweeps of a time in which no body moves farther than a part of the least of a length of the pairs.
-    fn sweeps_of(&self, time: f64, length: impl Fn(&BodyPair) -> f64) -> usize {
-        (time * self.speed() / (PART_OF_THICKNESS * self.least(length))).ceil().max(1.0) as usize
+    /// Number of sweeps of a time in which no body moves farther than a part of a length.
+    fn sweeps_of(&self, time: f64, length: f64) -> usize {
+        (time * self.speed() / (PART_OF_THICKNESS * length)).ceil().max(1.0) as usize
     }
 
     /// Least of a length of the pairs [m].
@@ -39,7 +39,7 @@ impl Island {
 
     /// Whether sweeps of a time let no body pass through another.
     pub fn may_be_swept(&self, time: f64) -> bool {
-        self.sweeps_of(time, |pair| pair.thickness) <= MOST_SWEEPS
+        self.sweeps_of(time, self.least(|pair| pair.thickness)) <= MOST_SWEEPS
     }
 
     /// Takes what is `left` of a step of `h` seconds in sweeps so short that no body passes through another. Where these would be
@@ -47,11 +47,12 @@ impl Island {
     /// bodies stay where they are for the rest of the step.
     pub fn take_sweeps(&mut self, shapes: &[SolidShape], (mut left, h): (f64, f64), pieces: &SweepPieces) {
         let all = left;
+        let [thickness, size] = [self.least(|pair| pair.thickness), self.least(|pair| pair.size)];
         self.forget_contacts();
         for done in 0..MOST_SWEEPS {
-            let by_thickness = self.sweeps_of(left, |pair| pair.thickness);
+            let by_thickness = self.sweeps_of(left, thickness);
             let fits = by_thickness <= MOST_SWEEPS - done;
-            let count = if fits { by_thickness } else { self.sweeps_of(left, |pair| pair.size) };
+            let count = if fits { by_thickness } else { self.sweeps_of(left, size) };
             let length = left / count as f64;
             self.sweep(shapes, (length, pieces.share(length / all)), pieces, count == 1);
             if count == 1 {

@@ -9,14 +9,15 @@ use glam::DVec3;
 
 use crate::face::movers_of;
 use crate::island::{FirstHalf, GroupContact, Island};
+use crate::mover::drift_all;
 use crate::rotation::{Inertia, Orientation};
-use crate::rows::{BodyVelocities, BodyVelocity, Bundles, InPlane, InSpace, RowSpace, SIDE, adds_energy};
+use crate::rows::{BodyVelocities, BodyVelocity, Bundles, ContactRow, InPlane, InSpace, RowSpace, SIDE, adds_energy};
 use crate::shapes::SolidShape;
 use crate::sweep_steps::SweepPieces;
 
 mod touching;
 
-use touching::{Begin, Clear, Gain, HalfEnergies, Resume, Softness, Touching, Undo};
+use touching::{Begin, Clear, Gain, HalfEnergies, Resume, Softness, Touching, Undo, Weigh};
 
 /// Number of impacts in a row that pass the speed of a body on in a step. What is left of it after more may make bodies overlap
 /// until the next step.
@@ -100,13 +101,12 @@ impl Island {
             for [one, other] in self.pairs.iter().map(|pair| pair.bodies) {
                 let [one, other] = [one, other].map(|body| movers_of(body, &self.faces));
                 for (one, other) in one.iter().flat_map(|&one| other.iter().map(move |&other| (one, other))) {
-                    for (body, by) in [(one, other), (other, one)] {
-                        if !self.movers[body].is_fixed() {
-                            ways[body] = ways[body].max(before[by]);
-                        }
-                    }
+                    ways[one] = ways[one].max(before[other]);
+                    ways[other] = ways[other].max(before[one]);
                 }
             }
+            let fixed = self.movers.iter().zip(&mut ways).zip(&before).filter(|((mover, _), _)| mover.is_fixed());
+            fixed.for_each(|((_, way), own)| *way = *own);
         }
         ways
     }
@@ -158,15 +158,19 @@ impl<S: RowSpace> RowSweep<S> {
         self.strikes = false;
         let is_near = |contact: &GroupContact| contact.touch.gap <= island.pairs[contact.pair].reach;
         for (index, contact) in island.contacts.iter().enumerate().filter(|(_, contact)| is_near(contact)) {
-            let Some(row) = island.row(contact, &self.v) else { continue };
+            let row = ContactRow::unweighed(contact.bodies, island.arms(contact), contact.touch.normal, contact.friction);
+            if [0, 1].into_iter().all(|side| self.v.body(row.bodies[side], row.arms[side]).is_fixed()) {
+                continue;
+            }
             let [bundle, lane] = self.rows.add(&row, &self.v);
             if bundle == self.touching.len() {
                 self.touching.push(Touching::default());
             }
             let size = island.pairs[contact.pair].size;
-            self.touching[bundle].set(lane, (index, contact), (island.pressing(contact), size), row.slip_of(&self.v));
+            self.touching[bundle].set(lane, (index, contact), (island.pressing(contact), size));
         }
         self.rows.equip(&self.v);
+        self.rows.pass(&mut self.v, &mut Weigh { touching: &mut self.touching }, false);
     }
 
     /// Takes the velocities of the movers, and adds a body at rest for lanes without a row.
@@ -204,7 +208,7 @@ impl<S: RowSpace> RowSweep<S> {
     fn drift(&mut self, island: &mut Island, length: f64, last: bool) {
         if S::in_space(&mut self.v).is_some() {
             take_velocities(island, &self.v);
-            island.movers.iter_mut().for_each(|mover| mover.drift(length));
+            drift_all(&mut island.movers, length);
             self.fill(island);
             self.rows.equip(&self.v);
         } else {

@@ -8,7 +8,7 @@ use crate::contact::{ContactPoint, Touch};
 use crate::face::{FACES, GroupValues, NetFace, is_hidden};
 use crate::mover::Mover;
 use crate::pose::Pose;
-use crate::rows::{BodyVelocities, ContactImpulse, ContactRow, RowSpace};
+use crate::rows::{BodyVelocities, ContactImpulse, ContactRow};
 use crate::shapes::SolidShape;
 use crate::surface::Friction;
 
@@ -43,6 +43,8 @@ pub struct GroupContact {
 pub struct ContactSearch {
     /// Largest gap of the contacts that were found [m].
     reach: f64,
+    /// Lower bound of the distance of the bodies, 0 if there is none [m].
+    clearance: f64,
     /// Vector from the first body to the second [m], and ways of their surface points by turning before [m].
     between: DVec3,
     turned: f64,
@@ -53,7 +55,7 @@ impl ContactSearch {
     /// a length [m].
     fn lasts(&self, between: DVec3, turned: f64, (reach, most): (f64, f64)) -> bool {
         let moved = between.distance(self.between) + (turned - self.turned);
-        moved <= most && reach + moved <= self.reach
+        reach + moved < self.clearance || (moved <= most && reach + moved <= self.reach)
     }
 }
 
@@ -126,13 +128,14 @@ impl Island {
                 continue;
             }
             let reach = if is_last { pair.reach } else { pair.reach + slack };
-            pair.found = Some(ContactSearch { reach, between, turned });
             points.clear();
             let dimension = if self.planar { 2 } else { 3 };
             let side = (&shapes[first.shape], &poses[one]);
             let position = |corner: u32| poses.bodies[corner as usize].position;
+            let mut clearance = None;
             if let Some(second) = second {
-                collision::contacts(side, (&shapes[second.shape], &poses[other]), reach, dimension, &mut points);
+                let across = (&shapes[second.shape], &poses[other]);
+                clearance = collision::contacts(side, across, reach, dimension, &mut points);
                 let beside = self.beside.of(other);
                 if !beside.is_empty() {
                     points.retain(|point| !is_hidden(point, side, &poses[other], beside.iter().map(|&corner| position(corner))));
@@ -141,6 +144,7 @@ impl Island {
                 let face = &self.faces[other - FACES];
                 face.contacts(side, (&poses[other], position), (reach, dimension), &mut points);
             }
+            pair.found = Some(ContactSearch { reach, clearance: clearance.unwrap_or(0.0), between, turned });
             place = seek(&self.past, place, pair.key);
             let past = before[known..].iter().take_while(|contact| contact.pair == index);
             for &point in &points {
@@ -178,7 +182,12 @@ impl Island {
     }
 
     /// Row of a contact at the present poses.
-    pub fn row<S: RowSpace>(&self, contact: &GroupContact, v: &BodyVelocities<S>) -> Option<ContactRow<S>> {
+    pub fn row(&self, contact: &GroupContact, v: &BodyVelocities) -> Option<ContactRow> {
+        ContactRow::new(contact.bodies, self.arms(contact), contact.touch.normal, contact.friction, v)
+    }
+
+    /// Arms from the centers of the bodies to a contact at the present poses [m]; coordinates of its point on a face.
+    pub fn arms(&self, contact: &GroupContact) -> [DVec3; 2] {
         let [one, other] = contact.bodies;
         let (point, second) = if let Some(mover) = self.movers.get(other) {
             (contact.touch.point, contact.touch.point - mover.position)
@@ -188,8 +197,7 @@ impl Island {
             let coordinates = face.coordinates(&pose, contact.touch.point);
             (pose.point(coordinates), coordinates)
         };
-        let arms = [point - self.movers[one].position, second];
-        ContactRow::new(contact.bodies, arms, contact.touch.normal, contact.friction, v)
+        [point - self.movers[one].position, second]
     }
 
     /// Evaluates all contacts at the present poses.
@@ -267,11 +275,14 @@ mod tests {
     /// Bodies keep their contacts while they turn or move against each other by no more than a length, and reach no farther.
     #[test]
     fn contacts_last_as_long_as_bodies_hardly_move() {
-        let search = ContactSearch { reach: 0.25, between: DVec3::X, turned: 0.5 };
+        let search = ContactSearch { reach: 0.25, clearance: 0.0, between: DVec3::X, turned: 0.5 };
         let most = 0.125;
         assert!(search.lasts(DVec3::X, 0.5, (0.25, most)));
         assert!(search.lasts(DVec3::X + 0.0625 * DVec3::Y, 0.5625, (0.125, most)));
         assert!(!search.lasts(DVec3::X + 0.0625 * DVec3::Y, 0.625, (0.0, most)));
         assert!(!search.lasts(DVec3::X + 0.125 * DVec3::Y, 0.5, (0.1875, most)));
+        let apart = ContactSearch { clearance: 1.0, ..search };
+        assert!(apart.lasts(DVec3::X + 0.5 * DVec3::Y, 0.625, (0.25, most)));
+        assert!(!apart.lasts(DVec3::X + 0.5 * DVec3::Y, 0.75, (0.25, most)));
     }
 }

@@ -96,7 +96,7 @@ impl<S: RowSpace> RowBundle<S> {
             arms: Default::default(),
             normal: Default::default(),
             least: zeros,
-            masses: [[1.0; SIDE]; 2],
+            masses: [zeros; 2],
             yields: zeros,
             impulse: ImpulseLanes::default(),
             before: ImpulseLanes::default(),
@@ -187,6 +187,16 @@ impl<S: RowSpace> RowBundle<S> {
             angular: Loaded::load(&v.angular, first),
             inverse_mass: P::load(&self.inverses[side].mass[first..]),
             inverse_inertia: Loaded::load(&self.inverses[side].inertia, first),
+        }
+    }
+
+    /// Computes the effective masses and moments of inertia of the rows from lane `first` on.
+    #[inline(always)]
+    pub fn weigh<P: Pack<Scalar = f64>>(&mut self, row: &WideRow<S, P>, sides: &[VelocityLanes<S>; 2], first: usize) {
+        let [masses, moments] = row.weights([&self.body(0, &sides[0], first), &self.body(1, &sides[1], first)]);
+        for side in 0..2 {
+            masses[side].store(&mut self.masses[side][first..]);
+            moments[side].store(&mut self.moments[side][first..]);
         }
     }
 

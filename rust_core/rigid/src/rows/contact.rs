@@ -90,6 +90,26 @@ impl<S: RowAlgebra> ContactRow<S> {
         self.normal * self.impulse.normal + self.impulse.tangential
     }
 
+    /// Effective masses and moments of inertia between two bodies; 0 where the inverse is.
+    #[inline(always)]
+    pub(super) fn weights(&self, bodies: [&BodyVelocity<S>; 2]) -> [[S::Number; 2]; 2] {
+        let mut weights = [
+            [self.normal.dot(self.response(self.normal, bodies)), S::across(self, bodies)],
+            S::inverse_moments(self.normal, [&bodies[0].inverse_inertia, &bodies[1].inverse_inertia]),
+        ];
+        let (zero, one) = (S::Number::constant(0.0), S::Number::constant(1.0));
+        for inverse in weights.as_flattened_mut() {
+            *inverse = (one / *inverse).masked(zero.less(*inverse));
+        }
+        weights
+    }
+
+    /// Response of the relative velocity of two bodies at the point to an impulse there.
+    #[inline(always)]
+    pub(super) fn response(&self, impulse: S::Vector, [one, other]: [&BodyVelocity<S>; 2]) -> S::Vector {
+        one.response(self.arms[0], impulse) + other.response(self.arms[1], impulse)
+    }
+
     /// Normal impulse and that of friction which solve this contact alone, at a relative velocity [m/s].
     #[inline(always)]
     pub fn solved(&self, relative: S::Vector) -> (S::Number, S::Vector) {
@@ -140,31 +160,27 @@ impl<S: RowAlgebra> ContactRow<S> {
 impl<S: RowSpace> ContactRow<S> {
     /// Contact without impulse; None if neither body can be moved.
     pub fn new(bodies: [usize; 2], arms: [DVec3; 2], normal: DVec3, friction: Friction, v: &BodyVelocities<S>) -> Option<Self> {
-        let (arms, normal) = (arms.map(S::vector), S::vector(normal));
-        let [one, other] = [0, 1].map(|side| v.body(bodies[side], arms[side]));
-        let response = |along: S::Vector| one.response(arms[0], along) + other.response(arms[1], along);
-        let inverse = normal.dot(response(normal));
-        if inverse <= 0.0 {
-            return None;
-        }
-        let mut moments = [0.0; 2];
-        if friction.rolling > 0.0 || friction.torsional > 0.0 {
-            let inverses = S::inverse_moments(normal, &one.inverse_inertia, &other.inverse_inertia);
-            moments = inverses.map(|inverse| if inverse > 0.0 { 1.0 / inverse } else { 0.0 });
-        }
-        Some(Self {
+        let row = Self::unweighed(bodies, arms, normal, friction);
+        let [one, other] = [0, 1].map(|side| v.body(bodies[side], row.arms[side]));
+        let [masses, moments] = row.weights([&one, &other]);
+        (masses[0] > 0.0).then_some(Self { masses, moments, ..row })
+    }
+
+    /// Contact without impulse and without effective masses.
+    pub fn unweighed(bodies: [usize; 2], arms: [DVec3; 2], normal: DVec3, friction: Friction) -> Self {
+        Self {
             bodies,
-            arms,
-            normal,
+            arms: arms.map(S::vector),
+            normal: S::vector(normal),
             least: 0.0,
-            masses: [1.0 / inverse, 1.0 / S::across(normal, response)],
+            masses: [0.0; 2],
             yields: 0.0,
             impulse: ContactImpulse::default(),
             before: ContactImpulse::default(),
             friction,
             slip: S::Vector::default(),
-            moments,
-        })
+            moments: [0.0; 2],
+        }
     }
 
     /// Copy without impulses, for another least normal velocity [m/s].

@@ -6,8 +6,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 use glam::{DMat3, DVec2, DVec3};
 use physcore_base::simd::{Number, Pack};
 
-use super::ContactImpulse;
-use super::space::{Linear, RowAlgebra, RowSpace};
+use super::space::{Linear, RowAlgebra, RowSpace, largest};
+use super::{BodyVelocity, ContactImpulse, ContactRow};
 
 /// Number of rows side by side; registers hold a part of them.
 pub const SIDE: usize = 8;
@@ -226,6 +226,18 @@ impl<P: Number> RowAlgebra for WidePlane<P> {
         let tangent = Wide([P::constant(0.0) - y, x]);
         tangent * tangent.dot(vector).min(most).max(P::constant(0.0) - most)
     }
+
+    #[inline(always)]
+    fn across(row: &ContactRow<Self>, bodies: [&BodyVelocity<Self>; 2]) -> P {
+        let Wide([x, y]) = row.normal;
+        let tangent = Wide([P::constant(0.0) - y, x]);
+        tangent.dot(row.response(tangent, bodies))
+    }
+
+    #[inline(always)]
+    fn inverse_moments(_normal: Wide<P, 2>, [one, other]: [&Wide<P, 1>; 2]) -> [P; 2] {
+        [P::constant(0.0), one.0[0] + other.0[0]]
+    }
 }
 
 /// Space, in registers.
@@ -261,6 +273,22 @@ impl<P: Number> RowAlgebra for WideSpace<P> {
     #[inline(always)]
     fn held(_normal: Wide<P, 3>, vector: Wide<P, 3>, most: P) -> Wide<P, 3> {
         vector.limited(most)
+    }
+
+    #[inline(always)]
+    fn across(row: &ContactRow<Self>, bodies: [&BodyVelocity<Self>; 2]) -> P {
+        let (zero, one, Wide([x, y, z])) = (P::constant(0.0), P::constant(1.0), row.normal);
+        // Across the z axis, or for a normal near it, across the x axis.
+        let away = Wide::select(z.max(zero - z).less(P::constant(0.9)), Wide([y, zero - x, zero]), Wide([zero, z, zero - y]));
+        let first = away * (one / away.dot(away).sqrt());
+        largest([first, Self::moment(row.normal, first)], row, bodies)
+    }
+
+    #[inline(always)]
+    fn inverse_moments(normal: Wide<P, 3>, [one, other]: [&Wide<P, 9>; 2]) -> [P; 2] {
+        let sum = *one + *other;
+        let about = normal.dot(Self::turned(&sum, normal));
+        [about, sum.0[0] + sum.0[4] + sum.0[8] - about]
     }
 }
 

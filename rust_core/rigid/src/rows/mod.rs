@@ -21,7 +21,7 @@ pub use bundle::{Bundles, Pass, RowBundle};
 pub use contact::{ContactImpulse, ContactRow, add_energy, adds_energy};
 pub(crate) use joint::inverted;
 pub use joint::{BoundedRow, JointRows, Row};
-pub use lanes::{ImpulseLanes, Laned, LanesOf, Loaded, SIDE};
+pub use lanes::{ImpulseLanes, LanesOf, Loaded, SIDE};
 pub use space::{InPlane, InSpace, Linear, RowAlgebra, RowSpace};
 
 /// Largest number of rows of a joint.

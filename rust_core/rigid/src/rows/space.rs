@@ -6,8 +6,8 @@ use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 use glam::{DMat3, DVec2, DVec3};
 use physcore_base::simd::{Number, Pack};
 
-use super::BodyVelocities;
 use super::lanes::{Laned, LanesOf, Loaded, WidePlane, WideSpace};
+use super::{BodyVelocities, BodyVelocity, ContactRow};
 use crate::mover::perpendicular;
 
 /// Element of a vector space: vector of a row, or the number that remains of one in the plane.
@@ -81,6 +81,10 @@ pub trait RowAlgebra: Copy {
     fn about(normal: Self::Vector, turn: Self::Turn) -> Self::Turn;
     /// Vector across a normal that is not longer than `most`.
     fn held(normal: Self::Vector, vector: Self::Vector, most: Self::Number) -> Self::Vector;
+    /// Largest response of two bodies to a unit impulse across the normal of a row.
+    fn across(row: &ContactRow<Self>, bodies: [&BodyVelocity<Self>; 2]) -> Self::Number;
+    /// Sums of inverse moments of inertia: about a normal, and a bound across it.
+    fn inverse_moments(normal: Self::Vector, inverses: [&Self::Inverse; 2]) -> [Self::Number; 2];
 }
 
 /// Plane or space.
@@ -105,11 +109,6 @@ pub trait RowSpace:
     fn widen_turn(turn: Self::Turn) -> DVec3;
     /// Inverse of an inertia tensor.
     fn inverse(inverse: &DMat3) -> Self::Inverse;
-
-    /// Largest response to a unit impulse across a normal.
-    fn across(normal: Self::Vector, response: impl Fn(Self::Vector) -> Self::Vector) -> f64;
-    /// Sums of inverse moments of inertia: about a normal, and a bound across it.
-    fn inverse_moments(normal: Self::Vector, one: &Self::Inverse, other: &Self::Inverse) -> [f64; 2];
 
     /// Velocities in space; None in the plane. Joints act on them.
     fn in_space(v: &mut BodyVelocities<Self>) -> Option<&mut BodyVelocities<InSpace>>;
@@ -154,6 +153,17 @@ impl RowAlgebra for InPlane {
         let tangent = normal.perp();
         tangent * Number::max(Number::min(tangent.dot(vector), most), -most)
     }
+
+    #[inline(always)]
+    fn across(row: &ContactRow<Self>, bodies: [&BodyVelocity<Self>; 2]) -> f64 {
+        let tangent = row.normal.perp();
+        tangent.dot(row.response(tangent, bodies))
+    }
+
+    #[inline(always)]
+    fn inverse_moments(_normal: DVec2, [one, other]: [&f64; 2]) -> [f64; 2] {
+        [0.0, one + other]
+    }
 }
 
 impl RowSpace for InPlane {
@@ -182,17 +192,6 @@ impl RowSpace for InPlane {
     #[inline(always)]
     fn inverse(inverse: &DMat3) -> f64 {
         inverse.z_axis.z
-    }
-
-    #[inline(always)]
-    fn across(normal: DVec2, response: impl Fn(DVec2) -> DVec2) -> f64 {
-        let tangent = normal.perp();
-        tangent.dot(response(tangent))
-    }
-
-    #[inline(always)]
-    fn inverse_moments(_normal: DVec2, one: &f64, other: &f64) -> [f64; 2] {
-        [0.0, one + other]
     }
 
     #[inline(always)]
@@ -231,6 +230,29 @@ impl RowAlgebra for InSpace {
     fn held(_normal: DVec3, vector: DVec3, most: f64) -> DVec3 {
         vector.limited(most)
     }
+
+    fn across(row: &ContactRow<Self>, bodies: [&BodyVelocity<Self>; 2]) -> f64 {
+        largest(perpendicular(row.normal), row, bodies)
+    }
+
+    fn inverse_moments(normal: DVec3, [one, other]: [&DMat3; 2]) -> [f64; 2] {
+        let sum = *one + *other;
+        let about = normal.dot(sum * normal);
+        [about, sum.x_axis.x + sum.y_axis.y + sum.z_axis.z - about]
+    }
+}
+
+/// Largest response of two bodies to a unit impulse in the plane of two unit vectors, which is an eigenvalue.
+#[inline(always)]
+pub(super) fn largest<S: RowAlgebra>(
+    [first, second]: [S::Vector; 2],
+    row: &ContactRow<S>,
+    bodies: [&BodyVelocity<S>; 2],
+) -> S::Number {
+    let [a, b] = [row.response(first, bodies), row.response(second, bodies)];
+    let [xx, yy, xy] = [first.dot(a), second.dot(b), first.dot(b)];
+    let [half, quarter] = [S::Number::constant(0.5), S::Number::constant(0.25)];
+    half * (xx + yy) + (quarter * (xx - yy) * (xx - yy) + xy * xy).sqrt()
 }
 
 impl RowSpace for InSpace {
@@ -259,19 +281,6 @@ impl RowSpace for InSpace {
     #[inline(always)]
     fn inverse(inverse: &DMat3) -> DMat3 {
         *inverse
-    }
-
-    fn across(normal: DVec3, response: impl Fn(DVec3) -> DVec3) -> f64 {
-        let [first, second] = perpendicular(normal);
-        let [a, b] = [response(first), response(second)];
-        let [xx, yy, xy] = [first.dot(a), second.dot(b), first.dot(b)];
-        0.5 * (xx + yy) + (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt()
-    }
-
-    fn inverse_moments(normal: DVec3, one: &DMat3, other: &DMat3) -> [f64; 2] {
-        let sum = *one + *other;
-        let about = normal.dot(sum * normal);
-        [about, sum.x_axis.x + sum.y_axis.y + sum.z_axis.z - about]
     }
 
     #[inline(always)]

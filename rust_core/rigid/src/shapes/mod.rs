@@ -24,7 +24,7 @@ mod walls;
 
 pub use bounds::BoundingBox;
 pub use mass::MassProperties;
-pub(crate) use part::Part;
+pub(crate) use part::{Part, side_of};
 pub(crate) use parts::ConvexParts;
 pub use patches::SurfacePatch;
 use plane::Planar;

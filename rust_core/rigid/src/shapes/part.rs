@@ -24,6 +24,8 @@ pub(crate) struct Part {
     pub ball: (DVec3, f64),
     /// Radius of a ball around this mean that the core contains [m].
     pub inner: f64,
+    /// Half edges of a cuboid [m]. Bit i of the index of a vertex tells on which side along edge i it is.
+    pub half: Option<[DVec3; 3]>,
     /// Surface that the part belongs to; None if all of its own surface is one.
     pub skin: Option<Box<Skin>>,
     /// Number of the first feature of the part among those of its shape: vertices, then edges, then faces.
@@ -189,6 +191,7 @@ impl Part {
         let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let mut part = Self::polyhedron(vertices, &faces.map(|corners| corners.to_vec())).expect("a cuboid is closed");
         part.normals = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z].to_vec();
+        part.half = Some([0, 1, 2].map(|axis| half[axis] * DVec3::AXES[axis]));
         part
     }
 
@@ -201,6 +204,7 @@ impl Part {
             radius,
             ball: (DVec3::ZERO, 0.0),
             inner: 0.0,
+            half: None,
             skin: None,
             first: 0,
         };
@@ -223,6 +227,7 @@ impl Part {
     pub fn moved(mut self, pose: &Pose) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = pose.point(*vertex));
         self.normals.iter_mut().for_each(|normal| *normal = pose.rotation * *normal);
+        self.half = self.half.map(|half| half.map(|edge| pose.rotation * edge));
         if let Some(skin) = &mut self.skin {
             skin.turn(&pose.rotation);
         }
@@ -276,6 +281,10 @@ impl Part {
     /// Vertex farthest along a direction, the first of equals, and its product with the direction.
     #[inline]
     pub fn support(&self, direction: DVec3) -> (usize, f64) {
+        if let Some(half) = self.half {
+            let vertex = side_of(half.map(|edge| edge.dot(direction)));
+            return (vertex, self.vertices[vertex].dot(direction));
+        }
         let mut farthest = (0, self.vertices[0].dot(direction));
         for (index, vertex) in self.vertices.iter().enumerate().skip(1) {
             let along = vertex.dot(direction);
@@ -285,6 +294,12 @@ impl Part {
         }
         farthest
     }
+}
+
+/// Vertex of a cuboid on the side where its half edges rise along a direction.
+#[inline]
+pub(crate) fn side_of(rises: [f64; 3]) -> usize {
+    (0..3).map(|axis| usize::from(rises[axis] > 0.0) << axis).sum()
 }
 
 /// Unit normal of a plane polygon by its area; None if it has none.

@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 
+use super::cuboids;
 use crate::couple::Couple;
+use crate::pose::Pose;
 use crate::shapes::Part;
 
 /// Smallest sine of the angle of two edges whose cross product is a direction.
-const PARALLEL: f64 = 1e-6;
+pub(super) const PARALLEL: f64 = 1e-6;
 
 /// Product of two sines that may be zero but for rounding.
 const ROUNDING: f64 = 1e-15;
@@ -48,6 +50,14 @@ struct Ridge {
 }
 
 impl Ridge {
+    /// Edge of a part at a pose, by its ends.
+    fn of(part: &Part, ends: [usize; 2], pose: &Pose) -> Option<Self> {
+        let edge = part.net.edges.iter().position(|edge| edge.ends.map(|end| end as usize) == ends)?;
+        let [start, end] = part.edge(edge);
+        let normals = part.net.edges[edge].faces.map(|face| pose.rotation * part.normals[face as usize]);
+        Some(Self { edge, start: pose.point(start), way: pose.rotation * (end - start), normals })
+    }
+
     /// Direction between the normals, even if they are opposite.
     fn outward(&self) -> DVec3 {
         let [left, right] = self.normals;
@@ -94,6 +104,13 @@ pub(super) fn widest(couple: &Couple, least: f64) -> Option<EdgeGap> {
         return None;
     }
     let into = &couple.other_in[0];
+    if let [Some(half), Some(across)] = [one, other].map(|part| part.half) {
+        let apart = into.point(other.ball.0) - one.ball.0;
+        let pair = cuboids::widest(apart, [half, across.map(|edge| into.rotation * edge)], least)?;
+        if let Some(found) = between(&Ridge::of(one, pair[0], &Pose::WORLD)?, &Ridge::of(other, pair[1], into)?, least) {
+            return Some(found);
+        }
+    }
     let mut others = Vec::with_capacity(other.net.edges.len());
     let near = ridges(other, (couple.other_in[1].point(one.ball.0), one.inner), least);
     others.extend(near.map(|(edge, start, way, normals)| Ridge {
@@ -161,4 +178,33 @@ fn may_cross(ridge: &Ridge, other: &Ridge) -> bool {
 fn is_outward(ridge: &Ridge, normal: DVec3) -> bool {
     let [left, right] = ridge.normals;
     left == DVec3::ZERO || (left.cross(normal).dot(ridge.way) >= 0.0 && normal.cross(right).dot(ridge.way) >= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DQuat};
+
+    use super::*;
+
+    /// Axes of cuboids are found from their half edges as from their faces. Poses are far apart from each other, so that no two
+    /// axes have equal gaps.
+    #[test]
+    fn cuboids_have_the_edges_of_polyhedra() {
+        let cuboids = [DVec3::new(0.5, 0.4, 0.3), DVec3::new(0.2, 0.7, 0.3)].map(Part::cuboid);
+        let polyhedra = cuboids.clone().map(|part| Part { half: None, ..part });
+        let mut found = 0;
+        for index in 0..1000 {
+            let number = |place: usize| (0.5 + f64::from(index) * (0.1 + 0.618_034 * place as f64)).fract() - 0.5;
+            let turn = DQuat::from_xyzw(number(1), number(2), number(3), number(4)).normalize();
+            let position = DVec3::new(number(5), number(6), number(7)) * 2.5;
+            let there = Pose { position, rotation: DMat3::from_quat(turn) };
+            let [fast, slow] = [&cuboids, &polyhedra].map(|[one, other]| {
+                let couple = Couple::new([one, other], [&Pose::WORLD, &there], 0.0, 0);
+                widest(&couple, -0.2).map(|gap| (gap.edges, gap.gap, gap.normal))
+            });
+            assert_eq!(fast, slow, "{index}");
+            found += usize::from(fast.is_some());
+        }
+        assert!((100..900).contains(&found), "{found}");
+    }
 }

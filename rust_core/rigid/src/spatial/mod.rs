@@ -12,6 +12,7 @@ use crate::couple::{Couple, FaceGap};
 use crate::shapes::Part;
 
 mod clip;
+mod cuboids;
 mod edges;
 mod nearest;
 
@@ -19,16 +20,20 @@ pub(crate) use clip::spread;
 use edges::EdgeGap;
 use nearest::NearPair;
 
-/// Adds the contacts of two parts.
-pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
+/// Adds the contacts of two parts; returns a lower bound of their distance [m].
+pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) -> f64 {
     let add_pair = |pair: &NearPair, points: &mut Vec<ContactPoint>| {
         if pair.is_shown(couple) {
             nearest::add_pair(couple, pair, points);
         }
     };
-    let Some(axis) = axis(couple) else { return add_pair(&nearest::of_segments(couple), points) };
+    let Some(axis) = axis(couple) else {
+        let pair = nearest::of_segments(couple);
+        add_pair(&pair, points);
+        return pair.distance - couple.rounding();
+    };
     if axis.gap() > couple.limit() {
-        return;
+        return axis.gap() - couple.rounding();
     }
     let manifold = match axis {
         SeparatingAxis::Face(face) => Some(clip::of_face(couple, face)),
@@ -48,6 +53,7 @@ pub(crate) fn contacts(couple: &Couple, points: &mut Vec<ContactPoint>) {
         }
         _ => {}
     }
+    pair.map_or(axis.gap(), |pair| pair.distance) - couple.rounding()
 }
 
 /// Direction along which two cores are farthest apart, or overlap least.

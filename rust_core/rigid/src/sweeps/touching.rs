@@ -4,7 +4,7 @@ use physcore_base::simd::Pack;
 
 use crate::island::{CLOSED, GroupContact, lost, pushed};
 use crate::rows::{
-    BodyVelocities, ContactImpulse, ImpulseLanes, Laned, LanesOf, Linear, Loaded, Pass, RowAlgebra, RowBundle, RowSpace, SIDE,
+    BodyVelocities, ContactImpulse, ImpulseLanes, LanesOf, Linear, Loaded, Pass, RowAlgebra, RowBundle, RowSpace, SIDE,
 };
 
 /// Damping ratio of contacts that overlap, and the part of a period that a piece takes.
@@ -77,19 +77,11 @@ impl<S: RowSpace> Default for Touching<S> {
 }
 
 impl<S: RowSpace> Touching<S> {
-    /// Sets the contact of a lane, with the bound on its acceleration, the size of its smaller body, and its slip.
-    pub fn set(
-        &mut self,
-        lane: usize,
-        (index, contact): (usize, &GroupContact),
-        (pressing, size): (f64, f64),
-        slip: (S::Vector, S::Turn),
-    ) {
+    /// Sets the contact of a lane, with the bound on its acceleration and the size of its smaller body.
+    pub fn set(&mut self, lane: usize, (index, contact): (usize, &GroupContact), (pressing, size): (f64, f64)) {
         self.contacts[lane] = Some(index as u32);
         (self.gap[lane], self.pressing[lane], self.size[lane]) = (contact.touch.gap, pressing, size);
         self.restitution[lane] = contact.restitution;
-        slip.0.write(&mut self.slip.0, lane);
-        slip.1.write(&mut self.slip.1, lane);
         self.load.write(&ContactImpulse::narrow(&contact.load), lane);
     }
 
@@ -97,6 +89,25 @@ impl<S: RowSpace> Touching<S> {
     pub fn loads(&self) -> impl Iterator<Item = (usize, ContactImpulse)> {
         let contacts = self.contacts.iter().enumerate();
         contacts.filter_map(|(lane, contact)| Some(((*contact)? as usize, self.load.read(lane).widen())))
+    }
+}
+
+/// Effective masses, and velocities at the start of a sweep.
+pub(super) struct Weigh<'a, S: RowSpace> {
+    pub touching: &'a mut [Touching<S>],
+}
+
+impl<S: RowSpace> Pass<S> for Weigh<'_, S> {
+    #[inline(always)]
+    fn act<P: Pack<Scalar = f64>>(&mut self, index: usize, bundle: &mut RowBundle<S>, v: &mut BodyVelocities<S>) {
+        let (contact, sides) = (&mut self.touching[index], bundle.gather(v));
+        for first in (0..SIDE).step_by(P::WIDTH) {
+            let row = bundle.load::<P>(first);
+            bundle.weigh(&row, &sides, first);
+            let slip = bundle.slip(&row, &sides, first);
+            slip.0.store(&mut contact.slip.0, first);
+            slip.1.store(&mut contact.slip.1, first);
+        }
     }
 }
 
