@@ -114,7 +114,9 @@ fn a_ball_bounces_off_a_face() {
 
 /// Momentum and angular momentum are kept to the rounding of 200 steps with impulses of about 1 N·s, by boxes that hit faces
 /// anywhere, with friction. Arms of large groups are those at the start of a step, so that momentum alone is kept there. The energy
-/// balance errs by free rotation, by splitting: up to (hω)²/12 of an energy of rotation of 0.01 J at ω = 10 rad/s.
+/// balance errs by free rotation, by splitting: up to (hω)²/12 of an energy of rotation below 0.01 J at ω = 4 rad/s. In large groups it
+/// also errs by the motion in a piece of the step in which a body strikes, a quarter of 0.01 m of the way, and what this changes in
+/// the loss of an impact: a small part of the energy of 0.3 J.
 #[test]
 fn impacts_on_faces_keep_momenta() {
     for sequential in [32, 0] {
@@ -132,7 +134,8 @@ fn impacts_on_faces_keep_momenta() {
             let is_exact = (turning - angular).length() < 1e-13;
             assert!(is_exact || sequential == 0, "{place:?} {}", turning - angular);
             assert!(net.lab.meters.dissipated > 0.0, "{sequential} {place:?}");
-            assert!((net.balance() - start).abs() < 1e-5, "{} {start}", net.balance() - start);
+            let most = if sequential == 0 { 1e-4 } else { 1e-6 };
+            assert!((net.balance() - start).abs() < most, "{sequential} {place:?} {} {start}", net.balance() - start);
         }
     }
 }
