@@ -6,11 +6,14 @@ import os
 import platform
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
 import hypothesis
 import pytest
+
+from forks import Forks
 
 os.environ.setdefault("PHYSCORE_TRACEBACKS", "full")
 LONG = os.environ.get("PHYSCORE_TESTS") == "long"
@@ -18,6 +21,13 @@ LONG = os.environ.get("PHYSCORE_TESTS") == "long"
 hypothesis.settings.register_profile("short", max_examples=12, deadline=None, derandomize=True)
 hypothesis.settings.register_profile("long", max_examples=1000, deadline=None)
 hypothesis.settings.load_profile("long" if LONG else "short")
+
+
+@pytest.fixture(scope="session")
+def forks() -> Iterator[Forks]:
+    """Processes for scripts that end themselves, are killed, or have limits of their own."""
+    with closing(Forks()) as forks:
+        yield forks
 
 
 @pytest.fixture(scope="module")
