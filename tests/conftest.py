@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import hypothesis
 import pytest
@@ -72,6 +73,9 @@ def pytest_configure(config: pytest.Config) -> None:
         config.pluginmanager.register(Costs(), "physcore-costs")
 
 
+COLLECTED = "imports and collection"
+
+
 class Costs:
     """Sums the processor time of tests and their processes, by file and by test, over all workers."""
 
@@ -84,7 +88,15 @@ class Costs:
         return sum(os.times()[:4])
 
     def pytest_collection_finish(self) -> None:
-        self.before = self.used()
+        self.before = self.seconds[COLLECTED] = self.used()
+
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        if hasattr(session.config, "workeroutput"):
+            session.config.workeroutput[COLLECTED] = self.seconds[COLLECTED]
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node: Any) -> None:
+        self.seconds[COLLECTED] += getattr(node, "workeroutput", {}).get(COLLECTED, 0.0)
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self) -> Iterator[None]:
@@ -99,7 +111,7 @@ class Costs:
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
         count = config.getoption("--costs")
-        files = [each for each in self.seconds.most_common() if "::" not in each[0]][: count + 1]
+        files = [each for each in self.seconds.most_common() if "::" not in each[0]][: count + 2]
         tests = [each for each in self.seconds.most_common() if "::" in each[0]][:count]
         terminalreporter.section("processor time [s]")
         for name, seconds in [*files, *tests]:
