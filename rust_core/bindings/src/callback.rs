@@ -132,8 +132,8 @@ fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
     }
 }
 
-/// Whether a result consists of numbers, arrays of no derived type, and lists and tuples of these up to a depth: none of them
-/// has masks. `numpy.ma` takes longer to say so than most functions take.
+/// Whether a result consists of numbers, of arrays of no derived type, or of lists and tuples of these up to a depth. None of
+/// them has masks, but `numpy.ma` takes longer to say so than most functions take.
 fn is_plain(given: &Bound<'_, PyAny>, depth: usize) -> bool {
     if given.is_exact_instance_of::<PyTuple>() || given.is_exact_instance_of::<PyList>() {
         let is_plain = |entry: PyResult<Bound<'_, PyAny>>| entry.is_ok_and(|entry| is_plain(&entry, depth - 1));

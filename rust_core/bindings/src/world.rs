@@ -165,8 +165,8 @@ impl World {
         without_gil(py, || Ok(work(&mut *changed(&self.inner, &interrupted)?)?))
     }
 
-    /// Changes the world in the engine if this may take long before the first step: then after an interrupt the caller does not
-    /// wait, but the change is completed. Other changes are made before threads have started.
+    /// Changes the world in the engine, on other threads if this may take long before the first step. After an interrupt the
+    /// caller does not wait for these, but the change is completed.
     fn change_at_length<T: Send + 'static>(
         &self,
         py: Python<'_>,
