@@ -6,11 +6,15 @@ import os
 import platform
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import hypothesis
 import pytest
+
+from forks import Forks
 
 os.environ.setdefault("PHYSCORE_TRACEBACKS", "full")
 LONG = os.environ.get("PHYSCORE_TESTS") == "long"
@@ -18,6 +22,13 @@ LONG = os.environ.get("PHYSCORE_TESTS") == "long"
 hypothesis.settings.register_profile("short", max_examples=12, deadline=None, derandomize=True)
 hypothesis.settings.register_profile("long", max_examples=1000, deadline=None)
 hypothesis.settings.load_profile("long" if LONG else "short")
+
+
+@pytest.fixture(scope="session")
+def forks() -> Iterator[Forks]:
+    """Processes for scripts that end themselves, are killed, or have limits of their own."""
+    with closing(Forks()) as forks:
+        yield forks
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +73,9 @@ def pytest_configure(config: pytest.Config) -> None:
         config.pluginmanager.register(Costs(), "physcore-costs")
 
 
+COLLECTED = "imports and collection"
+
+
 class Costs:
     """Sums the processor time of tests and their processes, by file and by test, over all workers."""
 
@@ -74,7 +88,15 @@ class Costs:
         return sum(os.times()[:4])
 
     def pytest_collection_finish(self) -> None:
-        self.before = self.used()
+        self.before = self.seconds[COLLECTED] = self.used()
+
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        if hasattr(session.config, "workeroutput"):
+            session.config.workeroutput[COLLECTED] = self.seconds[COLLECTED]
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node: Any) -> None:
+        self.seconds[COLLECTED] += getattr(node, "workeroutput", {}).get(COLLECTED, 0.0)
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self) -> Iterator[None]:
@@ -89,7 +111,7 @@ class Costs:
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
         count = config.getoption("--costs")
-        files = [each for each in self.seconds.most_common() if "::" not in each[0]][: count + 1]
+        files = [each for each in self.seconds.most_common() if "::" not in each[0]][: count + 2]
         tests = [each for each in self.seconds.most_common() if "::" in each[0]][:count]
         terminalreporter.section("processor time [s]")
         for name, seconds in [*files, *tests]:

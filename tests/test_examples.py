@@ -43,16 +43,20 @@ def write_files(folder: Path) -> None:
     Image.fromarray(np.tile(np.arange(64, dtype=np.uint8) * 4, (48, 1))).save(folder / "island.png")
 
 
+@pytest.fixture(scope="module")
+def recorded():
+    """A cloth, its scene and its recording, none of which can be changed."""
+    cloth = pc.cloth((5, 4), 0.1, 100.0, damping=0.02, mass=0.01, pinned="top corners", name="cloth")
+    scene = pc.Scene(cloth, pc.Gravity())
+    return {"cloth": cloth, "scene": scene, "recording": pc.simulate(scene, duration=0.2)}
+
+
 @pytest.fixture
-def names(tmp_path, monkeypatch):
+def names(tmp_path, monkeypatch, recorded):
     """What examples may use without building it."""
     monkeypatch.chdir(tmp_path)
     write_files(tmp_path)
-    cloth = pc.cloth((5, 4), 0.1, 100.0, damping=0.02, mass=0.01, pinned="top corners", name="cloth")
-    scene = pc.Scene(cloth, pc.Gravity())
-    recording = pc.simulate(scene, duration=0.2)
-    rng = np.random.default_rng(1)
-    return {"pc": pc, "np": np, "math": math, "rng": rng, "cloth": cloth, "scene": scene, "recording": recording}
+    return {"pc": pc, "np": np, "math": math, "rng": np.random.default_rng(1), **recorded}
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # Some show what is warned of.

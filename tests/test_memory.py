@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
 import sys
 import textwrap
+from collections.abc import Callable, Iterator
+from contextlib import closing
 
 import numpy as np
 import pytest
 
 import physcore as pc
+from forks import Forks
 from heavy import HEAVY
 from physcore._core import available_memory
 
@@ -43,20 +45,18 @@ random = np.random.default_rng(1)
 """
 
 
-def alone(program: str) -> str:
-    """What a program prints in a process of its own, which it must end by itself."""
+@pytest.fixture(scope="module")
+def alone() -> Iterator[Callable[[str], str]]:
+    """Gives what a program prints in a process of its own, which it must end by itself."""
     threads = {"OPENBLAS_NUM_THREADS": "1", "PHYSCORE_NUM_THREADS": "2"}
-    environment = {**os.environ, **threads, "MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_ARENA_MAX": "1"}
-    done = subprocess.run(
-        [sys.executable, "-c", PRELUDE + textwrap.dedent(program)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=3600,  # against hanging alone: no test depends on load
-        check=False,
-    )
-    assert done.returncode == 0, f"ended with {done.returncode}: {done.stderr[-1000:]}"
-    return done.stdout.strip()
+    with closing(Forks(**threads, MALLOC_MMAP_THRESHOLD_="65536", MALLOC_ARENA_MAX="1")) as forks:
+
+        def printed(program: str) -> str:
+            done = forks.run(PRELUDE + textwrap.dedent(program))
+            assert done.returncode == 0, f"ended with {done.returncode}: {done.stderr[-1000:]}"
+            return done.stdout.strip()
+
+        yield printed
 
 
 SCENES = {
@@ -69,7 +69,7 @@ SCENES = {
 
 @LINUX
 @pytest.mark.parametrize("name", SCENES)
-def test_the_memory_of_the_plan_is_what_the_process_takes(name):
+def test_the_memory_of_the_plan_is_what_the_process_takes(name, alone):
     """Within 15 % and 1 MB, beside the program itself (RssAnon leaves it out) and what the allocator keeps of what was
     given back: here it may keep nothing above 64 kB.
     """
@@ -85,7 +85,7 @@ def test_the_memory_of_the_plan_is_what_the_process_takes(name):
 
 
 @LINUX
-def test_lists_that_do_not_fit_are_refused_with_the_figures():
+def test_lists_that_do_not_fit_are_refused_with_the_figures(alone):
     """8000 atoms in mutual reach: 8000² numbers of 4 bytes, and up to a quarter more."""
     program = """
     scene = pc.Scene(pc.Particles(random.random((8000, 3))), pc.LennardJones(1e-9, 1e-3, 10.0))
@@ -99,7 +99,7 @@ def test_lists_that_do_not_fit_are_refused_with_the_figures():
 
 
 @LINUX
-def test_one_large_grain_among_small_ones_is_refused():
+def test_one_large_grain_among_small_ones_is_refused(alone):
     program = """
     radius = np.full(30_000, 0.1)
     radius[0] = 60.0
@@ -112,7 +112,7 @@ def test_one_large_grain_among_small_ones_is_refused():
 
 
 @LINUX
-def test_particles_that_do_not_fit_are_refused():
+def test_particles_that_do_not_fit_are_refused(alone):
     program = """
     scene = pc.Scene(pc.Particles(random.random((500_000, 3))), pc.Gravity((0, 0, -1)), pc.Drag(1.0))
     leave(90)
@@ -123,7 +123,7 @@ def test_particles_that_do_not_fit_are_refused():
 
 
 @LINUX
-def test_springs_that_do_not_fit_are_refused():
+def test_springs_that_do_not_fit_are_refused(alone):
     program = """
     scene = pc.Scene(pc.soft_body((50, 50, 40), 0.1, 100.0))
     leave(90)
@@ -134,7 +134,7 @@ def test_springs_that_do_not_fit_are_refused():
 
 
 @LINUX
-def test_a_run_whose_lists_outgrow_the_memory_stands_at_the_last_good_step():
+def test_a_run_whose_lists_outgrow_the_memory_stands_at_the_last_good_step(alone):
     """All atoms fly to the origin, where everybody is within the cutoff of everybody; they hardly feel each other."""
     program = """
     start = random.uniform(-300.0, 300.0, (5000, 3))
@@ -156,7 +156,7 @@ def test_a_run_whose_lists_outgrow_the_memory_stands_at_the_last_good_step():
 
 
 @LINUX
-def test_a_limit_of_the_process_bounds_what_is_available():
+def test_a_limit_of_the_process_bounds_what_is_available(alone):
     program = """
     from physcore._core import available_memory
     leave(200)
@@ -181,7 +181,7 @@ def test_the_lists_count_in_the_plan():
 
 @LINUX
 @pytest.mark.parametrize("name", HEAVY)
-def test_what_does_not_fit_is_refused_at_any_share_of_the_memory_that_it_takes(name):
+def test_what_does_not_fit_is_refused_at_any_share_of_the_memory_that_it_takes(name, alone):
     """At 30, 60 and 90 % of the address space that building and two steps take: an error, and no abort.
 
     Each is tried in a process of its own, before any thread has started.

@@ -6,11 +6,13 @@ import os
 import re
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 import physcore as pc
+from forks import Forks
 from physcore.entrance import FULL, entrance
 
 BALL = """import warnings
@@ -50,30 +52,16 @@ MISTAKES = {
 }
 
 
-APART = """import os, sys, physcore, physcore.film, physcore.studies
-for number, code in enumerate(sys.argv[1:]):
-    if os.fork() == 0:
-        os.dup2(os.open(str(number), os.O_WRONLY | os.O_CREAT), 2)
-        exec(code, {})
-        os._exit(0)
-    assert os.wait()[1] == 1 << 8
-"""
-"""Runs scripts that fail, each in a fork of one process that has imported the package; their errors go to files."""
-
-
 def files_of(errors: str) -> list[str]:
     """The files in tracebacks, in the order in which Python prints them."""
     return re.findall(r'File "(.*?)", line', errors)
 
 
 @pytest.fixture(scope="module")
-def tracebacks(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+def tracebacks() -> dict[str, list[str]]:
     """The files in the traceback of each mistake."""
-    folder = tmp_path_factory.mktemp("tracebacks")
-    known = {name: value for name, value in os.environ.items() if name != FULL}
-    scripts = [BALL + mistake for mistake in MISTAKES.values()]
-    subprocess.run([sys.executable, "-c", APART, *scripts], cwd=folder, env=known, check=True)
-    return {name: files_of((folder / str(number)).read_text()) for number, name in enumerate(MISTAKES)}
+    with closing(Forks(**{FULL: ""})) as forks:
+        return {name: files_of(forks.run(BALL + mistake).stderr) for name, mistake in MISTAKES.items()}
 
 
 def entries(code: str, **environment: str) -> list[str]:
@@ -93,9 +81,8 @@ def own(file: str) -> bool:
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_the_traceback_of_a_mistake_has_the_users_line_alone(mistake, tracebacks):
     files = tracebacks[mistake]
-    assert "<string>" in files
     assert not any(map(own, files))
-    assert files[-1] == "<string>"
+    assert files[-1] == "<script>"
 
 
 CALLBACK = """

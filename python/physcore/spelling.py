@@ -83,8 +83,8 @@ class UnknownKey(KeyError):
 
 def did_you_mean(value: object, known: Iterable[str]) -> str:
     """The end of a message that suggests a synonym, or the most similar known word; empty if there is neither."""
-    if not isinstance(value, str):
-        return ""
+    if not isinstance(value, str) or value.startswith("__"):
+        return ""  # Python asks for names such as __wrapped__, many at a time.
     from difflib import get_close_matches
 
     spelled = {each.casefold(): each for each in known}

@@ -8,6 +8,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,11 @@ class Case:
     numerics: dict[str, Any] = field(default_factory=dict)
     large: Callable[[], pc.Scene] | None = None
     """The same kind of scene with so much work in a step that threads share it; None: another case has it."""
+
+    @cached_property
+    def shared(self) -> pc.Scene:
+        """Its scene, built once for all tests: scenes never change."""
+        return self.scene()
 
     @property
     def adaptive(self) -> bool:
@@ -57,7 +63,7 @@ class Case:
         """A simulation of it, or of another scene with its numerics."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pc.StabilityWarning)
-            return pc.Simulation(scene or self.scene(), **{"dt": self.dt, **self.numerics, **changes})
+            return pc.Simulation(scene or self.shared, **{"dt": self.dt, **self.numerics, **changes})
 
     def advance(self, run: pc.Simulation, steps: int = STEPS) -> pc.Simulation:
         """Take so many steps, or as long as they would take where steps follow the motion."""

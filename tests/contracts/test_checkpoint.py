@@ -14,6 +14,7 @@ import physcore as pc
 from contracts.comparison import plain
 from contracts.scenes import SCENES, STEPS
 from physcore.scene.records import Record
+from physcore.simulation import step_size
 
 
 def loaded(run: pc.Simulation, folder: Path) -> pc.Simulation:
@@ -72,14 +73,17 @@ UNBOUNDED = {
 def keeps_to_a_limit(name: str) -> bool:
     case = SCENES[name]
     # Of rods dt="auto" follows the motion.
-    return not case.adaptive and not case.is_self_adaptive and not case.scene().has_rods and name not in UNBOUNDED
+    return not case.adaptive and not case.is_self_adaptive and not case.shared.has_rods and name not in UNBOUNDED
 
 
 @pytest.mark.parametrize("name", [name for name in SCENES if keeps_to_a_limit(name)])
-def test_limits_that_the_time_step_keeps_to_are_part_of_a_checkpoint(name, tmp_path):
-    """With dt="auto" the limit is looked at every 8 steps in fluids, and every 256 elsewhere: past the checkpoint."""
+def test_limits_that_the_time_step_keeps_to_are_part_of_a_checkpoint(name, tmp_path, monkeypatch):
+    """With dt="auto" the limit is looked at every 8 steps in fluids, and every 256 elsewhere, here 32: past the
+    checkpoint.
+    """
+    monkeypatch.setattr(step_size, "CHECK_INTERVAL", 32)
     case = SCENES[name]
-    steps, part = (30, 11) if case.scene().fluids else (300, 200)
+    steps, part = (30, 11) if case.shared.fluids else (80, 40)
     whole, first = case.simulation(dt="auto"), case.simulation(dt="auto")
     whole.step(steps)
     first.step(part)

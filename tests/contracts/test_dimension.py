@@ -19,7 +19,7 @@ def flat(name: str) -> bool:
     """Fluids are other in the plane: their kernel is, and what they weigh; point vortices are there alone. Of rigid
     bodies only polygons are: a prism turns about the normal as they do.
     """
-    scene = SCENES[name].scene()
+    scene = SCENES[name].shared
     if name == "paddle":
         return False  # Both ends of an edge strike at once, one after the other: which is first, rounding decides.
     if not all(isinstance(body.shape, (pc.Rectangle, pc.Polygon)) for body in scene.bodies if body.is_rigid):
@@ -32,7 +32,7 @@ def flat(name: str) -> bool:
 def test_a_motion_in_a_plane_is_the_same_in_space(name):
     """Nothing leaves the plane; the limit of the time step is the same but for the other direction of springs."""
     case = SCENES[name]
-    scene = case.scene()
+    scene = case.shared
     lifted = case.advance(case.simulation(transformed(scene, LIFT)))
     there = rigid.material(lifted, axes=1) if scene.has_rigid_bodies else state(lifted)
     if scene.bodies and not scene.has_rigid_bodies:  # whose contacts and joints are solved to rounding

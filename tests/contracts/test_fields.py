@@ -48,7 +48,7 @@ def test_fields_stand_at_the_same_elements_as_in_the_engine(name):
 @pytest.mark.parametrize("name", SCENES)
 def test_parts_of_all_items_cover_every_field(name):
     """Each row of each field belongs to one item, but for the walls of fluids, which are none."""
-    scene = SCENES[name].scene()
+    scene = SCENES[name].shared
     rows = {field.name: [] for field in scene.fields.values()}
     presses = "wall_forces" in rows
     wires = [each for each in scene.constraints if each.element is not None]

@@ -111,7 +111,7 @@ def test_a_film_shows_the_same_run(name, tmp_path):
     """It says in which state it ended: that of a run, or where steps follow the motion, of a run to its frames."""
     case = SCENES[name]
     numerics = {"dt": case.dt, **case.numerics}
-    scene = case.scene()
+    scene = case.shared
     path = tmp_path / "film.gif"
     pc.film(scene, path, duration=case.duration, fps=2.0 / case.duration, size=(48, 32), **numerics)
     run = case.simulation(scene) if case.adaptive else plain(name)

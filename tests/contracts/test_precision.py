@@ -23,7 +23,7 @@ def test_single_precision_is_double_precision_within_rounding(name):
 def test_what_single_precision_cannot_hold_is_refused_with_the_reason(name):
     """Numbers that are 2^140 times as large are beyond its range."""
     case = SCENES[name]
-    scene = case.scene()
+    scene = case.shared
     if any(isinstance(system, pc.ReactionDiffusion) for system in scene.systems):
         pytest.skip("its values have no unit, and no length is left in D/h²")
     huge = transformed(scene, Transform(np.eye(scene.dimension), m=2.0**140))

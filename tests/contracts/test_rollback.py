@@ -48,7 +48,7 @@ def timed(dish: pc.ReactionDiffusion, signal: Callable[[float], float]) -> pc.Re
 
 def failing(case: Case, time: float) -> pc.Scene:
     """The scene of a case, and a force that is zero, and that from some time on cannot be evaluated."""
-    scene = case.scene()
+    scene = case.shared
 
     def function(now: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
         if now > time:

@@ -28,7 +28,7 @@ def rescaled(case: Case, t: Transform) -> Case:
     numerics = dict(case.numerics)
     rule = numerics.get("dt")
     if isinstance(rule, pc.AdaptiveStep) and rule.tolerance is not None:
-        unit = 1.0 if any(isinstance(system, pc.ReactionDiffusion) for system in case.scene().systems) else t.m
+        unit = 1.0 if any(isinstance(system, pc.ReactionDiffusion) for system in case.shared.systems) else t.m
         numerics["dt"] = pc.AdaptiveStep(rule.safety, rule.tolerance * unit)
     method = numerics.get("fluids")
     if method is not None and method.sound_speed != "auto":
@@ -39,7 +39,7 @@ def rescaled(case: Case, t: Transform) -> Case:
 def compare(name: str, t: Transform, shuffle: bool = False, size: float = 1.0) -> None:
     """Transforming a scene transforms its motion, within rounding."""
     case = SCENES[name]
-    scene = case.scene()
+    scene = case.shared
     rng = np.random.default_rng(3)
     orders = [rng.permutation(len(body)) if shuffle else np.arange(len(body)) for body in scene.bodies]
     other = rescaled(case, t).simulation(transformed(scene, t, orders))
@@ -51,7 +51,7 @@ def compare(name: str, t: Transform, shuffle: bool = False, size: float = 1.0) -
 
 
 def axes(name: str) -> Array:
-    return np.eye(SCENES[name].scene().dimension)
+    return np.eye(SCENES[name].shared.dimension)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -66,7 +66,7 @@ def test_turning_a_scene_by_a_quarter_turns_its_motion(name):
     turn = np.roll(axes(name), 1, axis=0)
     if len(turn) == 1:
         pytest.skip("a line cannot be turned")
-    if any(isinstance(boundary, pc.HeightField) for boundary in SCENES[name].scene().boundaries):
+    if any(isinstance(boundary, pc.HeightField) for boundary in SCENES[name].shared.boundaries):
         pytest.skip("up is the last axis")
     if len(turn) == 2:
         turn[0] *= -1.0
@@ -81,7 +81,7 @@ def test_a_mirror_changes_signs(name):
     compare(name, Transform(mirror))
 
 
-@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name].scene().bodies and name != "heap"])
+@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name].shared.bodies and name != "heap"])
 def test_the_order_of_particles_does_not_matter(name):
     """A permutation changes the order of sums, so rounding, and nothing else; results keep the caller's order.
 
@@ -92,7 +92,7 @@ def test_the_order_of_particles_does_not_matter(name):
 
 def moves_along(name: str) -> bool:
     """Whether nothing in a scene stands still by itself."""
-    scene = SCENES[name].scene()
+    scene = SCENES[name].shared
     if isinstance(SCENES[name].numerics.get("integrator"), pc.ProjectiveDynamics):
         return False  # Its iterations start from the positions of the step before, and end before they converge.
     held = (
@@ -130,7 +130,7 @@ def test_other_units_change_no_bit(name):
     But a power of r whose exponent, −2.7, is itself rounded.
     """
     case = SCENES[name]
-    scene = case.scene()
+    scene = case.shared
     has_rate = any(isinstance(getattr(system, "reaction", None), BUILT_IN) for system in scene.systems)
     if any(isinstance(getattr(system, "flow", None), READY) for system in scene.systems):
         pytest.skip("its flow has lengths and a rate of 1/s in it")

@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from itertools import count, pairwise
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,6 +20,7 @@ import pytest
 from PIL import Image
 
 import physcore as pc
+from forks import Forks
 from physcore.film import frame_cache, gif_bytes, provenance
 from physcore.film.writers import WRITERS, delays
 from physcore.film.writers.beside import videos_beside
@@ -188,7 +189,7 @@ def test_a_device_is_not_replaced_and_a_link_stays_a_link(suffix: str, tmp_path:
 
 
 FILMING = """
-import resource, signal, sys
+import resource, sys
 import physcore as pc
 path, limit, duration = sys.argv[1], int(sys.argv[2]), float(sys.argv[3])
 if limit:
@@ -200,47 +201,39 @@ except pc.FileError as error:
     sys.exit(str(error))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
-
-
-def filming(path: Path, limit: int = 0, duration: float = 1.0) -> subprocess.Popen[str]:
-    """Another process that films a rope; it may write so many bytes into a file."""
-    command = [sys.executable, "-c", FILMING, str(path), str(limit), str(duration)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+"""Films a rope for some seconds; it may write so many bytes into a file, if any number is given."""
 
 
 @pytest.mark.parametrize("suffix", ALL)
-def test_a_full_disk_leaves_the_old_film_and_nothing_else(suffix: str, tmp_path: Path) -> None:
+def test_a_full_disk_leaves_the_old_film_and_nothing_else(suffix: str, tmp_path: Path, forks: Forks) -> None:
     path = tmp_path / f"film{suffix}"
     path.write_bytes(b"old")
-    process = filming(path, limit=2000)
-    _, error = process.communicate()
-    assert process.returncode == 1, error
+    status, _, error = forks.run(FILMING, path, 2000, 1.0)
+    assert status == 1, error
     assert re.search(rf"film{re.escape(suffix)}: cannot be written: (File too large|File size limit exceeded)", error)
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("suffix", MOVING)
-def test_a_kill_in_the_middle_leaves_the_old_film(suffix: str, tmp_path: Path) -> None:
+def test_a_kill_in_the_middle_leaves_the_old_film(suffix: str, tmp_path: Path, forks: Forks) -> None:
     path = tmp_path / f"film{suffix}"
     path.write_bytes(b"old")
-    process = filming(path, duration=100.0)
-    for _ in count():
-        assert process.poll() is None, process.communicate()
-        if any(entry.stat().st_size > 0 for entry in tmp_path.iterdir() if entry != path):
-            break
+    process = forks.start(FILMING, path, 0, 100.0)
+    while not any(entry.stat().st_size > 0 for entry in tmp_path.iterdir() if entry != path):
+        os.kill(process, 0)  # It is there.
         time.sleep(0.02)
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
+    os.kill(process, signal.SIGKILL)
+    assert forks.end().returncode == -signal.SIGKILL
     assert path.read_bytes() == b"old"
 
 
 @pytest.mark.parametrize("suffix", MOVING)
-def test_memory_does_not_grow_with_the_number_of_frames(suffix: str, tmp_path: Path) -> None:
+def test_memory_does_not_grow_with_the_number_of_frames(suffix: str, tmp_path: Path, forks: Forks) -> None:
     """180 more frames of 320 × 240 take 41 MB where they are kept, and 4 MB where one byte of ten of them is."""
     most = []
     for duration in (1.0, 7.0):
-        output, error = filming(tmp_path / f"film{suffix}", duration=duration).communicate()
+        _, output, error = forks.run(FILMING, tmp_path / f"film{suffix}", 0, duration)
         most.append(int(output or pytest.fail(error)))
     assert most[1] - most[0] < 10_000  # [kB]
 

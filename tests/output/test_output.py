@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import io
+import os
 import re
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -19,6 +17,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
+from forks import Forks
 from physcore.output import FORMATS
 
 SUFFIXES = [suffix for kind in FORMATS if kind.holds_particles for suffix in kind.suffixes]
@@ -347,25 +346,19 @@ except pc.FileError as error:
     sys.exit(str(error))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
-
-
-def exporting(path: Path, limit: int = 0, duration: float = 1.0) -> subprocess.Popen[str]:
-    """Another process that exports dust; it may write so many bytes into a file."""
-    command = [sys.executable, "-c", EXPORTING, str(path), str(limit), str(duration)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+"""Exports dust for some seconds; it may write so many bytes into a file, if any number is given."""
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_full_disk_leaves_the_old_file(suffix: str, tmp_path: Path) -> None:
+def test_a_full_disk_leaves_the_old_file(suffix: str, tmp_path: Path, forks: Forks) -> None:
     path = tmp_path / f"run{suffix}"
     pc.export(simulated("springs"), path)
     before = content(tmp_path)
     for limit in (20_000, 150_000):
-        process = exporting(path, limit=limit)
-        _, error = process.communicate()
+        status, _, error = forks.run(EXPORTING, path, limit, 1.0)
         if suffix == ".pvd" and limit == 150_000:
             continue  # Each of its files is smaller than that.
-        assert process.returncode == 1, error
+        assert status == 1, error
         assert re.search(rf"run{re.escape(suffix)}: cannot be written: .*File too large", error), error
         assert content(tmp_path) == before
         assert not list(tmp_path.rglob("*.tmp"))
@@ -393,31 +386,29 @@ def test_a_failure_that_hdf5_does_not_mention_is_noticed(tmp_path: Path, monkeyp
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_kill_in_the_middle_leaves_the_old_file(suffix: str, tmp_path: Path) -> None:
+def test_a_kill_in_the_middle_leaves_the_old_file(suffix: str, tmp_path: Path, forks: Forks) -> None:
     path = tmp_path / f"run{suffix}"
     pc.export(simulated("springs"), path)
     before = content(tmp_path)
-    process = exporting(path, duration=1000.0)
-    for _ in count():
-        assert process.poll() is None, process.communicate()
-        if any(
-            entry.is_file() and entry.stat().st_size > 0 for entry in set(tmp_path.rglob("*")) if ".tmp" in str(entry)
-        ):
-            break
+    process = forks.start(EXPORTING, path, 0, 1000.0)
+    while not any(
+        entry.is_file() and entry.stat().st_size > 0 for entry in set(tmp_path.rglob("*")) if ".tmp" in str(entry)
+    ):
+        os.kill(process, 0)  # It is there.
         time.sleep(0.02)
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
+    os.kill(process, signal.SIGKILL)
+    assert forks.end().returncode == -signal.SIGKILL
     # What the other process has begun is left alone: of HDF5 it has the size of all frames.
     assert {name: (tmp_path / name).read_bytes() for name in before} == before
     READERS[suffix](path)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_memory_does_not_grow_with_the_number_of_frames(suffix: str, tmp_path: Path) -> None:
+def test_memory_does_not_grow_with_the_number_of_frames(suffix: str, tmp_path: Path, forks: Forks) -> None:
     """150 more frames of 2000 particles, 48 bytes each and more as text, take 14 MB where they are kept."""
     most = []
     for duration in (1.0, 6.0):
-        output, error = exporting(tmp_path / f"run{suffix}", duration=duration).communicate()
+        _, output, error = forks.run(EXPORTING, tmp_path / f"run{suffix}", 0, duration)
         most.append(int(output or pytest.fail(error)))
     assert most[1] - most[0] < 10_000  # [kB]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -21,28 +20,40 @@ def mesh(*networks: pc.SpringNetwork) -> tuple[NDArray[np.int64], NDArray[np.int
 
 
 def crossings(points: NDArray[np.float64], edges: NDArray[np.int64], faces: NDArray[np.int64]) -> int:
-    """How many edges are strictly through triangles with which they share no vertex."""
+    """How many edges are strictly through triangles with which they share no vertex.
+
+    Floats decide where the volumes are above their rounding, whole numbers elsewhere.
+    """
     line, face = points[edges], points[faces]
     near = (line.min(axis=1)[:, None] <= face.max(axis=1)) & (face.min(axis=1) <= line.max(axis=1)[:, None])
     apart = ~(edges[:, None, :, None] == faces[None, :, None, :]).any(axis=(2, 3))
-    return sum(_pierces(points, edges[e], faces[f]) for e, f in np.argwhere(near.all(axis=2) & apart))
+    e, f = np.nonzero(near.all(axis=2) & apart)
+    corners = points[np.hstack([edges[e], faces[f]])]
+    rounding = 1e-14 * np.ptp(corners, axis=1).max(axis=1) ** 3
+    ends, turns = np.split(_volumes(corners.transpose(1, 2, 0)), [2])
+    on_one_side = (ends > rounding).all(axis=0) | (ends < -rounding).all(axis=0)
+    is_past = (turns > rounding).any(axis=0) & (turns < -rounding).any(axis=0)
+    return sum(_pierces(corner) for corner in corners[~(on_one_side | is_past)])
 
 
-def _pierces(points: NDArray[np.float64], edge: Any, face: Any) -> bool:
-    """Whether an edge passes through a triangle: floats decide where they can, fractions elsewhere."""
-    for exact in (False, True):
-        p, q, a, b, c = ([Fraction(x) if exact else x for x in points[k].tolist()] for k in (*edge, *face))
-        volumes = [_volume(a, b, c, p), _volume(a, b, c, q), *(_volume(p, q, *two) for two in ((a, b), (b, c), (c, a)))]
-        size = 1e-14 * float(np.ptp(points[[*edge, *face]], axis=0).max()) ** 3
-        if exact or min(abs(volume) for volume in volumes) > size:
-            break
-    first, second, *turns = volumes
+def _pierces(corners: NDArray[np.float64]) -> bool:
+    """Whether an edge passes through a triangle, decided in whole numbers."""
+    ratios = [x.as_integer_ratio() for x in corners.ravel().tolist()]
+    unit = max(divisor for _, divisor in ratios)  # Divisors of floats are powers of two.
+    whole = np.array([number * (unit // divisor) for number, divisor in ratios], dtype=object)
+    first, second, *turns = _volumes(whole.reshape(corners.shape))
     return bool((first > 0) != (second > 0) and (min(turns) > 0 or max(turns) < 0) and first and second)
 
 
-def _volume(a: Any, b: Any, c: Any, d: Any) -> Any:
-    """Six times the signed volume of a tetrahedron."""
-    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
-        [one - other for one, other in zip(p, d, strict=True)] for p in (a, b, c)
+def _volumes(corners: NDArray[Any]) -> NDArray[Any]:
+    """Volumes of a triangle with both ends p, q of an edge, and of the edge with the triangle's sides."""
+    p, q, a, b, c = corners
+    return np.stack(
+        [_volume(a, b, c, p), _volume(a, b, c, q), *(_volume(p, q, *two) for two in ((a, b), (b, c), (c, a)))]
     )
+
+
+def _volume(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], d: NDArray[Any]) -> Any:
+    """Six times the signed volume of a tetrahedron."""
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = a - d, b - d, c - d
     return ax * (by * cz - bz * cy) - ay * (bx * cz - bz * cx) + az * (bx * cy - by * cx)

@@ -273,6 +273,7 @@ def amplification(integrator: pc.Integrator, step: float | Array, ratio: float =
     return np.moveaxis(np.array(images), (0, 1), (-1, -2))
 
 
+@cache
 def growing_step(integrator: pc.Integrator, ratio: float) -> float:
     """The ω dt that grows fastest, of those up to 1 % above the limit. A resonance may be narrower than that."""
     steps = largest_step(integrator, ratio) * (1.0 + 1e-6 * np.arange(1, 10_001))

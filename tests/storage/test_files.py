@@ -7,8 +7,6 @@ import io
 import json
 import os
 import signal
-import subprocess
-import sys
 import zipfile
 from contextlib import suppress
 from pathlib import Path
@@ -418,9 +416,9 @@ TARGETS = [("save", "state"), ("film", "film.gif"), ("film", "film.webp"), ("exp
 
 
 @pytest.mark.parametrize(("action", "name"), TARGETS)
-def test_what_a_killed_writer_left_is_swept_by_the_next_one(action, name, tmp_path):
+def test_what_a_killed_writer_left_is_swept_by_the_next_one(action, name, tmp_path, forks):
     path = tmp_path / name
-    done = subprocess.run([sys.executable, "-c", KILLED, action, path], capture_output=True, text=True, check=False)
+    done = forks.run(KILLED, action, path)
     assert done.returncode == -signal.SIGKILL, done.stderr
     assert any(".tmp" in str(left) for left in tmp_path.rglob("*"))
     recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]])), 0.1)

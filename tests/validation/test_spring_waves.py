@@ -39,6 +39,10 @@ CHAIN_MODES = (
 )  # fmt: skip
 
 
+SHAPES = np.sin(np.outer(np.arange(1, 11), np.arange(1, 11)) * np.pi / 11)
+"""Shapes of the modes: that of mode n at the masses in row n − 1."""
+
+
 def chain(amplitudes: Array) -> pc.Scene:
     """Ten masses between two walls, shifted along the chain by the given sum of modes."""
     sites = np.arange(12)
@@ -50,8 +54,7 @@ def chain(amplitudes: Array) -> pc.Scene:
 def coordinates(run: pc.Simulation) -> Array:
     """Amplitudes of the ten modes."""
     shift = run.positions[1:11, 0] - np.arange(1, 11)
-    shapes = np.sin(np.outer(np.arange(1, 11), np.arange(1, 11)) * np.pi / 11)
-    return shapes @ shift / 5.5
+    return SHAPES @ shift / 5.5
 
 
 @pytest.mark.parametrize("mode", range(1, 11))
@@ -95,7 +98,7 @@ def test_e01_no_energy_leaks_into_other_modes(mode, record_property):
     leak = 0.0
     for _ in range(100):
         run.step(1000)
-        velocities = np.sin(np.outer(np.arange(1, 11), np.arange(1, 11)) * np.pi / 11) @ run.velocities[1:11, 0] / 5.5
+        velocities = SHAPES @ run.velocities[1:11, 0] / 5.5
         energies = velocities**2 + (np.array(CHAIN_MODES) * coordinates(run)) ** 2
         leak = max(leak, 1.0 - energies[mode - 1] / energies.sum())
     record_property("leak", f"{leak:.1e}")

@@ -165,6 +165,8 @@ def snapshot(world: World, scene: Scene) -> Snapshot:
 
 def shown(state: S, scene: Scene) -> S:
     """A snapshot as the user sees it."""
+    if scene.periodic is None:
+        return state
     places = {name: show(state.fields[name], scene) for name in PLACES if name in state.fields}
     return replace(state, fields={**state.fields, **places})
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any, NamedTuple, TypedDict
 
 from physcore._core import World
@@ -289,7 +289,7 @@ class Stepper:
             return
         last = self._segments[-1] if self._segments else None
         if last is not None and last.dt == new.dt:
-            self._segments[-1] = replace(last, steps=last.steps + new.steps)
+            self._segments[-1] = Segment(last.start, last.steps + new.steps, last.dt)
         else:
             self._segments.append(new)
 

@@ -8,9 +8,12 @@ use physcore_engine::scene::{Argument, Callback, Failure};
 use pyo3::exceptions::{PyException, PyKeyError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyFloat, PyTuple};
+use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 
 use crate::scene::array;
+
+/// Depth of lists that are looked through entry by entry.
+const NESTED: usize = 3;
 
 /// Python function, called with vectors of this dimension.
 pub struct PythonFunction {
@@ -111,6 +114,9 @@ fn remedy(given: &[usize], expected: &[usize]) -> String {
 /// Whether any entry is masked; false if `numpy.ma` is not loaded.
 fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
     let py = given.py();
+    if is_plain(given, NESTED) {
+        return Ok(false);
+    }
     let modules = py.import("sys")?.getattr("modules")?;
     let masked = match modules.get_item("numpy.ma") {
         Err(error) if error.is_instance_of::<PyKeyError>(py) => return Ok(false),
@@ -124,6 +130,18 @@ fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
         Err(error) if error.is_instance_of::<PyException>(py) => Ok(false),
         whole => masked.call_method1("is_masked", (whole?,))?.is_truthy(),
     }
+}
+
+/// Whether a result consists of numbers, of arrays of no derived type, or of lists and tuples of these up to a depth. None of
+/// them has masks, but `numpy.ma` takes longer to say so than most functions take.
+fn is_plain(given: &Bound<'_, PyAny>, depth: usize) -> bool {
+    if given.is_exact_instance_of::<PyTuple>() || given.is_exact_instance_of::<PyList>() {
+        let is_plain = |entry: PyResult<Bound<'_, PyAny>>| entry.is_ok_and(|entry| is_plain(&entry, depth - 1));
+        return depth > 0 && given.try_iter().is_ok_and(|mut entries| entries.all(is_plain));
+    }
+    given.is_exact_instance_of::<PyUntypedArray>()
+        || given.is_exact_instance_of::<PyFloat>()
+        || given.is_exact_instance_of::<PyInt>()
 }
 
 /// Formats a shape in Python's notation.

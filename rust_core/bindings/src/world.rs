@@ -166,13 +166,16 @@ impl World {
         without_gil(py, || Ok(work(&mut *changed(&self.inner, &interrupted)?)?))
     }
 
-    /// Changes the world in the engine if this may take long before the first step. After an interrupt the caller does not wait,
-    /// but the change is completed.
+    /// Changes the world in the engine, on other threads if this may take long before the first step. After an interrupt the
+    /// caller does not wait for these, but the change is completed.
     fn change_at_length<T: Send + 'static>(
         &self,
         py: Python<'_>,
         work: impl FnOnce(&mut Simulation, &Executor) -> EngineResult<T> + Send + 'static,
     ) -> PyResult<T> {
+        if !self.glance(py, physcore_engine::simulation::Simulation::is_long)? {
+            return self.change(py, |world| work(world, &SERIAL));
+        }
         let (claim, inner) = (self.claim(py)?, Arc::clone(&self.inner));
         let job = move |executor: &Executor| {
             let _claim = claim;

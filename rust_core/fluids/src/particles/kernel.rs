@@ -18,8 +18,13 @@ use crate::simd::Number;
 /// Regularization of a divisor distance, in units of the support.
 const TINY: f64 = 1e-6;
 
+/// Number of shapes.
+pub const SHAPES: usize = 3;
+
 /// Shape of a kernel: unit height and unit smoothing length, as a function of u = r/2h from 0 to 1.
 pub trait KernelShape: Copy + Send + Sync + 'static {
+    /// Place among all shapes, from 0 on.
+    fn number(self) -> usize;
     /// Normalization W₀ h^D.
     fn height(self, dimension: usize) -> f64;
     /// Value W/W₀.
@@ -37,6 +42,10 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
 pub struct WendlandC2;
 
 impl KernelShape for WendlandC2 {
+    fn number(self) -> usize {
+        0
+    }
+
     fn height(self, dimension: usize) -> f64 {
         if dimension == 2 { 7.0 / (4.0 * PI) } else { 21.0 / (16.0 * PI) }
     }
@@ -75,6 +84,10 @@ pub enum OtherShape {
 }
 
 impl KernelShape for OtherShape {
+    fn number(self) -> usize {
+        1 + self as usize
+    }
+
     fn height(self, dimension: usize) -> f64 {
         let [plane, space] = match self {
             Self::WendlandC4 => [9.0 / (4.0 * PI), 495.0 / (256.0 * PI)],

@@ -1,8 +1,9 @@
 //! Plane waves in a fluid that is discretized by a kernel: their frequencies and decay rates.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::OnceLock;
 
-use super::kernel::KernelShape;
+use super::kernel::{KernelShape, SHAPES};
 
 /// Number of steps of Simpson's rule; the error for these polynomials is 1e-6.
 const STEPS: usize = 200;
@@ -22,10 +23,13 @@ pub struct FluidWave {
     pub strain: f64,
 }
 
-/// Waves resolved by a kernel, from the longest to the shortest.
+/// Waves resolved by a kernel in 2D or 3D, from the longest to the shortest. They depend on nothing else, and are computed once in
+/// a process: that takes longer than the rest of a small scene.
 #[inline]
-pub fn waves(shape: impl KernelShape, dimension: usize) -> Vec<FluidWave> {
-    (1..=WAVES).map(|wave| LARGEST * f64::from(wave) / f64::from(WAVES)).map(|k| wave_of(shape, dimension, k)).collect()
+pub fn waves(shape: impl KernelShape, dimension: usize) -> &'static [FluidWave] {
+    static KNOWN: [[OnceLock<Vec<FluidWave>>; 2]; SHAPES] = [const { [const { OnceLock::new() }; 2] }; SHAPES];
+    let number = |wave: u32| LARGEST * f64::from(wave) / f64::from(WAVES);
+    KNOWN[shape.number()][dimension - 2].get_or_init(|| (1..=WAVES).map(|wave| wave_of(shape, dimension, number(wave))).collect())
 }
 
 /// Number of wave numbers, and the largest of them times the smoothing length.

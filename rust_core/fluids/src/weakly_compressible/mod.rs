@@ -126,7 +126,7 @@ struct WeaklyCompressible<V: Vector, K, const MIXED: bool> {
     gauges: Option<Gauges>,
     surface: SurfaceEffects<V, K>,
     /// Waves resolved by the kernel, for unit smoothing length.
-    waves: Vec<FluidWave>,
+    waves: &'static [FluidWave],
     /// Largest force density [N/m^D] if the present sums are not those of the state, and its value at the start of the batch.
     strongest: Option<f64>,
     saved_strongest: f64,
