@@ -148,3 +148,25 @@ def test_one_frame_is_a_mesh_alone(tmp_path):
     content, _ = parsed(tmp_path / "still.glb")
     assert "targets" not in content["meshes"][0]["primitives"][0]
     assert "animations" not in content
+
+
+def test_the_surface_of_a_liquid_is_shown_in_its_frame(tmp_path):
+    """Each frame has a mesh, whose node has the size 1 then and 0 else, without steps between."""
+    water = pc.Fluid(pc.block((0.0, 0.0, 0.0), (0.3, 0.2, 0.2), 0.05), 0.05, name="water")
+    tank = pc.Box((0.0, 0.0, 0.0), (0.6, 0.2, 0.6))
+    pc.export(pc.Scene(water, tank, pc.Gravity((0, 0, -9.81))), tmp_path / "run.glb", duration=0.2, fps=20)
+    content, array = parsed(tmp_path / "run.glb")
+    assert [each["name"] for each in content["meshes"]] == [f"water {frame}" for frame in range(5)]
+    animation = content["animations"][0]
+    assert len(animation["channels"]) == 5
+    for channel in animation["channels"]:
+        sampler = animation["samplers"][channel["sampler"]]
+        assert (channel["target"]["path"], sampler["interpolation"]) == ("scale", "STEP")
+        node = content["nodes"][channel["target"]["node"]]
+        frame = int(node["name"].split()[1])
+        assert content["meshes"][node["mesh"]]["name"] == node["name"]
+        np.testing.assert_array_equal(array(sampler["output"]), np.repeat(np.eye(5)[frame], 3).reshape(5, 3))
+    trimesh = pytest.importorskip("trimesh")
+    meshes = trimesh.load(tmp_path / "run.glb").geometry
+    assert meshes["water 0"].is_watertight
+    np.testing.assert_allclose(meshes["water 0"].extents, (0.3, 0.2, 0.2), atol=0.012)  # a quarter of a spacing

@@ -16,6 +16,7 @@ from physcore.checks import FloatArray, IntArray
 from physcore.errors import SceneError
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
+from physcore.scene.fluid import Fluid
 from physcore.scene.grid import Grid
 from physcore.scene.periodic import Periodic
 from physcore.simulation.energy import Energy
@@ -155,8 +156,18 @@ class ExportJob:
         return {
             body.name or f"body {index}": (body, row)
             for index, (body, row) in enumerate(zip(self._bodies, rows, strict=True))
-            if (body.network is not None and len(body.network.faces)) or (body.is_rigid and body.dimension == 3)
+            if (body.network is not None and len(body.network.faces))
+            or ((body.is_rigid or body.is_fluid) and body.dimension == 3)
         }
+
+    @property
+    def rate(self) -> float:
+        """Frames per unit of time of the file."""
+        return self._source.fps / self._factor("s")
+
+    def spacing(self, fluid: Fluid) -> float:
+        """The spacing of the particles of a fluid [m]."""
+        return self._factor("m") * fluid.spacing
 
     @property
     def dimension(self) -> int:

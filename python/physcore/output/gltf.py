@@ -18,7 +18,9 @@ from physcore.checks import FloatArray
 from physcore.errors import FileError
 from physcore.film.shapes.spatial import mesh_of
 from physcore.output.base import ExportJob, TrajectoryWriter
+from physcore.output.liquid import surface_of
 from physcore.scene.bodies import Body
+from physcore.scene.fluid import Fluid
 from physcore.scene.rigid import RigidBodies
 from physcore.simulation.provenance import version
 from physcore.storage.files import replacing
@@ -40,8 +42,9 @@ class GltfWriter(TrajectoryWriter):
     """Writer of glTF.
 
     A surface of springs is a mesh with a morph target for each frame after the first one, which Blender reads as shape
-    keys. Between frames vertices move in straight lines. Rigid bodies are nodes that move and turn. Lengths are meters,
-    times seconds.
+    keys. Between frames vertices move in straight lines. Rigid bodies are nodes that move and turn. The surface of a
+    liquid has other triangles in each frame: each is a mesh of its own, whose node has the size 0 in all other frames.
+    Lengths are meters, times seconds.
     """
 
     suffixes: ClassVar = (".glb",)
@@ -52,7 +55,12 @@ class GltfWriter(TrajectoryWriter):
         """Write all frames: the arrays into a temporary file, and then the file, which begins with their list."""
         with replacing(target) as file, tempfile.TemporaryFile(dir=target.absolute().parent) as arrays:
             asset = _Asset(arrays, upright=job.dimension == 3)
-            surfaces = [_Surface(asset, name, body, rows) for name, (body, rows) in job.surfaces.items()]
+            surfaces: list[_Surface | _Liquid] = [
+                _Liquid(asset, name, job.spacing(cast("Fluid", body)), rows)
+                if body.is_fluid
+                else _Surface(asset, name, body, rows)
+                for name, (body, rows) in job.surfaces.items()
+            ]
             times = []
             for sample in job.samples():
                 times.append(sample.time)
@@ -127,11 +135,11 @@ class _Asset:
         nodes[0]["children"].append(len(nodes) - 1)
         return len(nodes) - 1
 
-    def animate(self, node: int, path: str, clock: int, values: NDArray[Any]) -> None:
-        """Append an animation of a property of a node, linear between frames."""
+    def animate(self, node: int, path: str, clock: int, values: NDArray[Any], between: str = "LINEAR") -> None:
+        """Append an animation of a property of a node, linear between frames, or constant ("STEP")."""
         animation = self.json["animations"][0]
         animation["channels"].append({"sampler": len(animation["samplers"]), "target": {"node": node, "path": path}})
-        animation["samplers"].append({"input": clock, "output": self.array(values), "interpolation": "LINEAR"})
+        animation["samplers"].append({"input": clock, "output": self.array(values), "interpolation": between})
 
 
 class _Surface:
@@ -181,6 +189,32 @@ class _Surface:
             node = self._asset.node(self._name if len(body) == 1 else f"{self._name} {index}")
             self._asset.animate(node, "translation", clock, places[:, index])
             self._asset.animate(node, "rotation", clock, _continuous(turns[:, index]))
+
+
+class _Liquid:
+    """A liquid in a file."""
+
+    def __init__(self, asset: _Asset, name: str, spacing: float, rows: slice) -> None:
+        self._asset, self._name, self._spacing, self._rows = asset, name, spacing, rows
+        self._nodes: list[int | None] = []
+
+    def put(self, positions: FloatArray, orientations: FloatArray | None) -> None:
+        """Add a frame: a mesh, unless all of the liquid has gone."""
+        del orientations
+        points, faces = surface_of(positions[self._rows], self._spacing)
+        node = None
+        if len(faces):
+            name = f"{self._name} {len(self._nodes)}"
+            self._asset.mesh(name, points, faces)
+            node = self._asset.node(name)
+        self._nodes.append(node)
+
+    def finish(self, clock: int, frames: int) -> None:
+        """Write when each mesh is shown."""
+        for index, node in enumerate(self._nodes):
+            if node is not None and frames > 1:
+                sizes = np.repeat(np.arange(frames) == index, 3).reshape(frames, 3).astype(float)
+                self._asset.animate(node, "scale", clock, sizes, "STEP")
 
 
 def _continuous(quaternions: FloatArray) -> FloatArray:
