@@ -302,7 +302,7 @@ def never(time: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_what_cannot_be_exported_is_refused_before_it_is_simulated(suffix: str, tmp_path: Path) -> None:
     scene, path = pc.Scene(GRAINS, pc.CustomForce(never)), tmp_path / f"run{suffix}"
-    with pytest.raises(pc.SceneError, match=r"path: must end in \.xyz, \.extxyz, \.pvd, \.h5md or \.glb, got"):
+    with pytest.raises(pc.SceneError, match=r"path: must end in \.xyz, \.extxyz, \.pvd, \.h5md, \.glb or \.usda, got"):
         pc.export(scene, tmp_path / "run.vtk", duration=1.0)
     with pytest.raises(pc.FileError, match="no such folder"):
         pc.export(scene, tmp_path / "none" / path.name, duration=1.0)

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
+from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 4.0
@@ -28,11 +29,12 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "bowl.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene and draw the film."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=1e-3, progress=progress)
     pc.film(
         recording,
         path,
-        size=(640, 500),
+        size=(480, 376),
+        camera=Orbit(azimuth=-60.0, elevation=32.0, target=(0.0, 0.0, -0.42), extent=1.75),
         style=pc.styles.Points(color="speed"),
         max_bytes=3_000_000,
         title="Dust in a bowl",

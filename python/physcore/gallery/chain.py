@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 import physcore as pc
-from physcore.film import Window
+from physcore.film import DARK, Window
 from physcore.gallery.figure import Figure
 
 LINKS, LENGTH = 40, 2.0
@@ -21,6 +22,8 @@ LINK, BALL = 0.01, 3.0
 """Masses of a particle of the chain and of the ball [kg]."""
 ANGLE = math.radians(75.0)
 """Initial angle from the downward vertical [rad]."""
+SLACK = (255, 209, 102)
+"""Color of a link without tension."""
 
 DURATION = 6.0
 """Simulated time [s]."""
@@ -44,7 +47,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "chain.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate the scene by RATTLE and draw the links by their tensions."""
     recording = pc.simulate(scene(), DURATION, fps=25, dt=5e-4, progress=progress)
-    style = [pc.styles.Paths([-1], fade=1.2, width=2.0), pc.styles.Strain(width=5.0, nodes=True)]
+    style = [pc.styles.Paths([-1], fade=1.6, width=4.0), pc.styles.Strain(width=7.0, range=70.0, nodes=True)]
     camera = Window((-2.25, -2.25), (2.25, 0.15))
     pc.film(
         recording,
@@ -52,6 +55,7 @@ def main(path: str | os.PathLike[str] = "chain.gif", progress: bool | None = Non
         size=(640, 472),
         style=style,
         camera=camera,
+        theme=replace(DARK, relaxed=SLACK),
         title="A chain with a heavy ball",
         subtitle="Colors show the tension of each link",
         progress=progress,

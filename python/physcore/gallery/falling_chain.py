@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 import physcore as pc
-from physcore.film import Window
+from physcore.film import DARK, Window
 from physcore.gallery.figure import Figure
 
 LINKS, LENGTH, MASS = 120, 2.0, 1.0
@@ -23,6 +24,8 @@ GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""
 DEPTH = 0.9
 """Depth of the timed fall, as a fraction of the length."""
+SLACK = (255, 209, 102)
+"""Color of a link without tension."""
 
 DURATION = 0.64
 """Simulated time [s]."""
@@ -51,7 +54,7 @@ def main(path: str | os.PathLike[str] = "falling_chain.gif", progress: bool | No
     """Simulate the scene by RATTLE and draw the links by their tensions, ten times slower than real time."""
     recording = pc.simulate(scene(), DURATION, fps=240, dt=1e-4, progress=progress)
     chain, ball = recording.scene.bodies
-    style = [pc.styles.Strain(width=6.0, range=40.0, on=chain), pc.styles.Points(color="#ffb703", on=ball)]
+    style = [pc.styles.Strain(width=9.0, range=25.0, on=chain), pc.styles.Points(color="#4cc9f0", on=ball)]
     camera = Window((-0.5, -2.05), (0.8, 0.1))
     pc.film(
         recording,
@@ -59,6 +62,7 @@ def main(path: str | os.PathLike[str] = "falling_chain.gif", progress: bool | No
         size=(360, 646),
         style=style,
         camera=camera,
+        theme=replace(DARK, relaxed=SLACK),
         speed=0.1,
         title="Faster than free fall",
         subtitle="The chain pulls its own end down",

@@ -34,16 +34,32 @@ def turning(places: np.ndarray) -> np.ndarray:
     return RATE * np.column_stack([-places[:, 1], places[:, 0]])
 
 
+def turned_back(pair: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [m] and velocities [m/s] of asteroids where their slow oscillation turns, without epicycles.
+
+    Let x be the radial and y the tangential displacement in the corotating frame, and F the acceleration there at rest:
+    x″ − 2n y′ − 3n² x = Fx, y″ + 2n x′ = Fy. Where a slow solution turns, y′ = 0: x = −Fx/3n², and x′ = 2Fy/n.
+    """
+    outward = np.column_stack([np.cos(angles), np.sin(angles)])
+    forward = np.column_stack([-np.sin(angles), np.cos(angles)])
+    places = pair[0] + DISTANCE * outward
+    force = RATE * RATE * places
+    for center, mass in zip(pair, (solar_mass, jupiter_mass), strict=True):
+        way = center - places
+        force += gravitational_constant * mass * way / np.linalg.norm(way, axis=1, keepdims=True) ** 3
+    radial, tangential = ((force * way).sum(axis=1, keepdims=True) for way in (outward, forward))
+    places = places - radial / (3.0 * RATE * RATE) * outward
+    return places, turning(places) + 2.0 * tangential / RATE * outward
+
+
 def scene() -> pc.Scene:
-    """The Sun and Jupiter about their center of mass, and massless asteroids at rest in the corotating frame."""
+    """The Sun and Jupiter about their center of mass, and massless asteroids."""
     pair = DISTANCE * np.array([[-SHARE, 0.0], [1.0 - SHARE, 0.0]])
     sun = pc.Particles(pair[:1], turning(pair[:1]), mass=solar_mass, name="Sun")
     jupiter = pc.Particles(pair[1:], turning(pair[1:]), mass=jupiter_mass, name="Jupiter")
     swarms = []
     for name, angles in (("Greeks", AHEAD), ("Trojans", -AHEAD), ("horseshoe", np.array([19.0]))):
-        turned = np.radians(angles)
-        places = pair[0] + DISTANCE * np.column_stack([np.cos(turned), np.sin(turned)])
-        swarms.append(pc.Particles(places, turning(places), name=name))
+        swarms.append(pc.Particles(*turned_back(pair, np.radians(angles)), name=name))
     return pc.Scene(sun, jupiter, *swarms, pc.Gravitation(sources=[sun, jupiter]))
 
 
@@ -54,7 +70,7 @@ def main(path: str | os.PathLike[str] = "trojans.gif", progress: bool | None = N
     )
     sun, jupiter, *swarms = recording.scene.bodies
     style = [
-        pc.styles.Paths(on=swarms, width=1.2),
+        pc.styles.Paths(on=swarms, width=1.6),
         pc.styles.Points(color="body", size=30.0, glow=1.0, trail=0.0, on=sun),
         pc.styles.Points(color="body", size=16.0, glow=0.3, trail=0.0, on=jupiter),
         pc.styles.Points(color="body", size=5.0, glow=0.6, trail=0.0, on=swarms),

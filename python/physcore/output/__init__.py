@@ -17,6 +17,7 @@ from physcore.output.base import ExportJob, TrajectoryWriter
 from physcore.output.extended_xyz import ExtendedXyzWriter
 from physcore.output.gltf import GltfWriter
 from physcore.output.h5md import H5mdWriter
+from physcore.output.usd import UsdWriter
 from physcore.output.vtk import VtkWriter
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import Recording
@@ -25,7 +26,7 @@ from physcore.storage.formats import writable
 from physcore.units.styles import ATOMS, style_of
 from physcore.units.systems import UnitSystem
 
-FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter, GltfWriter)
+FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter, GltfWriter, UsdWriter)
 """All formats of exported trajectories."""
 
 __all__ = ["FORMATS", "export"]
@@ -52,14 +53,15 @@ def export(
         .pvd            for ParaView, files in a folder beside it: for each frame a .vtp of particles and springs with
                         their strain, and a .vti of each system on a grid, whose fields no other format has
         .h5md           H5MD 1.1, for MDAnalysis, OVITO and VMD, with the energies; needs `pip install 'physcore[hdf5]'`
-        .glb            glTF 2.0, for Blender and others: moving surfaces of cloths and soft bodies, rigid bodies and
-                        fluids in 3D; lengths are meters unless `units` are given. Fluids need
+        .glb            glTF 2.0, for Blender and others: moving surfaces of cloths and soft bodies, and liquids and
+                        rigid bodies in 3D; lengths are meters unless `units` are given. Liquids need
                         `pip install 'physcore[files]'`
+        .usda           Universal Scene Description, for Blender, Houdini and others: the same, as text
 
-    Rigid bodies are points at their centers of mass, with their orientations; in glTF they are solids. All values are
-    in SI units, or in those of the scene, which files then name. Programs for atoms, such as ASE, interpret lengths as
-    Å without conversion: units="metal" converts to Å, ps, u, e and eV, names the masses as they do, and adds the
-    temperature. 2D scenes are written with z = 0. Positions are those of the recording, within the periodic domain,
+    Rigid bodies are points at their centers of mass, with their orientations; in glTF and USD they are solids. All
+    values are in SI units, or in those of the scene, which files then name. Programs for atoms, such as ASE, interpret
+    lengths as Å without conversion: units="metal" converts to Å, ps, u, e and eV, names the masses as they do, and adds
+    the temperature. 2D scenes are written with z = 0. Positions are those of the recording, within the periodic domain,
     with all their digits. With a scene, only one frame is in memory at a time. The file appears under its name when it
     is complete. Until then, and after any failure, an existing file stays unchanged.
 
@@ -96,8 +98,8 @@ def export(
         raise SceneError("units: fields on grids are written in the units of the scene; leave units= out")
     if not writer.holds_particles and not job.surfaces:
         raise SceneError(
-            f"path: {target.suffix} holds surfaces, and no body has faces: cloths, soft bodies, and rigid "
-            "bodies and fluids in 3D have; particles go into .xyz, .pvd or .h5md"
+            f"path: {target.suffix} holds surfaces, and no body has faces: cloths, soft bodies, and "
+            "liquids and rigid bodies in 3D have; particles go into .xyz, .pvd or .h5md"
         )
     if not job.has_bodies and not job.grids:
         raise SceneError(

@@ -156,13 +156,18 @@ class ExportJob:
             body.name or f"body {index}": (body, row)
             for index, (body, row) in enumerate(zip(self._bodies, rows, strict=True))
             if (body.network is not None and len(body.network.faces))
-            or (body.dimension == 3 and (body.is_rigid or body.is_fluid))
+            or ((body.is_rigid or body.is_fluid) and body.dimension == 3)
         }
 
     @property
     def length(self) -> float:
         """The factor from lengths of the scene to those of the file."""
         return self._factor("m")
+
+    @property
+    def rate(self) -> float:
+        """Frames per unit of time of the file."""
+        return self._source.fps / self._factor("s")
 
     @property
     def dimension(self) -> int:

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore.checks import FloatArray
-from physcore.errors import FileError, PhyscoreError
+from physcore.errors import FileError
 from physcore.film.shapes.spatial import mesh_of
 from physcore.output.base import ExportJob, Sample, TrajectoryWriter
-from physcore.output.liquid import liquid_surface, missing
+from physcore.output.liquid import liquid_surface, require
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import Fluid
 from physcore.scene.rigid import RigidBodies
@@ -57,9 +57,7 @@ class GltfWriter(TrajectoryWriter):
         Raises:
             PhyscoreError: there are fluids, and the package for their surfaces is missing.
         """
-        needed = missing()
-        if needed is not None and any(body.is_fluid for body, _ in job.surfaces.values()):
-            raise PhyscoreError(f"{target}: {needed}")
+        require(job, target)
         with replacing(target) as file, tempfile.TemporaryFile(dir=target.absolute().parent) as arrays:
             asset = _Asset(arrays, upright=job.dimension == 3)
             surfaces = [_surface(asset, name, body, rows, job.length) for name, (body, rows) in job.surfaces.items()]

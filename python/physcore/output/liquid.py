@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physcore.checks import FloatArray
+from physcore.errors import PhyscoreError
+from physcore.output.base import ExportJob
 
 if TYPE_CHECKING:
     from pysplashsurf import TriMesh3d
@@ -31,9 +34,14 @@ class LiquidSurface(NamedTuple):
     """Unit vectors out of the liquid, shape (N, 3)."""
 
 
-def missing() -> str | None:
-    """The instruction to install the package, if it is missing; otherwise None."""
-    return None if find_spec(PACKAGE) else f"surfaces of fluids need {PACKAGE}: pip install 'physcore[files]'"
+def require(job: ExportJob, target: Path) -> None:
+    """Check that the package is there if a job has liquids.
+
+    Raises:
+        PhyscoreError: it is not installed.
+    """
+    if any(body.is_fluid for body, _ in job.surfaces.values()) and find_spec(PACKAGE) is None:
+        raise PhyscoreError(f"{target}: surfaces of fluids need {PACKAGE}: pip install 'physcore[files]'")
 
 
 def liquid_surface(positions: FloatArray, spacing: float) -> LiquidSurface:

@@ -146,7 +146,9 @@ impl Band<'_> {
 
     /// Draws a triangle enlarged by half a pixel, and stores its depth. The triangle is not enlarged over pixels whose centers
     /// lie in another triangle of about equal depth. Otherwise an edge between two sides would lie alternately on one side and on
-    /// the other. `threads` are the coordinates of a weave at the corners, and the number of samples along the side of a pixel.
+    /// the other.
+    ///
+    /// - `threads`: coordinates of a weave at the corners, and the number of samples along the side of a pixel.
     pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>, threads: Option<(&[[f32; 2]; 3], f32)>) {
         const MORE: f32 = 0.5;
         let [a, b, c] = triangle.corners;

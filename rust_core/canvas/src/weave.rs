@@ -24,8 +24,11 @@ pub(crate) struct Weave {
 }
 
 impl Weave {
-    /// Weave from the pixels and the coordinates of the corners of a triangle with this doubled signed area. `times` is the number of
-    /// samples along the side of a pixel of the picture.
+    /// Weave of a triangle in a picture.
+    ///
+    /// - `doubled`: doubled signed area.
+    /// - `threads`: coordinates of the corners.
+    /// - `times`: number of samples along the side of a pixel of the picture.
     pub(crate) fn new([a, b, c]: &[[f32; 2]; 3], doubled: f32, threads: &[[f32; 2]; 3], times: f32) -> Self {
         let per_pixel = |index: usize| {
             let (first, second) = (threads[1][index] - threads[0][index], threads[2][index] - threads[0][index]);

@@ -68,7 +68,7 @@ const SOFT: f32 = 0.45;
 const FARTHEST_BLUR: usize = 16;
 /// Brightness of the reflected lamp.
 const HIGHLIGHT: f32 = 110.0;
-/// Share of light that a liquid blocks; one that glows lights what is in its shadow.
+/// Share of light that the middle of an opaque drop blocks; one that glows lights what is in its shadow.
 const HELD: f32 = 0.5;
 
 /// Drops of one frame, and their screen-space buffers, which are reused for the next frame.
@@ -183,11 +183,10 @@ impl Liquid {
 
     /// Shadow casters of the drops in 3D, with the share of light that they block.
     pub(crate) fn casters(&self, eye: Eye) -> impl Iterator<Item = (Caster, f32)> {
-        let share = HELD * (1.0 - self.glow);
+        let held = HELD * (1.0 - self.glow);
         self.drops.iter().filter(|_| self.scale > 0.0).map(move |drop| {
-            let depth = drop.depth / self.scale;
-            // Smaller than the sphere: otherwise a smooth surface would be in the shadow of its own drops.
-            (Caster::Ball(eye.place(drop.center, depth), 0.5 * drop.radius / eye.magnification(depth)), share)
+            let (depth, share) = (drop.depth / self.scale, held * f32::from(drop.color[3]) / 255.0);
+            (Caster::Drop(eye.place(drop.center, depth), drop.radius / eye.magnification(depth)), share)
         })
     }
 

@@ -114,9 +114,8 @@ fn a_ball_bounces_off_a_face() {
 
 /// Momentum and angular momentum are kept to the rounding of 200 steps with impulses of about 1 N·s, by boxes that hit faces
 /// anywhere, with friction. Arms of large groups are those at the start of a step, so that momentum alone is kept there. The energy
-/// balance errs by free rotation, by splitting: up to (hω)²/12 of an energy of rotation below 0.01 J at ω = 4 rad/s. In large groups it
-/// also errs by the motion in a piece of the step in which a body strikes, a quarter of 0.01 m of the way, and what this changes in
-/// the loss of an impact: a small part of the energy of 0.3 J.
+/// balance errs by free rotation, by splitting: up to (hω)²/12 of an energy of rotation below 0.01 J at ω = 4 rad/s. Large groups err
+/// too by where a body is when it strikes: by up to a quarter of 0.01 m. This changes the loss by a small part of 0.3 J.
 #[test]
 fn impacts_on_faces_keep_momenta() {
     for sequential in [32, 0] {
