@@ -108,7 +108,6 @@ impl PyCanvas {
     /// triangle (T, 1), which then receives no light. A texture requires texture coordinates of the corners; a weave is
     /// their coordinates (T, 3, 2) across its two sets of threads [threads].
     #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None, weave=None))]
-    #[expect(clippy::too_many_arguments, reason = "one call for each frame")]
     fn triangles(
         &mut self,
         corners: PyReadonlyArray2<'_, f32>,
