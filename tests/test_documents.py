@@ -32,6 +32,7 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
+@pytest.mark.filterwarnings("ignore:.* overlaps .* at the start by:physcore.SceneWarning")
 @pytest.mark.parametrize(
     ("script", "printed"),
     [

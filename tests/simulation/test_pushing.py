@@ -9,6 +9,7 @@ import pytest
 
 import physcore as pc
 
+OVERLAPS = pytest.mark.filterwarnings("ignore:.* overlaps .* at the start by:physcore.SceneWarning")
 G, SIDE = 9.81, 0.2
 SOLVERS = {"small": pc.ContactSolver(), "large": pc.ContactSolver(sequential=0)}
 
@@ -27,6 +28,7 @@ def stated(plan: pc.Plan) -> float:
     return float(found[0][1]) if found and found[0] else 0.0
 
 
+@OVERLAPS
 @pytest.mark.filterwarnings("ignore:the energy balance drifted")
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_pushing_adds_the_energy_by_which_it_lifts(solver):
@@ -61,6 +63,7 @@ def test_many_bodies_that_sink_and_are_pushed_up_again_drift_by_it():
     assert stated(recording.plan) == pytest.approx(drift, rel=0.2)
 
 
+@OVERLAPS
 def test_a_checkpoint_has_what_was_added(tmp_path):
     run = pc.Simulation(stack(5e-4), dt=1 / 240)
     run.step(10)

@@ -71,6 +71,7 @@ def test_joined_bodies_do_not_overlap(dimension):
     assert [each.depth for each in alone] == pytest.approx([0.1], rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:.* overlaps .* at the start by:physcore.SceneWarning")
 @pytest.mark.parametrize("overlap", [0.0, 1e-3])
 def test_bodies_that_overlap_at_the_start_are_found(overlap):
     """Of a run ahead and of one that is recorded."""
@@ -83,6 +84,7 @@ def test_bodies_that_overlap_at_the_start_are_found(overlap):
             assert "0.001 m" in found["overlaps"].cure
 
 
+@pytest.mark.filterwarnings("ignore:.* overlaps .* at the start by:physcore.SceneWarning")
 def test_later_states_are_no_starts():
     run = pc.Simulation(tower(3, 1e-3), dt=1 / 240)
     run.step(1)

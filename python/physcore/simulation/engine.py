@@ -11,7 +11,7 @@ import numpy as np
 
 from physcore._core import World
 from physcore.checks import BoolArray, FloatArray
-from physcore.errors import SceneError
+from physcore.errors import SceneError, SceneWarning, warn
 from physcore.numerics.choices import Limit, Numerics
 from physcore.numerics.fluids import FluidMethod
 from physcore.scene.bodies import Body
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from physcore._core import StagesRecord
 
 S = TypeVar("S", bound=Snapshot)
+WARNING = "warning: "
+"""Beginning of those notes of the engine that are warnings of probable mistakes in a scene."""
 PLACES = ("positions", "rigid_positions")
 """Fields of positions in the periodic domain."""
 
@@ -34,10 +36,13 @@ def build(scene: Scene, numerics: Numerics) -> World:
     """Hand a scene to the engine.
 
     Raises:
-        SceneError: the engine cannot do what was asked, or a particle starts outside of a boundary.
+        SceneError: the engine cannot do what was asked, or something starts outside of a boundary or within a body.
+
+    Warns:
+        SceneWarning: rigid bodies, or particles and rigid bodies, overlap a little at the start.
     """
     try:
-        return World(
+        world = World(
             describe(scene, numerics),
             Record.of(numerics.integrator).described(),
             {path: Record.of(integrator).described() for path, integrator in numerics.integrators.items()},
@@ -48,6 +53,10 @@ def build(scene: Scene, numerics: Numerics) -> World:
         )
     except SceneError as error:
         raise SceneError(named(str(error), scene)) from error.__cause__
+    for note in (note for system in world.plan()["systems"] for note in system["notes"]):
+        if note.startswith(WARNING):
+            warn(named(note.removeprefix(WARNING), scene), SceneWarning)
+    return world
 
 
 def named(message: str, scene: Scene) -> str:
@@ -229,7 +238,7 @@ def plan(world: World, scene: Scene, bound: Limit, dt: float) -> Plan:
         simd=facts["simd"],
         layout=scene.units.reworded(first["layout"]),
         left_out=tuple(first["left_out"]),
-        notes=tuple(named(note, scene) for note in notes),
+        notes=tuple(named(note.removeprefix(WARNING), scene) for note in notes),
         units=scene.units,
     )
 

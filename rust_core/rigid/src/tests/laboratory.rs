@@ -178,6 +178,6 @@ pub fn turned(w: f64, x: f64, y: f64, z: f64) -> Orientation {
 impl Laboratory {
     /// Deepest overlap [m].
     pub fn overlap(&self) -> f64 {
-        self.world.overlaps(&self.motions).iter().map(|overlap| overlap.depth).fold(0.0, f64::max)
+        self.world.overlaps(&self.motions, &[]).iter().map(|overlap| overlap.depth).fold(0.0, f64::max)
     }
 }

@@ -77,6 +77,7 @@ impl RigidBodies {
             near: Vec::new(),
             near_faces: Vec::new(),
             order: 2,
+            firsts: (0..scene.bodies.len()).map(|body| scene.first(body)).collect(),
             overlap: None,
             path,
         };

@@ -21,7 +21,7 @@ pub use overlaps::{RigidPose, overlaps};
 
 use super::{Breakage, ConstrainedStep, Constraint, ConstraintProperties, ConstraintStage, DriftVelocity, ForcedState};
 use crate::catalog::Space;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::forces::StateView;
 use crate::ledger::{Class, Ledger};
 use crate::matter::{EnergySink, SolidMotion};
@@ -36,9 +36,6 @@ const LARGEST_ANGLE: f64 = 0.1;
 const PART_OF_FALL: f64 = 0.05;
 /// Name of the springs among joints in the budget and in the bound on the time step.
 const JOINT_TERM: &str = "joints";
-/// Overlap at the start that is refused, and that is mentioned, over the size of the smaller body.
-const REFUSED: f64 = 1e-2;
-const MENTIONED: f64 = 1e-6;
 
 /// Rigid bodies with the particles that may meet them.
 pub struct RigidBodies {
@@ -70,8 +67,10 @@ pub struct RigidBodies {
     near: Vec<usize>,
     near_faces: Vec<FreeFace>,
     order: u32,
-    /// Largest overlap at the start [m].
-    overlap: Option<f64>,
+    /// Index of the first particle of each body of the scene.
+    firsts: Vec<usize>,
+    /// Warning of overlaps at the start, empty without; None before they are sought.
+    overlap: Option<String>,
     path: String,
 }
 
@@ -177,28 +176,16 @@ impl<V: Space> Constraint<V> for RigidBodies {
         self.warnings()
     }
 
-    /// Places tied particles, and refuses bodies that overlap at the start.
+    /// Places tied particles, and refuses bodies and particles that overlap at the start.
     fn initialize(&mut self, step: &mut ConstrainedStep<'_, V>) -> Result<()> {
         self.tied.iter().for_each(|tied| tied.initialize(step, &self.world));
         self.world.wake_all();
-        if self.overlap.is_some() {
-            return Ok(());
+        if self.overlap.is_none() {
+            self.record_starts(step);
+            self.others.clear();
+            self.others.extend(self.points.iter().map(|(particle, _)| motion(step, *particle as usize)));
+            self.overlap = Some(self.start_overlap()?);
         }
-        self.record_starts(step);
-        let motions: Vec<CenterMotion> =
-            self.starts.iter().map(|&[position, velocity]| CenterMotion::free(position, velocity)).collect();
-        let (mut most, mut worst): (f64, Option<(f64, [String; 2])>) = (0.0, None);
-        for overlap in self.world.overlaps(&motions) {
-            if overlap.depth > REFUSED * overlap.size && worst.as_ref().is_none_or(|(depth, _)| overlap.depth > *depth) {
-                worst = Some((overlap.depth, overlap.names));
-            }
-            most = if overlap.depth > MENTIONED * overlap.size { overlap.depth.max(most) } else { most };
-        }
-        if let Some((depth, [one, other])) = worst {
-            let found = format!("{one} and {other}, which overlap by {depth:.3e} m");
-            return Err(Error::parameter(&self.path, "bodies that do not overlap at the start", found));
-        }
-        self.overlap = Some(most);
         Ok(())
     }
 

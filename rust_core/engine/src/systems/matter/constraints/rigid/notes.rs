@@ -33,11 +33,7 @@ impl RigidBodies {
     /// Warnings of what went on so far.
     pub fn warnings(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        if let Some(overlap) = self.overlap.filter(|&overlap| overlap > 0.0) {
-            notes.push(format!(
-                "rigid bodies: some overlap at the start, by up to {overlap:.2e} m; the first step pushes them apart"
-            ));
-        }
+        notes.extend(self.overlap.iter().filter(|overlap| !overlap.is_empty()).map(|overlap| format!("warning: {overlap}")));
         let RigidState { pushed, retaken, waits, .. } = self.world.state;
         if pushed != 0.0 {
             notes.push(format!(
