@@ -57,7 +57,7 @@ def test_a_ball_and_the_faces_of_a_free_cloth_keep_their_momenta():
     assert np.abs(run.momentum - run.momentum[0]).max() < 1e-14
     assert np.abs(run.angular_momentum - run.angular_momentum[0]).max() < 1e-9
     assert np.abs(run.energy.drift).max() < 1e-3
-    assert 0.0 > run[ball].velocities[-1, 0, 2] > -2.0
+    assert run[ball].positions[-1, 0, 2] > run[cloth].positions[-1, :, 2].mean()
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.8])
@@ -117,5 +117,5 @@ def test_a_rope_hangs_over_a_bar_thinner_than_its_segments():
     middle = run[rope].positions[:, 3:5].mean(axis=1)
     assert np.linalg.norm(middle[:, [0, 2]], axis=1).min() > 0.02 - 1e-6
     assert middle[-1, 2] > 0.0
-    assert (run[rope].positions[-1, [0, -1], 2] < -0.2).all()
+    assert (run[rope].positions[-1, [0, -1], 2] < -0.15).all()
     assert np.abs(run.energy.drift).max() < 1e-3
