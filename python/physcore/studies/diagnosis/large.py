@@ -39,14 +39,12 @@ def film_bytes(recording: Recording) -> int:
     pairs of frames. Approximated colors, which films above 3 MB have, reduce it by a fifth to a half.
     """
     count = len(recording)
-    first = np.unique(np.linspace(0, max(count - 2, 0), SAMPLES).astype(np.int64))
-    alone = _gif(recording, first) / len(first)
-    if count * alone <= LARGEST_FILM:
-        return round(count * alone)  # Changes between frames take less than frames alone, and need not be drawn.
     if count <= 4 * SAMPLES:
         return _gif(recording, np.arange(count))
-    both = _gif(recording, np.stack([first, first + 1], axis=1).ravel()) / len(first)
-    return round(alone + (count - 1) * max(both - alone, 0.0))
+    first = np.linspace(0, count - 2, SAMPLES).astype(np.int64)
+    alone = _gif(recording, first)
+    both = _gif(recording, np.stack([first, first + 1], axis=1).ravel())
+    return round(alone / SAMPLES + (count - 1) * max(both - alone, 0) / SAMPLES)
 
 
 def _gif(recording: Recording, frames: IntArray) -> int:
