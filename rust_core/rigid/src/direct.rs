@@ -22,7 +22,7 @@ const MOST_FAILURES: usize = 3;
 /// Shift ε over the largest diagonal entry, and number of refinements.
 const SHIFT: f64 = 1e-9;
 const REFINEMENTS: usize = 3;
-/// Impulse of a contact over the mass of the group times the velocity that it shall change, above which the matrix counts as
+/// Impulse over the mass of the group times the velocity that it shall change, above which the matrix of contacts counts as
 /// singular. The directions of contacts amplify impulses by less; ε leaves singular ones amplified by its inverse.
 const AMPLIFIED: f64 = 1e2;
 
@@ -167,18 +167,15 @@ impl Rows {
         (0..count).for_each(|i| matrix[i * count + i] += SHIFT * largest + equations[i].yields);
         let Some(order) = factorize(&mut matrix, count) else { return false };
         let mut sums = vec![0.0; count];
+        let is_of_contacts = equations.iter().all(|equation| equation.unknown.is_of_contact());
         let mass: f64 = v.bodies.iter().filter(|body| !body.is_fixed()).map(|body| 1.0 / body.inverse_mass).sum();
         for refinement in 0..REFINEMENTS {
             let lack =
                 |(each, sum): (&HeldEquation, &f64)| each.row.target - each.row.velocity(each.bodies, v) - each.yields * sum;
             let lacks: Vec<f64> = equations.iter().zip(&sums).map(lack).collect();
             let changes = solution(&matrix, &order, &lacks);
-            let of_contacts = |values: &[f64]| {
-                let contacts = equations.iter().zip(values).filter(|(equation, _)| equation.unknown.is_of_contact());
-                contacts.map(|(_, value)| value.abs()).fold(0.0, f64::max)
-            };
-            let fastest = lacks.iter().copied().map(f64::abs).fold(0.0, f64::max);
-            if of_contacts(&changes) > AMPLIFIED * mass * fastest {
+            let largest = |values: &[f64]| values.iter().copied().map(f64::abs).fold(0.0, f64::max);
+            if is_of_contacts && largest(&changes) > AMPLIFIED * mass * largest(&lacks) {
                 return refinement > 0;
             }
             for ((equation, change), sum) in equations.iter().zip(changes).zip(&mut sums) {

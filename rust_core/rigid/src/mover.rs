@@ -85,6 +85,8 @@ impl Mover {
     pub fn turned(&self, h: f64) -> Orientation {
         if self.is_fixed() {
             self.orientation.turned(h * self.spin)
+        } else if self.inertia == Inertia::NONE {
+            self.orientation
         } else {
             self.inertia.turned(&self.orientation, self.spin, h)
         }
@@ -122,7 +124,7 @@ impl Kernel for Drifting<'_> {
         let (mut members, mut count) = ([0; LANES], 0);
         for index in 0..self.movers.len() {
             let mover = &mut self.movers[index];
-            if mover.is_fixed() || mover.inertia.is_planar() {
+            if mover.is_fixed() || mover.inertia.is_planar() || mover.inertia == Inertia::NONE {
                 mover.drift(self.h);
                 continue;
             }

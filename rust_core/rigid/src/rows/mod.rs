@@ -11,7 +11,7 @@ mod joint;
 mod lanes;
 mod space;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::face::{FACES, NetFace, weights};
 use crate::joint_system::JointSystem;
@@ -103,7 +103,8 @@ impl<S: RowSpace> BodyVelocities<S> {
     /// Point of a face at coordinates, as a particle.
     #[cold]
     fn point(&self, index: usize, at: S::Vector) -> BodyVelocity<S> {
-        let mut point = BodyVelocity::<S>::default();
+        // A particle does not turn; the default of a matrix is the identity.
+        let mut point = BodyVelocity::<S> { inverse_inertia: S::inverse(&DMat3::ZERO), ..BodyVelocity::default() };
         for (corner, weight) in self.corners(index, at) {
             point.linear += self.bodies[corner].linear * weight;
             point.inverse_mass += weight * weight * self.bodies[corner].inverse_mass;

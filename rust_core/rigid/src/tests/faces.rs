@@ -205,3 +205,27 @@ fn a_slope_of_faces_is_a_slope() {
         }
     }
 }
+
+/// Masses that are a power of two as large change no bit.
+#[test]
+fn masses_have_no_scale() {
+    let of = |scale: f64, friction: f64, place: [f64; 2]| {
+        let mut lab = Laboratory::new(3, DVec3::ZERO);
+        let pose = (DVec3::new(place[0], place[1], 0.35), turned(1.0, 0.0, 0.0, 0.0));
+        lab.add(&round("Ball", 0.1), (0.6 * scale, friction, 0.0), pose, (DVec3::new(-0.5, 0.2, -1.0), DVec3::ZERO));
+        let mut net = Net::new(lab, &SQUARE, 0.3 * scale, &HALVES, 0.0);
+        let mut states = Vec::new();
+        for _ in 0..60 {
+            net.step(0.01, 1);
+            let motions = net.lab.motions.iter().chain(&net.motions);
+            states.push(motions.map(|motion| (motion.position, motion.velocity)).collect::<Vec<_>>());
+        }
+        states
+    };
+    for friction in [0.0, 0.4] {
+        for place in [[0.3, -0.2], [0.0, 0.0], [-0.8, 0.85]] {
+            let [one, other] = [of(1.0, friction, place), of(0.25, friction, place)];
+            assert!(one == other, "{friction} {place:?}");
+        }
+    }
+}
