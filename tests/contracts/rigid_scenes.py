@@ -211,8 +211,8 @@ def hammock(side: int = 5) -> pc.Scene:
         angular_velocities=[(0.5, 1.0, -1.0), (0.0, -2.0, 0.3)],
         mass=(0.3, 0.2),
     )
-    beam = pc.RigidBody(pc.Cuboid(0.6, 0.1, 0.1), (0.3, 2.0, 0.0), mass=0.5)
-    weight = pc.Particles([[0.6, 2.0, 0.2]], mass=0.1)
+    beam = pc.RigidBody(pc.Cuboid(0.6, 0.1, 0.1), (0.3, -2.0, 0.0), mass=0.5)
+    weight = pc.Particles([[0.6, -2.0, 0.2]], mass=0.1)
     columns = np.arange(side * side) % side
     ties = [
         pc.Anchor(cloth, columns == 0, (boxes, 0)),
@@ -220,7 +220,7 @@ def hammock(side: int = 5) -> pc.Scene:
         pc.Anchor(weight, 0, beam),
     ]
     return pc.Scene(
-        cloth, boxes, beam, weight, *ties, pc.BallJoint(beam, None, (0.0, 2.0, 0.0)), pc.Gravity((0.0, 1.0, -G))
+        cloth, boxes, beam, weight, *ties, pc.BallJoint(beam, None, (0.0, -2.0, 0.0)), pc.Gravity((0.0, 1.0, -G))
     )
 
 

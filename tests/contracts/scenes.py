@@ -659,7 +659,7 @@ RIGID: dict[str, Case] = {
     "sails": Case(rigid_scenes.sails, 0.01),
     "weathervane": Case(rigid_scenes.weathervane, 0.01),
     "hammock": Case(rigid_scenes.hammock, 0.004, large=lambda: rigid_scenes.hammock(70)),
-    "caught": Case(rigid_scenes.caught, 0.002),
+    "caught": Case(rigid_scenes.caught, 0.0015),
     "flagpole": Case(rigid_scenes.flagpole, 0.004),
     "heap": Case(rigid_scenes.heap, 0.001, rigid_scenes.pile()),
     "heap f32": Case(rigid_scenes.heap, 0.001, {**rigid_scenes.pile(), "precision": "f32"}),
