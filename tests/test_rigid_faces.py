@@ -119,3 +119,21 @@ def test_a_rope_hangs_over_a_bar_thinner_than_its_segments():
     assert middle[-1, 2] > 0.0
     assert (run[rope].positions[-1, [0, -1], 2] < -0.15).all()
     assert np.abs(run.energy.drift).max() < 1e-3
+
+
+def test_a_large_ball_needs_the_particles_of_a_fine_cloth_alone():
+    """Between them the cloth is within the ball by at most a 24th of its sides.
+
+    A ball with a radius of four diagonals meets no faces, a smaller one and a box do.
+    """
+    cloth = pc.cloth((9, 9), 0.05, 100.0, damping=0.05, mass=1e-3, origin=(-0.2, -0.2, 0.3), axes=FLAT)
+    gravity = pc.Gravity((0.0, 0.0, -G))
+
+    def notes(shape):
+        return " ".join(
+            pc.Simulation(pc.Scene(cloth, pc.RigidBody(shape, (0.0, 0.0, 0.0), fixed=True), gravity)).plan.notes
+        )
+
+    assert "faces" not in notes(pc.Ball(0.285))
+    assert "128 faces" in notes(pc.Ball(0.28))
+    assert "128 faces" in notes(pc.Cuboid(0.5, 0.5, 0.5))

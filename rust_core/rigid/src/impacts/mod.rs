@@ -28,8 +28,8 @@ const SHORTEST: f64 = 1e-9;
 /// Largest number of pieces of a step: these, one for each body, and one for each size that the fastest moves, up to a bound.
 const PIECES: usize = 8;
 const MOST_SIZES: usize = 1000;
-/// Largest number of rows of contacts in all pieces of a step that is cut at an impact. With fewer rows, discs that bounce in a heap
-/// have an error of the energy above order 2. With more, heaps of cuboids take longer and err as much.
+/// Largest number of rows of contacts in all pieces of a step that is cut at an impact. With a third of it, the energy of discs that
+/// bounce in a heap has errors above order 2. With more, heaps of cuboids take longer and err as much.
 const MOST_ROWS: usize = 128;
 
 impl Island {

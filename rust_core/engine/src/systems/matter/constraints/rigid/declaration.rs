@@ -52,7 +52,10 @@ impl RigidBodies {
         world.state.ties = vec![DVec3::ZERO; ties.count];
         world.let_sleep(sleep_rules(scene, &ties)?);
         let points = points(&mut world, scene, properties, &engine, &ties);
-        let faces = NetworkFaces::declared(scene, &engine, &points, &properties.radius)?;
+        let shapes = || world.bodies.iter().map(|body| &world.shapes[body.surface.shape]);
+        let round =
+            if shapes().all(SolidShape::is_round) { shapes().map(SolidShape::reach).fold(f64::INFINITY, f64::min) } else { 0.0 };
+        let faces = NetworkFaces::declared(scene, &engine, &points, (&properties.radius, round))?;
         let starts = ties.centers(&world, scene, &places);
         let joined = add_joints(&mut world, scene, &places, &starts, &points)?;
         let path = first.item.path.clone();

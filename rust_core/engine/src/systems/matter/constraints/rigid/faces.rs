@@ -1,7 +1,8 @@
 //! Faces of spring networks that meet rigid bodies.
 //!
-//! These are the triangles of surfaces, in 2D the sides at their rims, and the springs of chains such as ropes. Particles that are tied to a body do not meet it by themselves, and the faces at them do not meet any. A face along a spring that
-//! breaks is gone.
+//! These are the triangles of surfaces, in 2D the sides at their rims, and the springs of chains such as ropes. Particles that are
+//! tied to a body do not meet it by themselves, and the faces at them do not meet any. A face along a spring that breaks is gone. Balls
+//! and discs that are large against a face need its corners alone.
 
 use std::collections::BTreeMap;
 
@@ -13,6 +14,10 @@ use crate::error::Result;
 use crate::forces::springs;
 use crate::scene::Scene;
 use crate::systems::matter::constraints::self_contact::{self, BodySurface};
+
+/// Radius of balls and discs that meet the particles at the corners of a face alone, over its longest side a at the start. Between them
+/// the face is within such a ball by at most (a/√3)²/2R, a 24th of a.
+const LARGE: f64 = 4.0;
 
 /// Triangle of a surface or segment of a chain, by the places of its corners among the points, with the springs along its sides. The
 /// third corner of a segment is its second.
@@ -39,11 +44,18 @@ pub struct NetworkFaces {
 }
 
 impl NetworkFaces {
-    /// Faces of the networks of a scene between the points that may meet bodies, which have these radii [m].
+    /// Faces of the networks of a scene between the points that may meet bodies, which have these radii [m]. All bodies are balls or
+    /// discs of at least the radius `round` [m]; it is 0 if there are others.
     ///
     /// # Errors
     /// If the faces of a body are wrong.
-    pub fn declared(scene: &Scene, engine: &[u32], points: &[(u32, FreePoint)], radius: &[f64]) -> Result<Self> {
+    pub fn declared(scene: &Scene, engine: &[u32], points: &[(u32, FreePoint)], (radius, round): (&[f64], f64)) -> Result<Self> {
+        let mut positions = vec![DVec3::ZERO; engine.len()];
+        engine.iter().zip(scene.positions()).for_each(|(&particle, position)| positions[particle as usize] = position);
+        let is_small = |[a, b, c]: [u32; 3]| {
+            let length = |one: u32, other: u32| positions[one as usize].distance(positions[other as usize]);
+            round >= LARGE * length(a, b).max(length(b, c)).max(length(c, a))
+        };
         let mut places = vec![None; engine.len()];
         points.iter().enumerate().for_each(|(place, (particle, _))| places[*particle as usize] = Some(place));
         let mut all = Self { is_planar: scene.dimension == 2, ..Self::default() };
@@ -51,9 +63,13 @@ impl NetworkFaces {
             let BodySurface { faces, edges } = self_contact::surface(scene, body, engine)?;
             let mut count = vec![0; engine.len()];
             edges.iter().flat_map(|(ends, _)| ends).for_each(|&end| count[end as usize] += 1);
-            let chain = edges.into_iter().filter(|_| count.iter().all(|&count| count <= 2));
+            let is_chain = count.iter().all(|&count| count <= 2);
+            let chain = edges.into_iter().filter(|_| is_chain);
             for (corners, springs) in faces.into_iter().chain(chain.map(|([one, other], springs)| ([one, other, other], springs)))
             {
+                if is_small(corners) {
+                    continue;
+                }
                 let of = |corner: u32| places[corner as usize];
                 let [Some(a), Some(b), Some(c)] = corners.map(of) else { continue };
                 let radius = corners.map(|corner| radius[corner as usize]).into_iter().fold(f64::INFINITY, f64::min);
