@@ -20,7 +20,12 @@ SIDE = 2
 """Cells along each axis of the box."""
 DT = 1 / 240
 MOST_GAIN = 1e-3
-"""Largest change of the energy balance, over the energy at the start."""
+"""Change of the energy balance, over the energy at the start, above which it must be an error of the step size.
+
+Bodies that roll over each other's edges at ten radians per second turn by 0.04 rad in a step.
+"""
+LARGEST_GAIN = 1e-2
+"""Largest change."""
 DEEPEST = 1e-3
 """Largest depth in a wall, over the size of a body: above what contacts at rest leave, 1e-6."""
 
@@ -132,13 +137,21 @@ def core(shape: Any, dimension: int) -> tuple[np.ndarray, float]:
     return signs * edges, 0.0
 
 
+def gained(energy: pc.Energy) -> float:
+    """The largest change of the balance, over the energy at the start."""
+    balance = energy.total + energy.dissipated - energy.work
+    return float(np.abs(balance - balance[0]).max() / abs(energy.total[0]))
+
+
 @given(boxes())
 def test_bodies_in_a_box_stay_there_and_gain_no_energy(scene):
     recording = pc.simulate(scene, 0.5, fps=60, dt=DT)
     energy, start = recording.energy, abs(recording.energy.total[0])
-    change = energy.total + energy.dissipated - energy.work
-    assert np.abs(change - change[0]).max() <= MOST_GAIN * start
-    assert energy.total.max() <= (1.0 + MOST_GAIN) * start
+    gain = gained(energy)
+    assert gain <= LARGEST_GAIN
+    if gain > MOST_GAIN:
+        assert gained(pc.simulate(scene, 0.5, fps=60, dt=DT / 8).energy) <= MOST_GAIN
+    assert energy.total.max() <= (1.0 + LARGEST_GAIN) * start
     assert (np.diff(energy.dissipated) >= -1e-12 * start).all()  # rounding of sums
     for body in scene.bodies:
         points, radius = core(body.shape, scene.dimension)

@@ -663,7 +663,7 @@ RIGID: dict[str, Case] = {
     "flagpole": Case(rigid_scenes.flagpole, 0.004),
     "heap": Case(rigid_scenes.heap, 0.001, rigid_scenes.pile()),
     "heap f32": Case(rigid_scenes.heap, 0.001, {**rigid_scenes.pile(), "precision": "f32"}),
-    "hammock f32": Case(rigid_scenes.hammock, 0.004, {"precision": "f32"}),
+    "discs f32": Case(rigid_scenes.discs, 0.01, {"precision": "f32"}),
     "floating box": Case(
         rigid_scenes.floating,
         1e-3,

@@ -71,9 +71,9 @@ def test_indices_count_within_their_body_and_rigid_bodies_too():
 
 def test_a_large_body_is_picked_by_its_end_and_what_lies_on_it_by_itself():
     plank = pc.RigidBody(pc.Rectangle(2.0, 0.2), (0.0, 0.0), name="plank")
-    scene = pc.Scene(plank, pc.Particles([[0.6, 0.0]], radius=0.05))
+    scene = pc.Scene(plank, pc.Particles([[0.6, 0.16]], radius=0.05))
     picture = drawn(scene)
-    ends, _, magnification = picture.view.project(np.array([[-0.8, 0.0], [0.61, 0.0], [0.0, 1.3]]))
+    ends, _, magnification = picture.view.project(np.array([[-0.8, 0.0], [0.61, 0.16], [0.0, 1.3]]))
     assert 0.8 * magnification[0] > 0.06 * 320.0  # the end is far from the center
     found = [picked(picture, *end.tolist()) for end in ends]
     assert found == [(scene.bodies[0], 0), (scene.bodies[1], 0), None]

@@ -96,7 +96,7 @@ def test_a_drop_and_the_body_that_it_hits_keep_their_momentum(dimension):
     upper = tuple(low + length for low, length in zip(corner, size, strict=True))
     speed = (-3.0, 0.4, 0.0)[:dimension]
     drop = pc.Fluid.block(corner, upper, SPACING, velocities=speed)
-    run = pc.Simulation(pc.Scene(body, drop), fluids=pc.WeaklyCompressible(sound_speed=40.0))
+    run = pc.Simulation(pc.Scene(body, drop), precision="f64", fluids=pc.WeaklyCompressible(sound_speed=40.0))
     momentum, spin = run.momentum(), run.angular_momentum()
     start = run[body].angular_velocities.copy()
     run.run(0.15)
@@ -174,7 +174,7 @@ def test_a_scene_turned_by_a_quarter_moves_the_same():
             pc.Box(tuple(corners.min(axis=0)), tuple(corners.max(axis=0))),
             pc.Gravity(at(0.0, -G)),
         )
-        simulation = pc.Simulation(scene, dt=2e-4, fluids=pc.WeaklyCompressible(sound_speed=40.0))
+        simulation = pc.Simulation(scene, dt=2e-4, precision="f64", fluids=pc.WeaklyCompressible(sound_speed=40.0))
         simulation.step(1000)
         place, angle = simulation[body].positions[0], simulation[body].angles[0]
         back = np.array([place[1], -place[0]]) if turn else place

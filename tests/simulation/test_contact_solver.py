@@ -108,7 +108,7 @@ def test_solvers_of_the_same_parameters_are_equal():
 
 def test_solvers_are_compared_in_a_tradeoff():
     trade = pc.tradeoff(heap(5), 0.1, dts=[1 / 320], contacts=[SWEPT, "auto", pc.ContactSolver()], budget=0.5)
-    assert [row.contacts for row in trade.rows] == [SWEPT, pc.ContactSolver()]
+    assert list(dict.fromkeys(row.contacts for row in trade.rows)) == [SWEPT, pc.ContactSolver()]  # in both precisions
     assert "ContactSolver(substeps=8, iterations=3, sequential=4)" in str(trade)
     for row in trade.rows:
         assert row.numerics["contacts"] == row.contacts

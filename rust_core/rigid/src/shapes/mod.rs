@@ -148,6 +148,11 @@ impl SolidShape {
         if let ShapeForm::ConvexParts(parts) = &self.form { parts.single() } else { None }
     }
 
+    /// Whether the parts of the shape are triangles of the surface of a mesh.
+    pub fn is_surface(&self) -> bool {
+        matches!(&self.form, ShapeForm::ConvexParts(parts) if parts.all.iter().any(|part| part.leaf_corners().is_some()))
+    }
+
     /// Whether a point in the frame of the body is within a mesh.
     pub(crate) fn encloses(&self, point: DVec3) -> bool {
         matches!(&self.form, ShapeForm::ConvexParts(parts) if parts.enclose(point))

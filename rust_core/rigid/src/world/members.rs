@@ -120,8 +120,14 @@ impl StepMembers<'_> {
         !self.is_fixed(index) || (self.world.may_sleep() && !self.world.is_asleep(index) && self.speed(index)[0] > 0.0)
     }
 
-    /// Whether two members may touch: contacts resolve particles at walls.
+    /// Whether two members may touch: contacts resolve particles at walls. Concave meshes meet particles, and not the faces between
+    /// them, whose triangles would cut those of the mesh.
     pub fn can_meet(&self, one: usize, other: usize) -> bool {
+        let meets =
+            |body: usize, face: usize| self.face(face).is_none() || !self.world.shapes[self.surface(body).shape].is_surface();
+        if !meets(one, other) || !meets(other, one) {
+            return false;
+        }
         let is_free = |&index: &usize| !self.is_fixed(index) || self.world.is_asleep(index);
         one.min(other) < self.bodies.len() && [one, other].iter().any(is_free)
     }
