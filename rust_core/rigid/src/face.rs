@@ -207,7 +207,7 @@ fn leans(direction: DVec3, way: DVec3) -> bool {
 }
 
 /// Whether a contact of a body with a particle leans over faces at it, with the corners of these beside it.
-pub fn is_hidden(
+fn is_hidden(
     contact: &ContactPoint,
     (shape, body): (&SolidShape, &Pose),
     particle: &Pose,
@@ -215,6 +215,42 @@ pub fn is_hidden(
 ) -> bool {
     let touch = contact.at([body, particle], DVec3::ZERO);
     touch.gap >= -DEEP * shape.reach() && beside.any(|corner| leans(-touch.normal, corner - particle.position))
+}
+
+/// Second member of a pair: a body or a particle, or a face.
+pub enum SecondSide<'a> {
+    /// Body or particle.
+    Body(&'a SolidShape),
+    /// Face.
+    Face(&'a NetFace),
+}
+
+impl SecondSide<'_> {
+    /// Replaces `points` by the contacts with a body within `reach` [m], without those that faces at a particle hide. The corners
+    /// of these beside the particle are given with the positions of all movers. Returns a lower bound of the distance [m] if it
+    /// finds one.
+    pub fn contacts(
+        &self,
+        body: (&SolidShape, &Pose),
+        (pose, (beside, position)): (&Pose, (&[u32], impl Fn(u32) -> DVec3)),
+        (reach, dimension): (f64, usize),
+        points: &mut Vec<ContactPoint>,
+    ) -> Option<f64> {
+        points.clear();
+        match self {
+            Self::Body(shape) => {
+                let clearance = collision::contacts(body, (shape, pose), reach, dimension, points);
+                if !beside.is_empty() {
+                    points.retain(|point| !is_hidden(point, body, pose, beside.iter().map(|&corner| position(corner))));
+                }
+                clearance
+            }
+            Self::Face(face) => {
+                face.contacts(body, (pose, position), (reach, dimension), points);
+                None
+            }
+        }
+    }
 }
 
 /// Values of the bodies of a group, and of its faces.

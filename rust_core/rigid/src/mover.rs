@@ -1,11 +1,11 @@
 //! Bodies and particles during a step.
 
 use glam::{DMat3, DVec3};
-use physcore_base::simd::{Isa, Kernel, LANES, dispatch_wide};
+use physcore_base::simd::{Isa, Kernel, dispatch_wide};
 
 use crate::pose::Pose;
 use crate::rotation::{Inertia, Orientation};
-use crate::splitting::FreeTurns;
+use crate::splitting::{Quaternion, TurnQueue};
 
 /// Body, particle or wall during a step.
 #[derive(Debug, Clone, Copy)]
@@ -120,37 +120,27 @@ impl Kernel for Drifting<'_> {
 
     #[inline(always)]
     fn run<I: Isa>(mut self, _isa: I) {
-        let mut lanes = FreeTurns::new();
-        let (mut members, mut count) = ([0; LANES], 0);
+        let mut queue = TurnQueue::new();
         for index in 0..self.movers.len() {
             let mover = &mut self.movers[index];
             if mover.is_fixed() || mover.inertia.is_planar() || mover.inertia == Inertia::NONE {
                 mover.drift(self.h);
                 continue;
             }
-            lanes.set(count, &mover.inertia.free_turn(&mover.orientation, mover.spin, self.h));
-            members[count] = index;
-            count += 1;
-            if count == LANES {
-                lanes.turn();
-                count = 0;
-                self.take(&lanes, &members);
-            }
+            queue.lanes.set(queue.count, &mover.inertia.free_turn(&mover.orientation, mover.spin, self.h));
+            queue.push(index, |index, orientation| self.take(index, orientation));
         }
-        lanes.turn();
-        self.take(&lanes, &members[..count]);
+        queue.finish(|index, orientation| self.take(index, orientation));
     }
 }
 
 impl Drifting<'_> {
-    /// Takes the orientations of the bodies in the lanes, and moves these.
+    /// Takes the orientation of a body, and moves it.
     #[inline(always)]
-    fn take(&mut self, lanes: &FreeTurns, members: &[usize]) {
-        for (lane, &member) in members.iter().enumerate() {
-            let mover = &mut self.movers[member];
-            mover.orientation = mover.inertia.orientation_of(lanes.orientation(lane));
-            mover.position += self.h * mover.velocity;
-        }
+    fn take(&mut self, index: usize, orientation: Quaternion) {
+        let mover = &mut self.movers[index];
+        mover.orientation = mover.inertia.orientation_of(orientation);
+        mover.position += self.h * mover.velocity;
     }
 }
 

@@ -146,6 +146,42 @@ impl FreeTurns {
     }
 }
 
+/// Bodies that turn side by side once the lanes are full, by their numbers.
+#[derive(Debug)]
+pub(crate) struct TurnQueue {
+    /// Bodies in the lanes.
+    pub lanes: FreeTurns,
+    /// Number of bodies in the lanes, which is the lane of the next one.
+    pub count: usize,
+    members: [usize; LANES],
+}
+
+impl TurnQueue {
+    /// Queue without bodies.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { lanes: FreeTurns::new(), count: 0, members: [0; LANES] }
+    }
+
+    /// Adds the body that was set in the next lane. `take` receives the orientations of the bodies that have turned.
+    #[inline(always)]
+    pub fn push(&mut self, member: usize, take: impl FnMut(usize, Quaternion)) {
+        self.members[self.count] = member;
+        self.count += 1;
+        if self.count == LANES {
+            self.finish(take);
+        }
+    }
+
+    /// Turns the bodies in the lanes.
+    #[inline(always)]
+    pub fn finish(&mut self, mut take: impl FnMut(usize, Quaternion)) {
+        self.lanes.turn();
+        (0..self.count).for_each(|lane| take(self.members[lane], self.lanes.orientation(lane)));
+        self.count = 0;
+    }
+}
+
 /// Product of two quaternions.
 #[inline(always)]
 fn product(&[a, b, c, d]: &Quaternion, &[w, x, y, z]: &Quaternion) -> Quaternion {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::collision;
 use crate::contact::ContactPoint;
-use crate::face::{FACES, NetFace, is_hidden};
+use crate::face::{FACES, SecondSide};
 use crate::island::{BodyPair, Island};
 use crate::mover::Mover;
 use crate::pose::Pose;
@@ -54,12 +54,6 @@ pub(super) struct PairPaths<'a> {
     beside: &'a [u32],
     paths: &'a [BodyPath<'a>],
     dimension: usize,
-}
-
-/// Second body of a pair.
-enum SecondSide<'a> {
-    Body(&'a SolidShape),
-    Face(&'a NetFace),
 }
 
 impl Island {
@@ -130,21 +124,8 @@ impl PairPaths<'_> {
     /// Replaces `points` by the contacts within a reach [m] after a time.
     pub fn contacts(&self, time: f64, reach: f64, points: &mut Vec<ContactPoint>) {
         let [one, other] = &self.poses(time);
-        let position = |corner: u32| self.position(corner, time);
-        match self.side {
-            SecondSide::Body(shape) => {
-                points.clear();
-                collision::contacts((self.shape, one), (shape, other), reach, self.dimension, points);
-                if !self.beside.is_empty() {
-                    points.retain(|point| {
-                        !is_hidden(point, (self.shape, one), other, self.beside.iter().map(|&corner| position(corner)))
-                    });
-                }
-            }
-            SecondSide::Face(face) => {
-                face.contacts((self.shape, one), (other, position), (reach, self.dimension), points);
-            }
-        }
+        let net = (self.beside, |corner: u32| self.position(corner, time));
+        self.side.contacts((self.shape, one), (other, net), (reach, self.dimension), points);
     }
 
     /// Replaces `found` by the distances of convex parts within a reach [m] after a time, with their normals.

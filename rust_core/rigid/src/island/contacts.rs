@@ -3,9 +3,8 @@
 use glam::DVec3;
 
 use super::Island;
-use crate::collision;
 use crate::contact::{ContactPoint, Touch};
-use crate::face::{FACES, GroupValues, NetFace, is_hidden};
+use crate::face::{FACES, GroupValues, NetFace, SecondSide};
 use crate::mover::Mover;
 use crate::pose::Pose;
 use crate::rows::{BodyVelocities, ContactImpulse, ContactRow};
@@ -130,20 +129,12 @@ impl Island {
             let reach = if is_last { pair.reach } else { pair.reach + slack };
             points.clear();
             let dimension = if self.planar { 2 } else { 3 };
-            let side = (&shapes[first.shape], &poses[one]);
-            let position = |corner: u32| poses.bodies[corner as usize].position;
-            let mut clearance = None;
-            if let Some(second) = second {
-                let across = (&shapes[second.shape], &poses[other]);
-                clearance = collision::contacts(side, across, reach, dimension, &mut points);
-                let beside = self.beside.of(other);
-                if !beside.is_empty() {
-                    points.retain(|point| !is_hidden(point, side, &poses[other], beside.iter().map(|&corner| position(corner))));
-                }
-            } else {
-                let face = &self.faces[other - FACES];
-                face.contacts(side, (&poses[other], position), (reach, dimension), &mut points);
-            }
+            let side = second
+                .map_or_else(|| SecondSide::Face(&self.faces[other - FACES]), |second| SecondSide::Body(&shapes[second.shape]));
+            let beside = if second.is_some() { self.beside.of(other) } else { &[] };
+            let net = (beside, |corner: u32| poses.bodies[corner as usize].position);
+            let body = (&shapes[first.shape], &poses[one]);
+            let clearance = side.contacts(body, (&poses[other], net), (reach, dimension), &mut points);
             pair.found = Some(ContactSearch { reach, clearance: clearance.unwrap_or(0.0), between, turned });
             place = seek(&self.past, place, pair.key);
             let past = before[known..].iter().take_while(|contact| contact.pair == index);

@@ -5,7 +5,7 @@ use physcore_base::parallel::{BlockedSlice, Executor};
 use physcore_base::simd::{Isa, Kernel, LANES, dispatch_wide};
 
 use super::{CenterMotion, RigidWorld, SolidBodies, Turn};
-use crate::splitting::FreeTurns;
+use crate::splitting::{Quaternion, TurnQueue};
 
 /// Bodies that one thread turns at a time.
 const BLOCK: usize = 64 * LANES;
@@ -49,9 +49,8 @@ impl Kernel for FreeTurning<'_> {
 
     #[inline(always)]
     fn run<I: Isa>(mut self, _isa: I) {
-        let mut lanes = FreeTurns::new();
         // The bodies in the lanes, and those of which each lane has the moments of inertia.
-        let (mut members, mut count, mut alike) = ([0; LANES], 0, [usize::MAX; LANES]);
+        let (mut queue, mut alike) = (TurnQueue::new(), [usize::MAX; LANES]);
         for place in 0..self.turns.len() {
             let (index, turn) = (self.first + place, &mut self.turns[place]);
             if self.moved.get(index) == Some(&true) {
@@ -69,32 +68,24 @@ impl Kernel for FreeTurning<'_> {
                 turn.orientation = body.inertia.turned(&turn.orientation, turn.spin, self.h);
                 continue;
             }
-            if alike[count] != usize::MAX && self.bodies.are_one(alike[count], index) {
+            let lane = queue.count;
+            if alike[lane] != usize::MAX && self.bodies.are_one(alike[lane], index) {
                 let (orientation, spin) = body.inertia.free_state(&turn.orientation, turn.spin);
-                lanes.set_state(count, orientation, spin);
+                queue.lanes.set_state(lane, orientation, spin);
             } else {
-                lanes.set(count, &body.inertia.free_turn(&turn.orientation, turn.spin, self.h));
-                alike[count] = index;
+                queue.lanes.set(lane, &body.inertia.free_turn(&turn.orientation, turn.spin, self.h));
+                alike[lane] = index;
             }
-            members[count] = place;
-            count += 1;
-            if count == LANES {
-                lanes.turn();
-                count = 0;
-                self.take(&lanes, &members);
-            }
+            queue.push(place, |place, orientation| self.take(place, orientation));
         }
-        lanes.turn();
-        self.take(&lanes, &members[..count]);
+        queue.finish(|place, orientation| self.take(place, orientation));
     }
 }
 
 impl FreeTurning<'_> {
-    /// Takes the orientations of the bodies in the lanes.
+    /// Takes the orientation of a body of the block.
     #[inline(always)]
-    fn take(&mut self, lanes: &FreeTurns, members: &[usize]) {
-        for (lane, &member) in members.iter().enumerate() {
-            self.turns[member].orientation = self.bodies[self.first + member].inertia.orientation_of(lanes.orientation(lane));
-        }
+    fn take(&mut self, place: usize, orientation: Quaternion) {
+        self.turns[place].orientation = self.bodies[self.first + place].inertia.orientation_of(orientation);
     }
 }

@@ -36,10 +36,10 @@ impl RigidWorld {
             let sides = [one, other].map(|end| (&self.shapes[members.surface(end).shape], members.pose(end)));
             let (gap, _) = collision::separation((sides[0].0, &sides[0].1), (sides[1].0, &sides[1].1), dimension);
             if gap < 0.0 {
-                let sizes = sides.map(|(shape, _)| if shape.reach() > 0.0 { shape.reach() } else { f64::INFINITY });
+                let size = members.size(one).min(members.size(other));
                 let is_of_particle = (bodies..free).contains(&other);
                 let names = [name(one), name(other)];
-                overlaps.push(Overlap { depth: -gap, size: sizes[0].min(sizes[1]), names, is_of_particle });
+                overlaps.push(Overlap { depth: -gap, size, names, is_of_particle });
             }
         }
         overlaps

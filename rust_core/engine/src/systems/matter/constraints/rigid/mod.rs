@@ -93,13 +93,9 @@ impl RigidBodies {
         let faces = self.faces.near((lower, upper), |point| (self.others[point].position, ways[point]));
         self.near_faces.extend(faces);
         self.near_faces.iter().flat_map(|each| each.face.particles()).for_each(|point| is_near[point] = true);
-        let mut places = vec![None; self.points.len()];
-        for (point, place) in places.iter_mut().enumerate().filter(|(point, _)| is_near[*point]) {
-            *place = Some(self.near.len());
-            self.near.push(point);
-        }
+        self.near.extend((0..self.points.len()).filter(|&point| is_near[point]));
         for each in &mut self.near_faces {
-            each.face = each.face.map(|point| places[point]).unwrap_or(each.face);
+            each.face = each.face.map(|point| self.near.binary_search(&point).ok()).unwrap_or(each.face);
         }
     }
 
