@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.output.liquid import liquid_surface
+from physcore.output.surfaces import liquid_surface
 
 
 def volume(points: np.ndarray, faces: np.ndarray) -> float:

@@ -17,15 +17,13 @@ from numpy.typing import NDArray
 
 from physcore.checks import FloatArray
 from physcore.errors import FileError
-from physcore.film.shapes.spatial import mesh_of
-from physcore.output.base import ExportJob, Sample, TrajectoryWriter
-from physcore.output.liquid import liquid_surface, require
+from physcore.output.base import ExportJob, Sample
+from physcore.output.surfaces import SurfaceWriter, liquid_surface, solid_surface
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import Fluid
 from physcore.scene.rigid import RigidBodies
 from physcore.simulation.provenance import version
 from physcore.storage.files import replacing
-from physcore.units.systems import SI
 
 UPRIGHT = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 """Quaternion (x, y, z, w) of the root node: z of a scene in 3D is y, which is up in glTF."""
@@ -33,13 +31,11 @@ FLOAT, INTEGER = 5126, 5125
 """Component types of glTF: float32 and uint32."""
 TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 """Types of accessors by the number of components."""
-ACROSS = 200.0
-"""Number of pixels across a rigid body, for which its round parts are smooth."""
 MOST = 2**32 - 2**20
 """Largest size of a file [bytes]; lengths have 32 bits."""
 
 
-class GltfWriter(TrajectoryWriter):
+class GltfWriter(SurfaceWriter):
     """Writer of glTF.
 
     A surface of springs is a mesh with a morph target for each frame after the first one, which Blender reads as shape
@@ -48,16 +44,9 @@ class GltfWriter(TrajectoryWriter):
     """
 
     suffixes: ClassVar = (".glb",)
-    holds_particles: ClassVar = False
-    prescribed: ClassVar = SI
 
-    def write(self, job: ExportJob, target: Path) -> None:
-        """Write all frames: the arrays into a temporary file, and then the file, which begins with their list.
-
-        Raises:
-            PhyscoreError: there are fluids, and the package for their surfaces is missing.
-        """
-        require(job, target)
+    def write_surfaces(self, job: ExportJob, target: Path) -> None:
+        """Write all frames: the arrays into a temporary file, and then the file, which begins with their list."""
         with replacing(target) as file, tempfile.TemporaryFile(dir=target.absolute().parent) as arrays:
             asset = _Asset(arrays, upright=job.dimension == 3)
             surfaces = [_surface(asset, name, body, rows, job.length) for name, (body, rows) in job.surfaces.items()]
@@ -197,9 +186,7 @@ class _Solids(_Surface):
 
     def finish(self, clock: int, times: FloatArray) -> None:
         body = cast("RigidBodies", self._body)
-        size = float(np.cbrt(body.shape.properties(3).size))
-        solid = mesh_of(body.shape, ACROSS / size, marks=False)
-        self._asset.mesh(self._name, self._scale * solid.points, solid.triangles, solid.normals)
+        self._asset.mesh(self._name, *solid_surface(body, self._scale))
         places, turns = np.stack(self._places), np.stack(self._turns)
         for index in range(len(body)):
             node = self._asset.node(self._name if len(body) == 1 else f"{self._name} {index}")
@@ -220,7 +207,7 @@ class _Liquid(_Surface):
         node = None
         if len(surface.faces):
             name = f"{self._name} {sample.index}"
-            self._asset.mesh(name, surface.points, surface.faces, surface.normals)
+            self._asset.mesh(name, *surface)
             node = self._asset.node(name)
         self._nodes.append(node)
 

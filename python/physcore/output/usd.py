@@ -15,22 +15,19 @@ from typing import IO, ClassVar, cast
 import numpy as np
 
 from physcore.checks import FloatArray, IntArray
-from physcore.film.shapes.spatial import mesh_of
-from physcore.output.base import ExportJob, TrajectoryWriter
-from physcore.output.gltf import ACROSS
-from physcore.output.liquid import liquid_surface, require
+from physcore.output.base import ExportJob, Sample
+from physcore.output.surfaces import SurfaceWriter, liquid_surface, solid_surface
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import Fluid
 from physcore.scene.rigid import RigidBodies
 from physcore.scene.rotations import spatial_rotations
 from physcore.storage.files import replacing
-from physcore.units.systems import SI
 
 ROOT = "physcore"
 """Name of the prim that contains all others."""
 
 
-class UsdWriter(TrajectoryWriter):
+class UsdWriter(SurfaceWriter):
     """Writer of USD.
 
     Time codes are numbers of frames. Surfaces of springs and of liquids are meshes with points, and of liquids faces,
@@ -38,16 +35,9 @@ class UsdWriter(TrajectoryWriter):
     """
 
     suffixes: ClassVar = (".usda",)
-    holds_particles: ClassVar = False
-    prescribed: ClassVar = SI
 
-    def write(self, job: ExportJob, target: Path) -> None:
-        """Write all frames: the values of each attribute into a temporary file, and then all of these in turn.
-
-        Raises:
-            PhyscoreError: there are fluids, and the package for their surfaces is missing.
-        """
-        require(job, target)
+    def write_surfaces(self, job: ExportJob, target: Path) -> None:
+        """Write all frames: the values of each attribute into a temporary file, and then all of these in turn."""
         with replacing(target) as file, ExitStack() as files:
             folder, names = target.absolute().parent, _identifiers(list(job.surfaces))
             prims = [
@@ -56,7 +46,7 @@ class UsdWriter(TrajectoryWriter):
             ]
             for sample in job.samples():
                 for prim in prims:
-                    prim.put(sample.index, sample.positions, sample.turns.get("orientation"))
+                    prim.put(sample)
             for text in _head(job):
                 file.write(text.encode())
             for prim in prims:
@@ -91,10 +81,9 @@ class _Mesh:
         self._name, self._label, self._rows = name, label, rows
         self._points = _Attribute("point3f[]", "points", files, folder)
 
-    def put(self, time: int, positions: FloatArray, orientations: FloatArray | None) -> None:
+    def put(self, sample: Sample) -> None:
         """Add a frame."""
-        del orientations
-        self._points.put(time, _tuples(positions[self._rows]))
+        self._points.put(sample.index, _tuples(sample.positions[self._rows]))
 
     def finish(self, file: IO[bytes]) -> None:
         """Write the mesh."""
@@ -132,14 +121,13 @@ class _Liquid(_Mesh):
         self._counts = _Attribute("int[]", "faceVertexCounts", files, folder)
         self._indices = _Attribute("int[]", "faceVertexIndices", files, folder)
 
-    def put(self, time: int, positions: FloatArray, orientations: FloatArray | None) -> None:
+    def put(self, sample: Sample) -> None:
         """Add a frame."""
-        del orientations
-        surface = liquid_surface(positions[self._rows], self._spacing)
+        surface = liquid_surface(sample.positions[self._rows], self._spacing)
         counts, indices = _faces_of(surface.faces)
-        self._points.put(time, _tuples(surface.points))
-        self._counts.put(time, counts)
-        self._indices.put(time, indices)
+        self._points.put(sample.index, _tuples(surface.points))
+        self._counts.put(sample.index, counts)
+        self._indices.put(sample.index, indices)
 
     def _finish_faces(self, file: IO[bytes]) -> None:
         self._counts.copy_to(file)
@@ -155,24 +143,22 @@ class _Solids:
         self._name, self._label, self._rows, self._body, self._scale = name, label, rows, body, scale
         self._places = [_Attribute("matrix4d", "xformOp:transform", files, folder) for _ in range(len(body))]
 
-    def put(self, time: int, positions: FloatArray, orientations: FloatArray | None) -> None:
+    def put(self, sample: Sample) -> None:
         """Add a frame."""
-        assert orientations is not None  # rigid bodies have some
-        places, turns = positions[self._rows], orientations[self._rows]
+        places, turns = sample.positions[self._rows], sample.turns["orientation"][self._rows]
         for attribute, place, matrix in zip(self._places, places, spatial_rotations(turns), strict=True):
             # Vectors are rows, which a matrix transforms from the right.
             whole = np.concatenate([np.pad(matrix.T, ((0, 0), (0, 1))), [[*place, 1.0]]])
-            attribute.put(time, f"({', '.join(map(_tuple, whole.tolist()))})")
+            attribute.put(sample.index, f"({', '.join(map(_tuple, whole.tolist()))})")
 
     def finish(self, file: IO[bytes]) -> None:
         """Write the shape as a class, and the bodies that inherit it."""
-        size = float(np.cbrt(self._body.shape.properties(3).size))
-        solid = mesh_of(self._body.shape, ACROSS / size, marks=False)
-        counts, indices = _faces_of(solid.triangles)
+        solid = solid_surface(self._body, self._scale)
+        counts, indices = _faces_of(solid.faces)
         file.write(
             f'    class Xform "{self._name}_shape"\n    {{\n        def Mesh "mesh"\n        {{\n'
             '            uniform token subdivisionScheme = "none"\n'
-            f"            point3f[] points = {_tuples(self._scale * solid.points)}\n"
+            f"            point3f[] points = {_tuples(solid.points)}\n"
             f"            normal3f[] normals = {_tuples(solid.normals)} (\n"
             '                interpolation = "vertex"\n            )\n'
             f"            int[] faceVertexCounts = {counts}\n            int[] faceVertexIndices = {indices}\n"
